@@ -1,0 +1,231 @@
+//! Structure-of-arrays storage: a [`Column`] is rows of one quantity, stored and read in batches of [`LANES`].
+//!
+//! Tables and queues are declared once with [`columns!`](crate::columns!): every field becomes a column, rows are
+//! written by field name, and the doc comment of a field is the place for its unit, range, sentinel and measure.
+//! All storage comes from one arena per worker, is allocated when the worker starts and never grows.
+
+mod field;
+mod macros;
+pub mod paths;
+pub mod queues;
+
+use bumpalo::Bump;
+use bytemuck::Pod;
+use wide::{f32x8, u32x8};
+
+use crate::vec3x8::Vec3x8;
+pub use field::{ColumnMut, ColumnRef, ColumnSet, Field};
+
+/// Rows in a batch.
+pub const LANES: usize = 8;
+
+/// Batches between neighbouring columns that hold nothing: columns whose distance is a power of two would compete for
+/// the same cache sets.
+const STAGGER: usize = 3;
+
+/// A 4-byte quantity that can be a column: `f32` or `u32`.
+pub trait Scalar: Pod + PartialEq + core::fmt::Debug {
+    /// Eight of them.
+    type Batch: Pod;
+}
+
+impl Scalar for f32 {
+    type Batch = f32x8;
+}
+
+impl Scalar for u32 {
+    type Batch = u32x8;
+}
+
+/// Rows of one quantity in the arena `'q`; the number of rows is a multiple of [`LANES`].
+pub struct Column<'q, T: Scalar> {
+    batches: &'q mut [T::Batch],
+}
+
+impl<'q, T: Scalar> Column<'q, T> {
+    /// A zeroed column with room for at least `rows` rows.
+    pub fn new_in(arena: &'q Bump, rows: usize) -> Self {
+        let len = rows.div_ceil(LANES);
+        let zero = <T::Batch as bytemuck::Zeroable>::zeroed();
+        let batches = arena.alloc_slice_fill_copy(len + STAGGER, zero);
+        Self { batches: &mut batches[..len] }
+    }
+
+    /// Its first `batches` batches, to read. Slices cut to one length let a loop over them run without bounds checks.
+    #[inline(always)]
+    pub fn view(&self, batches: usize) -> &[T::Batch] {
+        &self.batches[..batches]
+    }
+
+    /// Its first `batches` batches, to fill.
+    #[inline(always)]
+    pub fn view_mut(&mut self, batches: usize) -> &mut [T::Batch] {
+        &mut self.batches[..batches]
+    }
+
+    /// Its rows, to read.
+    #[inline(always)]
+    pub fn rows(&self) -> &[T] {
+        bytemuck::cast_slice(self.batches)
+    }
+
+    /// Its rows, to fill.
+    #[inline(always)]
+    pub fn rows_mut(&mut self) -> &mut [T] {
+        bytemuck::cast_slice_mut(self.batches)
+    }
+
+    /// Batch `b`: rows `8 b .. 8 b + 8`.
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> T::Batch {
+        self.batches[b]
+    }
+
+    /// Overwrites batch `b`.
+    #[inline(always)]
+    pub fn set_batch(&mut self, b: usize, value: T::Batch) {
+        self.batches[b] = value;
+    }
+
+    /// The rows that `lanes` names, as one batch.
+    #[inline(always)]
+    pub fn gather(&self, lanes: &[u32; LANES]) -> T::Batch {
+        let rows = self.rows();
+        bytemuck::cast::<[T; LANES], T::Batch>(lanes.map(|lane| rows[lane as usize]))
+    }
+
+    /// Writes the first `count` elements of `batch` to the rows that `lanes` names.
+    #[inline(always)]
+    pub fn scatter(&mut self, lanes: &[u32; LANES], count: usize, batch: T::Batch)
+    where
+        [T; LANES]: Pod,
+    {
+        let values: [T; LANES] = bytemuck::cast(batch);
+        let rows = self.rows_mut();
+        for (lane, value) in lanes.iter().zip(values).take(count) {
+            rows[*lane as usize] = value;
+        }
+    }
+}
+
+/// Batches of three columns, to read.
+#[derive(Clone, Copy)]
+pub struct View3<'a> {
+    x: &'a [f32x8],
+    y: &'a [f32x8],
+    z: &'a [f32x8],
+}
+
+impl View3<'_> {
+    /// Batch `b`.
+    #[inline(always)]
+    pub fn at(&self, b: usize) -> Vec3x8 {
+        Vec3x8::new(self.x[b], self.y[b], self.z[b])
+    }
+}
+
+/// Batches of three columns, to fill.
+pub struct ViewMut3<'a> {
+    x: &'a mut [f32x8],
+    y: &'a mut [f32x8],
+    z: &'a mut [f32x8],
+}
+
+impl ViewMut3<'_> {
+    /// Overwrites batch `b`.
+    #[inline(always)]
+    pub fn set(&mut self, b: usize, value: Vec3x8) {
+        (self.x[b], self.y[b], self.z[b]) = (value.x, value.y, value.z);
+    }
+
+    /// Overwrites the lanes of batch `b` that are set in `mask`.
+    #[inline(always)]
+    pub fn blend(&mut self, b: usize, mask: f32x8, value: Vec3x8) {
+        self.x[b] = mask.select(value.x, self.x[b]);
+        self.y[b] = mask.select(value.y, self.y[b]);
+        self.z[b] = mask.select(value.z, self.z[b]);
+    }
+}
+
+/// Three columns that are the components of one vector, or the channels of one spectrum.
+pub struct Column3<'q> {
+    /// First component; red.
+    pub x: Column<'q, f32>,
+    /// Second component; green.
+    pub y: Column<'q, f32>,
+    /// Third component; blue.
+    pub z: Column<'q, f32>,
+}
+
+impl<'q> Column3<'q> {
+    /// Three zeroed columns with room for at least `rows` rows.
+    pub fn new_in(arena: &'q Bump, rows: usize) -> Self {
+        Self { x: Column::new_in(arena, rows), y: Column::new_in(arena, rows), z: Column::new_in(arena, rows) }
+    }
+
+    /// Its first `batches` batches, to read.
+    #[inline(always)]
+    pub fn view(&self, batches: usize) -> View3<'_> {
+        View3 { x: self.x.view(batches), y: self.y.view(batches), z: self.z.view(batches) }
+    }
+
+    /// Its first `batches` batches, to fill.
+    #[inline(always)]
+    pub fn view_mut(&mut self, batches: usize) -> ViewMut3<'_> {
+        ViewMut3 { x: self.x.view_mut(batches), y: self.y.view_mut(batches), z: self.z.view_mut(batches) }
+    }
+
+    /// Row `row`.
+    #[inline(always)]
+    pub fn row(&self, row: usize) -> [f32; 3] {
+        [self.x.rows()[row], self.y.rows()[row], self.z.rows()[row]]
+    }
+
+    /// Overwrites row `row`.
+    #[inline(always)]
+    pub fn set_row(&mut self, row: usize, value: [f32; 3]) {
+        for (channel, value) in self.channels_mut().into_iter().zip(value) {
+            channel.rows_mut()[row] = value;
+        }
+    }
+
+    /// Batch `b`.
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> Vec3x8 {
+        Vec3x8::new(self.x.batch(b), self.y.batch(b), self.z.batch(b))
+    }
+
+    /// Overwrites batch `b`.
+    #[inline(always)]
+    pub fn set_batch(&mut self, b: usize, value: Vec3x8) {
+        self.x.set_batch(b, value.x);
+        self.y.set_batch(b, value.y);
+        self.z.set_batch(b, value.z);
+    }
+
+    /// The rows that `lanes` names, as one batch.
+    #[inline(always)]
+    pub fn gather(&self, lanes: &[u32; LANES]) -> Vec3x8 {
+        Vec3x8::new(self.x.gather(lanes), self.y.gather(lanes), self.z.gather(lanes))
+    }
+
+    /// Writes the first `count` elements of `batch` to the rows that `lanes` names.
+    #[inline(always)]
+    pub fn scatter(&mut self, lanes: &[u32; LANES], count: usize, batch: Vec3x8) {
+        self.x.scatter(lanes, count, batch.x);
+        self.y.scatter(lanes, count, batch.y);
+        self.z.scatter(lanes, count, batch.z);
+    }
+
+    /// The three columns in order, to read.
+    #[inline(always)]
+    pub fn channels(&self) -> [&Column<'q, f32>; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
+    /// The three columns in order, to fill.
+    #[inline(always)]
+    pub fn channels_mut(&mut self) -> [&mut Column<'q, f32>; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
+    }
+}

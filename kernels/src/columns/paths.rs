@@ -1,0 +1,215 @@
+//! The state of every path in flight: one lane of [`PathTable`] each, and its history in [`VertexTable`]
+//! and [`RayTable`].
+//!
+//! A path keeps its lane from birth to death. The history is a ring over the bounce clock: at clock `t` every live
+//! path, whatever its depth, has its current vertex and the ray that leaves it in the slot of `t`, its previous vertex
+//! in the slot of `t - 1`, and so on. No row is ever copied, a walk towards the camera reads whole batches, and the
+//! depth of a path is the clock minus its birth.
+
+use bumpalo::Bump;
+use wide::u32x8;
+
+use crate::columns;
+use crate::lanes::{self, LaneSet};
+
+columns! {
+    /// What belongs to a path as a whole.
+    table PathColumns of Path {
+        /// Index in the whole image, row-major from the upper left corner.
+        pixel: u32,
+        /// Number of the sample in its pixel.
+        sample: u32,
+        /// Bounce clock at which the path's camera vertex was made.
+        birth: u32,
+        /// Depth of the last surface vertex, 0 if there is none: starts before it are not eligible, because connections
+        /// insert medium vertices only. Between it and the current vertex all vertices lie in the medium.
+        last_surface: u32,
+        /// Depth of the first vertex from which a light is within the distance limit of MVNEE; `u32::MAX` if none is, or
+        /// if there is no limit. Conservative: starts before it are certainly out of reach.
+        first_near: u32,
+        /// Product of `f / p` over all vertices before the current ray, per channel, [0, 1] (transport: T).
+        throughput: [f32; 3],
+        /// Sum of the contributions found so far, per channel [W/(m^2 sr)].
+        radiance: [f32; 3],
+    }
+}
+
+columns! {
+    /// One vertex of every path.
+    table VertexColumns of Vertex {
+        /// Where the vertex is `[m]`.
+        position: [f32; 3],
+        /// One over the density with which the direction of the ray that leaves it was sampled `[sr]`; the phase
+        /// function's at a medium vertex. Undefined at the camera.
+        inverse_density: f32,
+        /// Normalisation of the light selection at this vertex, sum over lights of share / distance [1/m]; undefined
+        /// where the selection does not depend on the vertex.
+        light_sum: f32,
+    }
+}
+
+columns! {
+    /// The ray that leaves a vertex of every path.
+    table RayColumns of Ray {
+        /// Unit direction, away from the camera.
+        direction: [f32; 3],
+    }
+}
+
+/// What a vertex of a path is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VertexKind {
+    /// Where the path starts, depth 0.
+    Camera,
+    /// A scattering event in the medium.
+    Medium,
+    /// A point on a surface.
+    Surface,
+}
+
+/// All paths of a worker, one lane each.
+pub struct PathTable<'q> {
+    /// Their columns.
+    pub columns: PathColumns<'q>,
+    /// Lanes whose path goes on.
+    pub live: LaneSet<'q>,
+    /// Lanes that hold a path: a path that has ended stays until it is accumulated and its lane refilled.
+    pub occupied: LaneSet<'q>,
+    /// Channels in use: 1 where everything is grey, 3 otherwise.
+    pub channels: usize,
+}
+
+impl<'q> PathTable<'q> {
+    /// An empty table of `lanes` lanes.
+    pub fn new_in(arena: &'q Bump, lanes: usize, channels: usize) -> Self {
+        assert!(channels == 1 || channels == 3, "{channels} channels; 1 or 3 are possible");
+        Self {
+            columns: PathColumns::new_in(arena, lanes),
+            live: LaneSet::new_in(arena, lanes),
+            occupied: LaneSet::new_in(arena, lanes),
+            channels,
+        }
+    }
+
+    /// Number of batches.
+    pub fn batches(&self) -> usize {
+        self.live.batches()
+    }
+
+    /// Depth of the current vertex of the path in `lane`.
+    pub fn depth(&self, clock: u32, lane: usize) -> u32 {
+        clock - self.columns.birth.rows()[lane]
+    }
+
+    /// Depth of the first eligible start of the path in `lane`, >= 1: the camera segment is never sampled again.
+    pub fn first_start(&self, lane: usize) -> u32 {
+        self.columns.last_surface.rows()[lane].max(1)
+    }
+
+    /// Ends the paths whose current segment is their `longest`-th.
+    pub fn end_after(&mut self, clock: u32, longest: u32) {
+        let born = u32x8::splat(clock + 1 - longest);
+        for b in 0..self.live.batches() {
+            let ended = lanes::as_mask(self.columns.birth.batch(b).simd_eq(born));
+            self.live.remove_batch(b, lanes::bits(ended));
+        }
+    }
+
+    /// What the vertex at `depth` is, for the camera and for every depth from the last surface vertex on.
+    pub fn kind(&self, lane: usize, depth: u32) -> VertexKind {
+        match depth {
+            0 => VertexKind::Camera,
+            _ if depth == self.columns.last_surface.rows()[lane] => VertexKind::Surface,
+            _ => VertexKind::Medium,
+        }
+    }
+}
+
+/// A ring of tables over the bounce clock.
+pub struct Ring<'q, T> {
+    slots: &'q mut [T],
+}
+
+/// The histories of all paths: in each slot, one vertex of every path.
+pub type VertexTable<'q> = Ring<'q, VertexColumns<'q>>;
+
+/// The rays of all paths, as far as stages read them: the current one, the one before, and the one after. Kept apart from
+/// the vertices because connections look back at positions and densities only, and the less they share their cache with,
+/// the better.
+pub type RayTable<'q> = Ring<'q, RayColumns<'q>>;
+
+impl<'q> VertexTable<'q> {
+    /// A ring that remembers the current vertex, `remembered` vertices before it, and has room for the next one.
+    pub fn new_in(arena: &'q Bump, lanes: usize, remembered: usize) -> Self {
+        Self { slots: arena.alloc_slice_fill_with(remembered + 2, |_| VertexColumns::new_in(arena, lanes)) }
+    }
+}
+
+impl<'q> RayTable<'q> {
+    /// The three rays of every lane.
+    pub fn new_in(arena: &'q Bump, lanes: usize) -> Self {
+        Self { slots: arena.alloc_slice_fill_with(3, |_| RayColumns::new_in(arena, lanes)) }
+    }
+}
+
+impl<T> Ring<'_, T> {
+    /// Number of slots: as many clocks as are remembered at a time.
+    pub fn slots(&self) -> usize {
+        self.slots.len()
+    }
+
+    #[inline(always)]
+    fn index(&self, clock: u32) -> usize {
+        clock as usize % self.slots.len()
+    }
+
+    /// What was current at `clock`.
+    #[inline(always)]
+    pub fn at(&self, clock: u32) -> &T {
+        &self.slots[self.index(clock)]
+    }
+
+    /// What was current at `clock`, to change.
+    #[inline(always)]
+    pub fn at_mut(&mut self, clock: u32) -> &mut T {
+        let index = self.index(clock);
+        &mut self.slots[index]
+    }
+
+    /// The slot of `clock`, to read, and that of `clock + 1`, to fill.
+    #[inline(always)]
+    pub fn step(&mut self, clock: u32) -> (&T, &mut T) {
+        let (from, to) = (self.index(clock), self.index(clock + 1));
+        let [from, to] = self.slots.get_disjoint_mut([from, to]).expect("a ring has at least two slots");
+        (from, to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ring_remembers_as_many_vertices_as_it_was_made_for() {
+        let arena = Bump::new();
+        let mut vertices = VertexTable::new_in(&arena, 8, 3);
+        let start = 100;
+        for clock in start..start + 20 {
+            vertices.step(clock).1.position.set_row(2, [clock as f32, 0.0, 0.0]);
+            for back in 0..=3.min(clock - start) {
+                assert_eq!(vertices.at(clock + 1 - back).position.row(2)[0], (clock - back) as f32);
+            }
+        }
+    }
+
+    #[test]
+    fn history_knows_what_each_vertex_is() {
+        let arena = Bump::new();
+        let mut paths = PathTable::new_in(&arena, 8, 1);
+        assert_eq!(paths.first_start(0), 1);
+        paths.columns.last_surface.rows_mut()[0] = 4;
+        assert_eq!(paths.first_start(0), 4);
+        let kinds = [0, 4, 5].map(|depth| paths.kind(0, depth));
+        assert_eq!(kinds, [VertexKind::Camera, VertexKind::Surface, VertexKind::Medium]);
+    }
+}
