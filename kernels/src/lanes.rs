@@ -1,0 +1,205 @@
+//! Eight lanes: which are live, which passed a test, and how the survivors are packed to the left.
+//!
+//! A test on eight rows is an `f32x8` whose lanes are all ones or all zeros; its [`bits`] are the same as one `u32`,
+//! lane 0 in bit 0.
+
+use bumpalo::Bump;
+use wide::{f32x8, u32x8};
+
+use crate::columns::LANES;
+
+/// Bits of eight live lanes.
+pub const ALL: u32 = 0xff;
+
+/// Lane mask as bits, lane 0 in bit 0.
+#[inline(always)]
+pub fn bits(mask: f32x8) -> u32 {
+    mask.to_bitmask()
+}
+
+/// Bits of the first `count` lanes: the lanes of the last batch of `count` rows.
+#[inline(always)]
+pub fn first(count: usize) -> u32 {
+    if count >= LANES { ALL } else { (1 << count) - 1 }
+}
+
+/// The mask whose bits are `bits`.
+#[inline(always)]
+pub fn mask(bits: u32) -> f32x8 {
+    let lane = u32x8::new([1, 2, 4, 8, 16, 32, 64, 128]);
+    as_mask((u32x8::splat(bits) & lane).simd_eq(lane))
+}
+
+/// An integer comparison as a mask of real lanes.
+#[inline(always)]
+pub fn as_mask(mask: u32x8) -> f32x8 {
+    bytemuck::cast(mask)
+}
+
+/// The indices of the set bits, ascending.
+#[inline(always)]
+pub fn each(mut bits: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        let found = (bits != 0).then_some(lane);
+        bits &= bits.wrapping_sub(1);
+        found
+    })
+}
+
+/// The order that moves the lanes set in `bits` to the front and keeps their sequence.
+#[inline(always)]
+pub fn pack_order(bits: u32) -> u32x8 {
+    u32x8::new(PACK_ORDER[(bits & ALL) as usize])
+}
+
+/// `value` with its lanes in the sequence `order`.
+#[inline(always)]
+pub fn reorder_f32(value: f32x8, order: u32x8) -> f32x8 {
+    bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(value).shuffle(order))
+}
+
+const PACK_ORDER: [[u32; LANES]; 256] = {
+    let mut table = [[0; LANES]; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut packed) = (0, 0);
+        while lane < LANES {
+            if bits >> lane & 1 == 1 {
+                table[bits][packed] = lane as u32;
+                packed += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
+/// Lane indices `8 b .. 8 b + 8`.
+#[inline(always)]
+pub fn indices(batch: usize) -> u32x8 {
+    u32x8::splat((batch * LANES) as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7])
+}
+
+/// One bit per row of a table: eight rows a byte.
+pub struct LaneSet<'q> {
+    bytes: &'q mut [u8],
+}
+
+impl<'q> LaneSet<'q> {
+    /// The empty set over `rows` rows.
+    pub fn new_in(arena: &'q Bump, rows: usize) -> Self {
+        Self { bytes: arena.alloc_slice_fill_copy(rows.div_ceil(LANES), 0) }
+    }
+
+    /// Number of batches.
+    #[inline(always)]
+    pub fn batches(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Indices and bits of the batches that hold any row.
+    #[inline(always)]
+    pub fn each_batch(&self) -> impl Iterator<Item = (usize, u32)> + '_ {
+        self.bytes.iter().enumerate().filter(|(_, byte)| **byte != 0).map(|(b, byte)| (b, u32::from(*byte)))
+    }
+
+    /// The bits of batch `b`.
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> u32 {
+        u32::from(self.bytes[b])
+    }
+
+    /// Whether row `lane` is in the set.
+    #[inline(always)]
+    pub fn contains(&self, lane: u32) -> bool {
+        self.bytes[lane as usize / LANES] >> (lane as usize % LANES) & 1 == 1
+    }
+
+    /// Adds row `lane`.
+    #[inline(always)]
+    pub fn insert(&mut self, lane: u32) {
+        self.bytes[lane as usize / LANES] |= 1 << (lane as usize % LANES);
+    }
+
+    /// Removes row `lane`.
+    #[inline(always)]
+    pub fn remove(&mut self, lane: u32) {
+        self.bytes[lane as usize / LANES] &= !(1 << (lane as usize % LANES));
+    }
+
+    /// Adds the rows of batch `b` whose bit is set in `bits`.
+    #[inline(always)]
+    pub fn insert_batch(&mut self, b: usize, bits: u32) {
+        self.bytes[b] |= bits as u8;
+    }
+
+    /// Removes all rows.
+    pub fn clear(&mut self) {
+        self.bytes.fill(0);
+    }
+
+    /// Adds exactly the rows of `other`, and removes all others.
+    pub fn copy_from(&mut self, other: &LaneSet<'_>) {
+        self.bytes.copy_from_slice(other.bytes);
+    }
+
+    /// Removes the rows of batch `b` whose bit is set in `bits`.
+    #[inline(always)]
+    pub fn remove_batch(&mut self, b: usize, bits: u32) {
+        self.bytes[b] &= !(bits as u8);
+    }
+
+    /// The rows that are in this set and not in `other`, ascending.
+    pub fn without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = u32> + 'a {
+        let batches = self.bytes.iter().zip(other.bytes.iter()).enumerate();
+        batches.flat_map(|(b, (mine, other))| each(u32::from(mine & !other)).map(move |lane| (b * LANES + lane) as u32))
+    }
+
+    /// Number of rows in the set.
+    pub fn count(&self) -> usize {
+        self.bytes.iter().map(|byte| byte.count_ones() as usize).sum()
+    }
+
+    /// Whether no row is in the set.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.iter().all(|byte| *byte == 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mask_packs_its_lanes_to_the_front_in_order() {
+        for bits in 0..=ALL {
+            let expected: Vec<u32> = (0..8).filter(|lane| bits >> lane & 1 == 1).collect();
+            let order = pack_order(bits).to_array();
+            assert_eq!(&order[..expected.len()], &expected[..], "bits {bits:08b}");
+            assert_eq!(each(bits).map(|lane| lane as u32).collect::<Vec<_>>(), expected);
+            assert_eq!(super::bits(mask(bits)), bits);
+        }
+    }
+
+    #[test]
+    fn tails_cover_exactly_their_rows() {
+        for count in 0..=17 {
+            assert_eq!(first(count).count_ones() as usize, count.min(LANES));
+        }
+    }
+
+    #[test]
+    fn a_lane_set_holds_what_was_inserted() {
+        let arena = Bump::new();
+        let mut set = LaneSet::new_in(&arena, 20);
+        for lane in [0, 7, 8, 19] {
+            set.insert(lane);
+        }
+        assert_eq!((set.count(), set.batches()), (4, 3));
+        set.remove(7);
+        set.remove_batch(1, 1);
+        assert!(set.contains(0) && set.contains(19) && !set.contains(7) && !set.contains(8));
+    }
+}
