@@ -1,0 +1,29 @@
+//! Rays against disks: what each path meets before its flight ends.
+
+pub mod reference;
+pub mod simd;
+
+use crate::Step;
+use crate::columns::paths::{PathTable, RayTable, VertexTable};
+use crate::columns::queues::{FlightTable, HitQueue};
+use crate::tables::lights::Lights;
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// Read: birth of live lanes.
+    pub paths: &'a PathTable<'q>,
+    /// Read: where the current ray starts.
+    pub vertices: &'a VertexTable<'q>,
+    /// Read: direction of the current ray.
+    pub rays: &'a RayTable<'q>,
+    /// Read: the flight that bounds the ray.
+    pub flights: &'a FlightTable<'q>,
+    /// Filled, in lane order.
+    pub hits: &'a mut HitQueue<'q>,
+}
+
+/// Finds the closest disk, front or back, that each live ray crosses before its flight ends.
+///
+/// Camera rays (depth 0) are not bounded by their flight, because [`light_hit`](crate::light_hit) takes directly seen
+/// light by expectation. A ray that lies in a disk's plane, or starts there, does not meet that disk.
+pub type Kernel = fn(&Lights, Step, Columns<'_, '_>);

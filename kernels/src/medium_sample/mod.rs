@@ -1,0 +1,21 @@
+//! Free flights: how far each path would go through the medium.
+
+pub mod reference;
+pub mod simd;
+
+use crate::Step;
+use crate::columns::paths::PathTable;
+use crate::columns::queues::FlightTable;
+use crate::tables::media::Medium;
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// Read: pixel, sample and birth of live lanes.
+    pub paths: &'a PathTable<'q>,
+    /// Filled for live lanes.
+    pub flights: &'a mut FlightTable<'q>,
+}
+
+/// Draws the random block of the current segment; turns its first word into a free flight, `-ln(1 - u) / mu_t`, or an
+/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter).
+pub type Kernel = fn(&Medium, Step, Columns<'_, '_>);

@@ -1,0 +1,35 @@
+//! ```text
+//! flight = -ln(1 - u) / mu_t          u: first word of the SEGMENT block at the path's depth
+//! ```
+//!
+//! The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is small.
+
+use wide::{f32x8, u32x8};
+
+use super::Columns;
+use crate::Step;
+use crate::random::{self, uniform_x8};
+use crate::tables::media::Medium;
+use crate::transcendental::neg_ln;
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
+    let Columns { paths, flights } = columns;
+    if medium.extinction == 0.0 {
+        flights.flight.view_mut(paths.batches()).fill(f32x8::splat(f32::INFINITY));
+        return;
+    }
+    let mean_free_path = f32x8::splat((1.0 / f64::from(medium.extinction)) as f32);
+    let n = paths.batches();
+    let [pixel, sample, birth] =
+        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
+    let flight = flights.flight.view_mut(n);
+    let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
+    for (b, _) in paths.live.each_batch() {
+        let depth = u32x8::splat(step.clock) - birth[b];
+        let block = depth << 16_u32 | u32x8::splat(random::SEGMENT);
+        let words = random::words_x8(pixel[b], sample[b], block, step.seed);
+        flight[b] = neg_ln(f32x8::ONE - uniform_x8(words[0])) * mean_free_path;
+        (cosine[b], azimuth[b]) = (words[1], words[2]);
+    }
+}

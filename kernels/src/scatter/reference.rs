@@ -1,0 +1,82 @@
+//! Scattering events in f64.
+//!
+//! ```text
+//! x' = x + flight d,      d' = d turned by c(u_1) at azimuth 2 pi u_2,      T' = T albedo
+//! ```
+//!
+//! The turn is drawn from the phase function itself, so `f / p` is the albedo.
+
+use glam::DVec3;
+
+use super::Columns;
+use crate::columns::LANES;
+use crate::phase::reference as phase;
+use crate::tables::media::Medium;
+use crate::{Step, random};
+
+/// The twin; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
+    let Columns { flights, paths, vertices, rays } = columns;
+    let (vertex, next) = vertices.step(step.clock);
+    let (arriving, leaving) = rays.step(step.clock);
+    for lane in 0..paths.batches() * LANES {
+        if !paths.live.contains(lane as u32) {
+            continue;
+        }
+        let flight = flights.row(lane);
+        let event = scatter(
+            f64::from(medium.phase.g),
+            DVec3::from(vertex.position.row(lane).map(f64::from)),
+            DVec3::from(arriving.direction.row(lane).map(f64::from)),
+            f64::from(flight.flight),
+            [flight.cosine, flight.azimuth].map(random::uniform),
+        );
+        next.position.set_row(lane, event.position.as_vec3().to_array());
+        leaving.direction.set_row(lane, event.direction.as_vec3().to_array());
+        next.inverse_density.rows_mut()[lane] = (1.0 / event.density) as f32;
+        let channels = paths.columns.throughput.channels_mut().into_iter().take(paths.channels);
+        for (throughput, albedo) in channels.zip(medium.albedo) {
+            let throughput = &mut throughput.rows_mut()[lane];
+            *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
+        }
+    }
+}
+
+/// A vertex in the medium, and how the path leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Where it is `[m]`.
+    pub position: DVec3,
+    /// Unit direction in which the path goes on.
+    pub direction: DVec3,
+    /// Density with which that direction was drawn [1/sr].
+    pub density: f64,
+}
+
+/// The event at the end of `flight` from `origin` in `direction`; `u` decides on cosine and azimuth.
+pub fn scatter(g: f64, origin: DVec3, direction: DVec3, flight: f64, u: [f64; 2]) -> Event {
+    let cosine = phase::sample_cosine(g, u[0]);
+    Event {
+        position: origin + flight * direction,
+        direction: phase::turn(direction, cosine, u[1]),
+        density: phase::density(g, cosine),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_the_next_direction_is_g_times_the_old_one() {
+        let direction = DVec3::new(0.3, -0.4, 0.5).normalize();
+        for g in [-0.5, 0.0, 0.85] {
+            let mut mean = DVec3::ZERO;
+            for (i, j) in (0..1000).flat_map(|i| (0..8).map(move |j| (i, j))) {
+                let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(j) + 0.5) / 8.0];
+                mean += scatter(g, DVec3::ZERO, direction, 1.0, u).direction / 8000.0;
+            }
+            assert!((mean - g * direction).length() < 1e-5, "{mean}");
+        }
+    }
+}

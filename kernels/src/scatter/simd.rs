@@ -1,0 +1,45 @@
+//! ```text
+//! x' = x + flight d
+//! d' = d turned by the phase function's cosine, at azimuth 2 pi u
+//! T  = T * albedo
+//! ```
+//!
+//! 1. Sampling returns 1 / phase(d') with the direction, at the cost of two products; weights need it, the walk does not.
+//! 2. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
+
+use wide::f32x8;
+
+use super::Columns;
+use crate::phase::HenyeyGreensteinX8;
+use crate::random::uniform_x8;
+use crate::tables::media::Medium;
+use crate::{Step, lanes};
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
+    let Columns { flights, paths, vertices, rays } = columns;
+    let phase = HenyeyGreensteinX8::new(medium.phase);
+    let (from, to) = vertices.step(step.clock);
+    let (arriving, leaving) = rays.step(step.clock);
+    let n = paths.batches();
+    let (origins, directions) = (from.position.view(n), arriving.direction.view(n));
+    let (flight, cosine, azimuth) = (flights.flight.view(n), flights.cosine.view(n), flights.azimuth.view(n));
+    let (mut positions, mut leaving) = (to.position.view_mut(n), leaving.direction.view_mut(n));
+    let inverse_density = to.inverse_density.view_mut(n);
+    for (b, _) in paths.live.each_batch() {
+        let direction = directions.at(b);
+        positions.set(b, direction.mul_add(flight[b], origins.at(b)));
+        let deflection = phase.sample(uniform_x8(cosine[b]));
+        leaving.set(b, deflection.apply(direction, uniform_x8(azimuth[b])));
+        inverse_density[b] = deflection.inverse_density;
+    }
+    let channels = paths.channels;
+    for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(medium.albedo).take(channels) {
+        if albedo != 1.0 {
+            for b in 0..paths.live.batches() {
+                let factor = lanes::mask(paths.live.batch(b)).select(f32x8::splat(albedo), f32x8::ONE);
+                throughput.set_batch(b, throughput.batch(b) * factor);
+            }
+        }
+    }
+}
