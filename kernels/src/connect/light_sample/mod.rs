@@ -1,0 +1,40 @@
+//! The far end of a connection: a light, and a point on it, for every vertex that may connect.
+
+pub mod reference;
+pub mod selection;
+pub mod simd;
+
+use crate::Step;
+use crate::columns::paths::{PathTable, RayTable, VertexTable};
+use crate::columns::queues::CandidateQueue;
+use crate::tables::lights::Lights;
+
+/// Which pairs of start and light point a technique connects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// The random dimension of the technique's light point.
+    pub purpose: u32,
+    /// Longest distance between start and light point `[m]`; infinite if there is no limit.
+    pub max_distance: f32,
+    /// Whether the start must lie in front of the light: true of a technique that connects in a straight line.
+    pub facing: bool,
+}
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// Read: pixel, sample and birth of live lanes. Filled where the reach is limited: the first vertex near a light.
+    pub paths: &'a mut PathTable<'q>,
+    /// Read: position of the vertex of the clock. Filled where the selection depends on the start: its light sum.
+    pub vertices: &'a mut VertexTable<'q>,
+    /// Read: the ray of the clock before.
+    pub rays: &'a RayTable<'q>,
+    /// Filled, in lane order: start, arriving, light and point of every connection within reach.
+    pub connections: &'a mut CandidateQueue<'q>,
+}
+
+/// Draws a light for the current vertex of every live path and a point on it, uniform in area.
+///
+/// The first word of the block picks the light, the second the squared radius `r^2 = R^2 u`, the third the azimuth
+/// `2 pi u` from the tangent towards the bitangent. The light sum, where it is defined, is filled for every live lane
+/// that is near a light.
+pub type Kernel = fn(&Lights, Reach, Step, Columns<'_, '_>);

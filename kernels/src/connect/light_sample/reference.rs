@@ -1,0 +1,208 @@
+//! The choice of a light and of a point on it, in f64.
+//!
+//! A light of intensity `I_l = pi R^2 Le` at distance `D_l` from the start is chosen with probability `P_l`, one of
+//!
+//! ```text
+//! 1 / lights,      I_l / sum I,      (I_l / D_l) / sum (I / D)
+//! ```
+//!
+//! the last being Weber et al. 2017, Eq. 8. The point is uniform on the disk: `r = R sqrt(u)`, density
+//! `p_A = 1 / (pi R^2)` (area measure).
+
+use core::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+use super::{Columns, Reach};
+use crate::columns::LANES;
+use crate::columns::queues::Candidate;
+use crate::tables::lights::{Disk, LEAST_SELECTION_DISTANCE, Lights, Selection};
+use crate::{Step, random};
+
+/// How much farther than its reach a light still counts as near, so that rounding cannot lose one.
+const NEAR_MARGIN: f64 = 1.0 + 1e-4;
+
+/// The twin; see [`Kernel`](super::Kernel).
+pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) {
+    let Columns { paths, vertices, rays, connections } = columns;
+    for lane in 0..paths.batches() * LANES {
+        if !paths.live.contains(lane as u32) {
+            continue;
+        }
+        let depth = paths.depth(step.clock, lane);
+        let position = vertices.at(step.clock).position.row(lane);
+        let start = DVec3::from(position.map(f64::from));
+        if !is_near_a_light(lights, reach, start) {
+            continue;
+        }
+        if reach.max_distance.is_finite() {
+            let first_near = &mut paths.columns.first_near.rows_mut()[lane];
+            *first_near = depth.min(*first_near);
+        }
+        if lights.selection_depends_on_start() {
+            vertices.at_mut(step.clock).light_sum.rows_mut()[lane] = light_sum(lights, start) as f32;
+        }
+        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+        let u = uniforms(pixel, sample, depth, reach.purpose, step.seed);
+        if let Some((light, point)) = connect(lights, reach, start, u) {
+            connections.push(Candidate {
+                lane: lane as u32,
+                light: light as u32,
+                start: position,
+                arriving: rays.at(step.clock - 1).direction.row(lane),
+                point: point.as_vec3().to_array(),
+                weight: 0.0,
+            });
+        }
+    }
+}
+
+/// The numbers that decide on light, radius and azimuth.
+pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> [f64; 3] {
+    let [light, radius, azimuth, _] = random::words(pixel, sample, random::block(depth, purpose), seed);
+    [light, radius, azimuth].map(random::uniform)
+}
+
+/// The light and the point that `start` is to be connected with, if they are within reach.
+pub fn connect(lights: &Lights, reach: Reach, start: DVec3, u: [f64; 3]) -> Option<(usize, DVec3)> {
+    let light = choose_light(lights, start, u[0])?;
+    let disk = &lights.disks()[light];
+    let point = point_on_disk(disk, u[1], u[2]);
+    if reach.facing && !is_in_front(disk, start) {
+        return None;
+    }
+    if (point - start).length() > f64::from(reach.max_distance) {
+        return None;
+    }
+    Some((light, point))
+}
+
+/// What the probability of choosing `light` from `start` is proportional to.
+fn preference(lights: &Lights, light: usize, start: DVec3) -> f64 {
+    let disk = &lights.disks()[light];
+    match lights.selection() {
+        Selection::Uniform => 1.0,
+        Selection::Intensity => disk.intensity(),
+        Selection::IntensityDistance => disk.intensity() / selection_distance(disk, start),
+    }
+}
+
+/// Distance from `start` to the centre of the disk, as far as the selection is concerned `[m]`.
+fn selection_distance(disk: &Disk, start: DVec3) -> f64 {
+    (DVec3::from(disk.center.map(f64::from)) - start).length().max(f64::from(LEAST_SELECTION_DISTANCE))
+}
+
+/// Sum of the preferences of all lights.
+fn total_preference(lights: &Lights, start: DVec3) -> f64 {
+    (0..lights.disks().len()).map(|light| preference(lights, light, start)).sum()
+}
+
+/// The light in whose interval `u` falls, when intervals as long as the probabilities are laid end to end in the order
+/// of the table. None if there are no lights.
+pub fn choose_light(lights: &Lights, start: DVec3, u: f64) -> Option<usize> {
+    let target = u * total_preference(lights, start);
+    let mut sum = 0.0;
+    for light in 0..lights.disks().len() {
+        sum += preference(lights, light, start);
+        if target < sum {
+            return Some(light);
+        }
+    }
+    lights.disks().len().checked_sub(1)
+}
+
+/// P_l: the probability with which `start` chooses `light`.
+pub fn selection_probability(lights: &Lights, light: usize, start: DVec3) -> f64 {
+    preference(lights, light, start) / total_preference(lights, start)
+}
+
+/// Sum over the lights of their share in the total intensity over their distance [1/m].
+pub fn light_sum(lights: &Lights, start: DVec3) -> f64 {
+    let total: f64 = lights.disks().iter().map(Disk::intensity).sum();
+    lights.disks().iter().map(|disk| disk.intensity() / total / selection_distance(disk, start)).sum()
+}
+
+/// The point at radius `R sqrt(radius_u)` and azimuth `2 pi azimuth_u` `[m]`.
+pub fn point_on_disk(disk: &Disk, radius_u: f64, azimuth_u: f64) -> DVec3 {
+    let [center, tangent, bitangent] =
+        [disk.center, disk.tangent, disk.bitangent].map(|v| DVec3::from(v.map(f64::from)));
+    let radius = f64::from(disk.radius) * radius_u.sqrt();
+    let (sin_azimuth, cos_azimuth) = (TAU * azimuth_u).sin_cos();
+    center + radius * (cos_azimuth * tangent + sin_azimuth * bitangent)
+}
+
+/// p_A P_l: the density of a connection from `start` choosing a given point on `light` (area measure) [1/m^2].
+pub fn light_density(lights: &Lights, light: usize, start: DVec3) -> f64 {
+    let area = PI * f64::from(lights.disks()[light].radius).powi(2);
+    selection_probability(lights, light, start) / area
+}
+
+/// Whether `start` lies on the side to which the disk emits.
+pub fn is_in_front(disk: &Disk, start: DVec3) -> bool {
+    let [center, normal] = [disk.center, disk.normal].map(|v| DVec3::from(v.map(f64::from)));
+    (start - center).dot(normal) > 0.0
+}
+
+/// Whether some point of some light may be within reach; certainly true if one is.
+pub fn is_near_a_light(lights: &Lights, reach: Reach, start: DVec3) -> bool {
+    lights.disks().iter().any(|disk| {
+        let distance = (DVec3::from(disk.center.map(f64::from)) - start).length();
+        distance <= (f64::from(reach.max_distance) + f64::from(disk.radius)) * NEAR_MARGIN
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lights(selection: Selection) -> Lights {
+        let disk = |z: f64, radius: f64, radiance: f64| {
+            Disk::new(DVec3::new(0.5, -1.0, z), DVec3::new(0.2, 0.1, -1.0), radius, [radiance; 3])
+        };
+        Lights::new(
+            vec![disk(1.0, 0.5, 2.0), disk(2.0, 1.0, 0.0), disk(3.0, 0.25, 16.0), disk(9.0, 0.5, 4.0)],
+            selection,
+        )
+    }
+
+    #[test]
+    fn lights_are_chosen_as_often_as_their_probability_says() {
+        let start = DVec3::new(0.5, -1.0, 0.0);
+        for (selection, expected) in [
+            (Selection::Uniform, [1.0, 1.0, 1.0, 1.0]),
+            (Selection::Intensity, [0.5, 0.0, 1.0, 1.0]),
+            (Selection::IntensityDistance, [0.5, 0.0, 1.0 / 3.0, 1.0 / 9.0]),
+        ] {
+            let lights = lights(selection);
+            let total: f64 = expected.iter().sum();
+            for (light, share) in expected.iter().map(|share| share / total).enumerate() {
+                assert!((selection_probability(&lights, light, start) - share).abs() < 1e-12, "{selection:?}");
+                let chosen = (0..9000)
+                    .filter(|i| choose_light(&lights, start, (f64::from(*i) + 0.5) / 9000.0) == Some(light))
+                    .count();
+                assert!((chosen as f64 - 9000.0 * share).abs() <= 1.0, "{selection:?} light {light}: {chosen}");
+            }
+        }
+        assert_eq!(choose_light(&Lights::new(Vec::new(), Selection::Uniform), start, 0.5), None);
+    }
+
+    #[test]
+    fn the_light_sum_normalises_the_selection() {
+        let (lights, start) = (lights(Selection::IntensityDistance), DVec3::new(0.5, -1.0, 0.0));
+        let share = f64::from(lights.shares()[2]) / 3.0 / light_sum(&lights, start);
+        assert!((share - selection_probability(&lights, 2, start)).abs() < 1e-7);
+        assert!(light_sum(&lights, DVec3::new(0.5, -1.0, 1.0)).is_finite(), "a start at a centre");
+    }
+
+    #[test]
+    fn points_lie_on_the_disk_uniformly_in_area() {
+        let lights = lights(Selection::Uniform);
+        let disk = &lights.disks()[2];
+        let center = DVec3::from(disk.center.map(f64::from));
+        for (radius_u, azimuth_u) in [(0.0, 0.0), (0.25, 0.3), (0.99, 0.9)] {
+            let offset = point_on_disk(disk, radius_u, azimuth_u) - center;
+            assert!((offset.length_squared() - 0.0625 * radius_u).abs() < 1e-7);
+            assert!(offset.dot(DVec3::from(disk.normal.map(f64::from))).abs() < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The choice among several lights for eight rows: probabilities `P_l(x)` and the draw.
+//!
+//! ```text
+//! uniform, intensity:   P_l = share_l
+//! intensity/distance:   P_l(x) = share_l / |x - c_l| / sum(x),   sum(x) = sum_k share_k / |x - c_k|
+//! draw: the first l with u < P_0 + .. + P_l
+//! ```
+
+use wide::{f32x8, u32x8};
+
+use crate::columns::LANES;
+use crate::tables::lights::{LEAST_SELECTION_DISTANCE, Lights};
+use crate::vec3x8::Vec3x8;
+
+/// One over the distance from `position` to `center` [1/m], capped.
+#[inline(always)]
+fn inverse_distance(position: Vec3x8, center: Vec3x8) -> f32x8 {
+    let distance = (position - center).length_squared().sqrt();
+    f32x8::ONE / distance.fast_max(f32x8::splat(LEAST_SELECTION_DISTANCE))
+}
+
+/// What the probability of light `index` is proportional to, at `position`.
+#[inline(always)]
+fn score(lights: &Lights, index: usize, position: Vec3x8) -> f32x8 {
+    let share = f32x8::splat(lights.shares()[index]);
+    if lights.selection_depends_on_start() {
+        share * inverse_distance(position, Vec3x8::splat(lights.disks()[index].center))
+    } else {
+        share
+    }
+}
+
+/// The normalisation of the choice at `position`; 1 where it does not depend on it.
+#[inline(always)]
+pub fn light_sum(lights: &Lights, position: Vec3x8) -> f32x8 {
+    if !lights.selection_depends_on_start() {
+        return f32x8::ONE;
+    }
+    (0..lights.disks().len()).fold(f32x8::ZERO, |sum, index| sum + score(lights, index, position))
+}
+
+/// Draws a light from the uniform number `u`, with `sum` from [`light_sum`].
+#[inline(always)]
+pub fn choose(lights: &Lights, position: Vec3x8, sum: f32x8, u: f32x8) -> u32x8 {
+    let goal = u * sum;
+    let (mut below, mut chosen) = (f32x8::ZERO, u32x8::splat(0));
+    for index in 0..lights.disks().len() - 1 {
+        below += score(lights, index, position);
+        let beyond: u32x8 = bytemuck::cast(goal.simd_ge(below));
+        chosen -= beyond; // a mask of all ones is -1
+    }
+    chosen
+}
+
+/// Probability of choosing the lights that `light_of` names from `position`, with `sum` from [`light_sum`].
+#[inline(always)]
+pub fn probability(lights: &Lights, light_of: &[u32; LANES], position: Vec3x8, sum: f32x8) -> f32x8 {
+    let share = lights.gather_shares(light_of);
+    if !lights.selection_depends_on_start() {
+        return share;
+    }
+    let center = lights.gather3(light_of, |disk| disk.center);
+    share * inverse_distance(position, center) / sum
+}

@@ -1,0 +1,84 @@
+//! ```text
+//! l = light chosen by the first uniform
+//! y = c_l + R_l sqrt(u) (cos(2 pi v) tangent + sin(2 pi v) bitangent)
+//! keep if |y - x| <= max_distance, and (x - y) . n > 0 where the technique needs a facing light
+//! ```
+//!
+//! 1. Where the distance is limited, rows farther than the limit plus the radius from every light are out of reach
+//!    whatever the point; a batch of nothing else draws nothing. The comparison has a margin of 10^-4, so that rounding
+//!    never makes a reachable start unreachable. The first row in reach is remembered in the path: earlier starts have
+//!    no ratios to compute.
+
+use wide::{f32x8, u32x8};
+
+use super::{Columns, Reach, selection};
+use crate::columns::queues::CandidateBatch;
+use crate::random::{self, uniform_x8};
+use crate::tables::lights::Lights;
+use crate::transcendental::sin_cos_turn;
+use crate::vec3x8::Vec3x8;
+use crate::{Step, lanes};
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) {
+    let Columns { paths, vertices, rays, connections } = columns;
+    let vertex = vertices.at_mut(step.clock);
+    let n = paths.batches();
+    let [pixel, sample, birth] =
+        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
+    let first_near = paths.columns.first_near.view_mut(n);
+    let (starts, arriving) = (vertex.position.view(n), rays.at(step.clock - 1).direction.view(n));
+    let light_sum = vertex.light_sum.view_mut(n);
+    for (b, live) in paths.live.each_batch() {
+        let start = starts.at(b);
+        let depth = u32x8::splat(step.clock) - birth[b];
+        if reach.max_distance.is_finite() {
+            let near = near_any(lights, reach, start);
+            if lanes::bits(near) & live == 0 {
+                continue;
+            }
+            let near: u32x8 = bytemuck::cast(near);
+            first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
+        }
+        let block = depth << 16_u32 | u32x8::splat(reach.purpose);
+        let [choice, radius, azimuth, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
+
+        let sum = selection::light_sum(lights, start);
+        if lights.selection_depends_on_start() {
+            light_sum[b] = sum;
+        }
+        let light = selection::choose(lights, start, sum, choice);
+        let point = point_on(lights, &light.to_array(), radius, azimuth);
+        let to_start = start - point;
+        let mut keep = to_start.length_squared().simd_le(f32x8::splat(reach.max_distance * reach.max_distance));
+        if reach.facing {
+            let normal = lights.gather3(&light.to_array(), |disk| disk.normal);
+            keep &= to_start.dot(normal).simd_gt(f32x8::ZERO);
+        }
+        let (lane, arriving) = (lanes::indices(b), arriving.at(b));
+        let batch = CandidateBatch { lane, light, start, arriving, point, weight: f32x8::ONE };
+        connections.push_batch(lanes::bits(keep) & live, batch);
+    }
+}
+
+/// Rows from which some light may be within reach.
+#[inline(always)]
+fn near_any(lights: &Lights, reach: Reach, start: Vec3x8) -> f32x8 {
+    const MARGIN: f32 = 1.0 + 1e-4;
+    lights.disks().iter().fold(f32x8::ZERO, |near, disk| {
+        let limit = (reach.max_distance + disk.radius) * MARGIN;
+        let distance_squared = (start - Vec3x8::splat(disk.center)).length_squared();
+        near | distance_squared.simd_le(f32x8::splat(limit * limit))
+    })
+}
+
+/// Uniform points on the disks that `light_of` names.
+#[inline(always)]
+fn point_on(lights: &Lights, light_of: &[u32; 8], radius: f32x8, azimuth: f32x8) -> Vec3x8 {
+    let r = lights.gather(light_of, |disk| disk.radius) * radius.sqrt();
+    let (sin, cos) = sin_cos_turn(azimuth);
+    let center = lights.gather3(light_of, |disk| disk.center);
+    let tangent = lights.gather3(light_of, |disk| disk.tangent);
+    let bitangent = lights.gather3(light_of, |disk| disk.bitangent);
+    tangent.mul_add(r * cos, bitangent.mul_add(r * sin, center))
+}

@@ -1,0 +1,21 @@
+//! Connection techniques: each joins a vertex of the path to a light through a chain of inserted vertices.
+//!
+//! One folder per technique, sampling and density side by side. A technique's *ratio* `r_i` is the density of making a
+//! given suffix from start `i`, over the density of path tracing doing so; [`mis_weight`](crate::mis_weight) adds up
+//! the ratios of all active techniques.
+
+pub mod buckets;
+pub mod light_sample;
+pub mod mvnee;
+pub mod nee;
+
+use mvnee::Mvnee;
+
+/// The connection techniques of a frame; path tracing is always among the competitors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Techniques {
+    /// Next event estimation: one straight connection from every vertex.
+    pub nee: bool,
+    /// Multiple-vertex next event estimation.
+    pub mvnee: Option<Mvnee>,
+}

@@ -1,0 +1,64 @@
+//! Multiple-vertex next event estimation (Weber, Hanika, Dachsbacher 2017).
+//!
+//! From a start x toward a light point at distance s along the axis w: free flights along the axis until s is exceeded
+//! give the seeds, m of them; the last of the m + 1 segments d is cut at the light. Each seed j is then moved within the
+//! plane perpendicular to w by an isotropic offset whose width follows from the segments on either side,
+//! `sigma_j^2 = slope^2 L_j R_j / (L_j + R_j)`, `L_j = sum_{k <= j} d_k^2`, `R_j = sum_{k > j} d_k^2` (Eqs. 5-7).
+//!
+//! The ratio to path tracing for a given suffix, reprojected on the axis from its start, is
+//!
+//! ```text
+//! r_i = p_A P_l exp(mu_t (L_i - s_i)) l_{n-1}^2 / (p_w(i) cos_light) * prod_j offset_density_j l_{i+j-1}^2 / phase_{i+j}
+//! ```
+//!
+//! and 0 if s_i exceeds the reach or the projections do not increase strictly from the start to the light.
+
+pub mod sample;
+pub mod slope;
+
+pub mod reference;
+pub(crate) mod simd;
+
+use super::light_sample::Reach;
+use crate::random;
+use crate::tables::media::Medium;
+
+/// How far a seed is moved off the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offset {
+    /// `alpha^2 / (pi (alpha^2 + r^2)^2)` with alpha = 1.637618734 sigma: heavy tails, no fireflies.
+    Ggx,
+    /// `exp(-r^2 / (2 sigma^2)) / (2 pi sigma^2)`.
+    Gaussian,
+}
+
+/// Width of the GGX offset over that of the Gaussian with the same core (Weber et al. 2017; rederived in
+/// [`slope`]'s tests).
+pub const GGX_WIDTH: f64 = 1.637_618_734;
+
+/// The settings of the technique.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mvnee {
+    /// Longest connection `[m]`: the limit on its expected number of segments (MESC) times the mean free path.
+    pub max_distance: f32,
+    /// Shape of the perturbation.
+    pub offset: Offset,
+    /// Standard deviation of the perturbation per unit of distance (sigma_phi).
+    pub slope: f32,
+}
+
+impl Mvnee {
+    /// The settings for `medium`, with at most `mesc` expected segments in a connection; infinite for no limit.
+    pub fn new(medium: &Medium, mesc: f64, offset: Offset) -> Self {
+        Self {
+            max_distance: (mesc / f64::from(medium.extinction)) as f32,
+            offset,
+            slope: slope::of(f64::from(medium.phase.g)) as f32,
+        }
+    }
+
+    /// Every start within the distance limit connects, whichever way the light faces.
+    pub fn reach(&self) -> Reach {
+        Reach { purpose: random::MVNEE_LIGHT, max_distance: self.max_distance, facing: false }
+    }
+}

@@ -1,0 +1,150 @@
+//! The full density of multiple-vertex next event estimation, in f64 (Weber, Hanika, Dachsbacher 2017).
+//!
+//! A given chain x_i .. x_n is measured against the axis w from x_i to x_n, of length s. Its m inner vertices have the
+//! projections t_j on the axis and lie at distances rho_j from it; d_j = t_j - t_{j-1} are the m + 1 seed segments.
+//!
+//! ```text
+//! p = p_A P_l(x_i) * mu_t^m exp(-mu_t s) * prod_j offset(rho_j; sigma_j)      (volume and area measure)
+//!
+//! sigma_j^2 = slope^2 L_j R_j / (L_j + R_j),  L_j = sum_{k <= j} d_k^2,  R_j = sum_{k > j} d_k^2    (Eqs. 5-7)
+//! GGX:        offset = alpha^2 / (pi (alpha^2 + rho^2)^2),  alpha = 1.637618734 sigma
+//! Gaussian:   offset = exp(-rho^2 / (2 sigma^2)) / (2 pi sigma^2)
+//! ```
+//!
+//! The middle factor is the product of the seeds' flight densities `mu_t exp(-mu_t d_j)` and of the probability
+//! `exp(-mu_t d_{m+1})` that the last flight passes the light.
+
+use core::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{GGX_WIDTH, Mvnee, Offset};
+use crate::mis_weight::reference::Density;
+
+/// [`Mvnee`] in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Longest connection `[m]`.
+    pub max_distance: f64,
+    /// Shape of the perturbation.
+    pub offset: Offset,
+    /// Standard deviation of the perturbation per unit of distance.
+    pub slope: f64,
+}
+
+impl From<&Mvnee> for Settings {
+    fn from(mvnee: &Mvnee) -> Self {
+        Self { max_distance: f64::from(mvnee.max_distance), offset: mvnee.offset, slope: f64::from(mvnee.slope) }
+    }
+}
+
+/// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
+/// start. Zero if the chain is longer than the reach or turns back along its axis.
+pub fn density(settings: &Settings, extinction: f64, chain: &[DVec3], light_density: f64) -> Density {
+    let [start, inner @ .., point] = chain else {
+        return Density::ZERO;
+    };
+    let distance = (*point - *start).length();
+    if distance == 0.0 || distance > settings.max_distance {
+        return Density::ZERO;
+    }
+    let axis = (*point - *start) / distance;
+    let segments = seed_segments(*start, inner, axis, distance);
+    if segments.iter().any(|segment| *segment <= 0.0) {
+        return Density::ZERO;
+    }
+    let mut density = Density::new(light_density).times_exp(-extinction * distance);
+    for (j, vertex) in inner.iter().enumerate() {
+        let arm = *vertex - *start;
+        let rho = (arm - arm.dot(axis) * axis).length();
+        density =
+            density.times(extinction).times(offset_density(settings.offset, sigma(settings.slope, &segments, j), rho));
+    }
+    density
+}
+
+/// The segments d_1 .. d_{m+1} between the projections of start, inner vertices and light point on the axis `[m]`.
+fn seed_segments(start: DVec3, inner: &[DVec3], axis: DVec3, distance: f64) -> Vec<f64> {
+    let mut segments = Vec::with_capacity(inner.len() + 1);
+    let mut reached = 0.0;
+    for vertex in inner {
+        let projection = (*vertex - start).dot(axis);
+        segments.push(projection - reached);
+        reached = projection;
+    }
+    segments.push(distance - reached);
+    segments
+}
+
+/// Standard deviation of the perturbation of seed `j`, counted from 0, between the given segments `[m]`.
+pub fn sigma(slope: f64, segments: &[f64], j: usize) -> f64 {
+    let squares = |part: &[f64]| part.iter().map(|d| d * d).sum::<f64>();
+    let (left, right) = (squares(&segments[..=j]), squares(&segments[j + 1..]));
+    if left + right == 0.0 {
+        return 0.0;
+    }
+    slope * (left * right / (left + right)).sqrt()
+}
+
+/// Density of a perturbation by `rho` [1/m^2].
+pub fn offset_density(offset: Offset, sigma: f64, rho: f64) -> f64 {
+    match offset {
+        Offset::Ggx => {
+            let alpha = GGX_WIDTH * sigma;
+            alpha * alpha / (PI * (alpha * alpha + rho * rho).powi(2))
+        }
+        Offset::Gaussian => (-0.5 * (rho / sigma).powi(2)).exp() / (2.0 * PI * sigma * sigma),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GGX: Settings = Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: 0.4 };
+    const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };
+
+    #[test]
+    fn without_inserted_vertices_only_the_flight_past_the_light_counts() {
+        let chain = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 5.0)];
+        let p = density(&GGX, 0.7, &chain, 0.25).value();
+        assert!((p - 0.25 * (-1.4_f64).exp()).abs() < 1e-15, "{p}");
+    }
+
+    #[test]
+    fn the_density_of_one_inserted_vertex_integrates_to_its_poisson_probability() {
+        let (extinction, distance) = (0.8, 2.0);
+        let point = DVec3::new(0.0, 0.0, distance);
+        for settings in [GGX, GAUSSIAN] {
+            let mut sum = 0.0;
+            for (i, j) in (0..50).flat_map(|i| (0..1000).map(move |j| (i, j))) {
+                let t = distance * (f64::from(i) + 0.5) / 50.0;
+                // Radius by the substitution r = v / (1 - v), dr = dv / (1 - v)^2.
+                let v = (f64::from(j) + 0.5) / 1000.0;
+                let rho = v / (1.0 - v);
+                let p = density(&settings, extinction, &[DVec3::ZERO, DVec3::new(0.0, rho, t), point], 1.0).value();
+                sum += p * 2.0 * PI * rho / (1.0 - v).powi(2) / 1000.0 * distance / 50.0;
+            }
+            let mean = extinction * distance;
+            assert!((sum / (mean * (-mean).exp()) - 1.0).abs() < 2e-3, "{:?}: {sum}", settings.offset);
+        }
+    }
+
+    #[test]
+    fn chains_that_turn_back_or_exceed_the_reach_are_never_made() {
+        let at = |z: f64| DVec3::new(0.1, 0.0, z);
+        let made = |settings: &Settings, inner: &[f64]| {
+            let mut chain = vec![DVec3::ZERO];
+            chain.extend(inner.iter().map(|z| at(*z)));
+            chain.push(DVec3::new(0.0, 0.0, 1.0));
+            density(settings, 1.0, &chain, 1.0).value() > 0.0
+        };
+        assert!(made(&GGX, &[0.2, 0.5]));
+        for inner in [[0.5, 0.2], [0.5, 0.5], [-0.1, 0.5], [0.5, 1.1], [0.0, 0.5], [0.5, 1.0]] {
+            assert!(!made(&GGX, &inner), "{inner:?}");
+        }
+        assert!(!made(&Settings { max_distance: 0.99, ..GGX }, &[0.2, 0.5]));
+        assert!(made(&Settings { max_distance: 1.0, ..GGX }, &[]));
+        assert_eq!(density(&GGX, 1.0, &[DVec3::ONE; 3], 1.0).value(), 0.0);
+    }
+}

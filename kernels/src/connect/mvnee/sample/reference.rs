@@ -1,0 +1,210 @@
+//! Making MVNEE's connections, in f64 (Weber, Hanika, Dachsbacher 2017).
+//!
+//! ```text
+//! seeds:    t_k = t_{k-1} - ln(1 - u) / mu_t    while t_k < s
+//! vertices: x_k = x + t_k w + r (cos(phi) tangent + sin(phi) bitangent),   phi = 2 pi u'
+//! GGX:      r = alpha sqrt(u / (1 - u)),        alpha = 1.637618734 sigma
+//! Gaussian: r = sigma sqrt(-2 ln(1 - u))
+//! ```
+//!
+//! with the sigma of Eqs. 5-7 from the segments between the seeds.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{BuildColumns, CountColumns};
+use crate::connect::buckets;
+use crate::connect::mvnee::reference::{Settings, sigma};
+use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
+use crate::medium_sample::reference::flight;
+use crate::phase::reference::frame;
+use crate::tables::media::Medium;
+use crate::{PathLengths, Step, random};
+
+/// The twin; see [`CountKernel`](super::CountKernel).
+pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
+    let CountColumns { paths, connections, buckets } = columns;
+    for row in 0..connections.len {
+        let connection = connections.row(row);
+        let lane = connection.lane as usize;
+        let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+        let draws = Draws {
+            pixel: paths.columns.pixel.rows()[lane],
+            sample: paths.columns.sample.rows()[lane],
+            depth: paths.depth(step.clock, lane),
+            seed: step.seed,
+        };
+        let inserted = count_seeds(f64::from(medium.extinction), (point - start).length(), lengths, &draws);
+        buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
+    }
+}
+
+/// The twin; see [`BuildKernel`](super::BuildKernel).
+pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let settings = Settings::from(mvnee);
+    let mut inserted = Vec::new();
+    for bucket in buckets.buckets() {
+        for row in bucket.rows() {
+            let connection = connections.row(buckets.order.rows()[row] as usize);
+            let lane = connection.lane as usize;
+            let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+            let draws = Draws {
+                pixel: paths.columns.pixel.rows()[lane],
+                sample: paths.columns.sample.rows()[lane],
+                depth: paths.depth(step.clock, lane),
+                seed: step.seed,
+            };
+            inserted.clear();
+            inserted.resize(bucket.inserted, DVec3::ZERO);
+            place(&settings, f64::from(medium.extinction), start, point, &draws, &mut inserted);
+
+            candidates.lane.rows_mut()[row] = connection.lane;
+            candidates.light.rows_mut()[row] = connection.light;
+            candidates.start.set_row(row, connection.start);
+            candidates.arriving.set_row(row, connection.arriving);
+            candidates.point.set_row(row, connection.point);
+            for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
+                vertex.set_row(row, position.as_vec3().to_array());
+            }
+        }
+    }
+}
+
+/// The random numbers of one connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draws {
+    /// Index of the pixel in the whole image.
+    pub pixel: u32,
+    /// Number of the sample in its pixel.
+    pub sample: u32,
+    /// Depth of the start.
+    pub depth: u32,
+    /// Seed of the frame.
+    pub seed: u32,
+}
+
+impl Draws {
+    fn block(&self, purpose: u32) -> [f64; 4] {
+        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
+    }
+
+    /// The number behind the flight to seed `k`.
+    pub fn flight(&self, k: usize) -> f64 {
+        self.block(random::MVNEE_FLIGHTS + (k / 4) as u32)[k % 4]
+    }
+
+    /// The numbers behind radius and azimuth of the perturbation of seed `k`.
+    pub fn offset(&self, k: usize) -> [f64; 2] {
+        let block = self.block(random::MVNEE_OFFSETS + (k / 2) as u32);
+        let radius = 2 * (k % 2);
+        [block[radius], block[radius + 1]]
+    }
+}
+
+/// Number of seeds on an axis of length `distance` `[m]`; None if the path would exceed `lengths.max` segments.
+pub fn count_seeds(extinction: f64, distance: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
+    let mut reached = 0.0;
+    let mut seeds = 0;
+    while draws.depth + seeds < lengths.max {
+        reached += flight(extinction, draws.flight(seeds as usize));
+        if reached >= distance {
+            return Some(seeds);
+        }
+        seeds += 1;
+    }
+    None
+}
+
+/// Fills `inserted` with as many perturbed seeds, between `start` and `point` `[m]`.
+pub fn place(settings: &Settings, extinction: f64, start: DVec3, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
+    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| flight(extinction, draws.flight(k))).collect();
+    let distance = (point - start).length();
+    segments.push(distance - segments.iter().sum::<f64>());
+    let axis = (point - start).normalize_or_zero();
+    let (tangent, bitangent) = frame(axis);
+    let mut reached = 0.0;
+    for (k, vertex) in inserted.iter_mut().enumerate() {
+        reached += segments[k];
+        let [radius_u, azimuth_u] = draws.offset(k);
+        let radius = offset_radius(settings.offset, sigma(settings.slope, &segments, k), radius_u);
+        let (sin_azimuth, cos_azimuth) = (TAU * azimuth_u).sin_cos();
+        *vertex = start + reached * axis + radius * (cos_azimuth * tangent + sin_azimuth * bitangent);
+    }
+}
+
+/// The distance from the axis that a share `u` of all perturbations does not exceed `[m]`.
+pub fn offset_radius(offset: Offset, sigma: f64, u: f64) -> f64 {
+    match offset {
+        Offset::Ggx => GGX_WIDTH * sigma * (u / (1.0 - u)).sqrt(),
+        Offset::Gaussian => sigma * (-2.0 * (1.0 - u).ln()).sqrt(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connect::mvnee::reference::{density, offset_density};
+
+    const FREE: PathLengths = PathLengths { min: 1, max: 1000 };
+
+    fn draws(pixel: u32) -> Draws {
+        Draws { pixel, sample: 3, depth: 2, seed: 1 }
+    }
+
+    #[test]
+    fn radii_follow_their_density() {
+        for offset in [Offset::Ggx, Offset::Gaussian] {
+            for u in [0.1, 0.5, 0.9] {
+                let steps = 20_000;
+                let width = offset_radius(offset, 0.3, u) / f64::from(steps);
+                let ring = |i: i32| (f64::from(i) + 0.5) * width;
+                let share: f64 = (0..steps).map(|i| TAU * ring(i) * offset_density(offset, 0.3, ring(i)) * width).sum();
+                assert!((share - u).abs() < 1e-6, "{offset:?}, u = {u}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_are_poisson_distributed() {
+        let (extinction, distance, samples) = (1.5, 1.6, 20_000);
+        let mut shares = [0.0; 4];
+        for pixel in 0..samples {
+            let seeds = count_seeds(extinction, distance, FREE, &draws(pixel)).expect("room for all") as usize;
+            if seeds < shares.len() {
+                shares[seeds] += 1.0 / f64::from(samples);
+            }
+        }
+        let mean: f64 = extinction * distance;
+        let mut expected = (-mean).exp();
+        for (seeds, share) in shares.iter().enumerate() {
+            assert!((share - expected).abs() < 0.012, "{seeds} seeds: {share}, expected {expected}");
+            expected *= mean / (seeds + 1) as f64;
+        }
+    }
+
+    #[test]
+    fn connections_beyond_the_length_limit_are_dropped() {
+        let limit = |max: u32| count_seeds(1e3, 1.0, PathLengths { min: 1, max }, &draws(0));
+        assert_eq!([1, 2, 3, 50].map(limit), [None; 4]);
+        let direct = |max: u32| count_seeds(0.0, 1.0, PathLengths { min: 1, max }, &draws(0));
+        assert_eq!([2, 3].map(direct), [None, Some(0)]);
+    }
+
+    #[test]
+    fn what_is_made_has_a_density() {
+        let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
+        for offset in [Offset::Ggx, Offset::Gaussian] {
+            let settings = Settings { max_distance: f64::INFINITY, offset, slope: 0.8 };
+            for pixel in 0..200 {
+                let seeds = count_seeds(1.0, (point - start).length(), FREE, &draws(pixel)).expect("room for all");
+                let mut chain = vec![start; seeds as usize + 2];
+                place(&settings, 1.0, start, point, &draws(pixel), &mut chain[1..=seeds as usize]);
+                chain[seeds as usize + 1] = point;
+                let p = density(&settings, 1.0, &chain, 1.0).value();
+                assert!(p > 0.0 && p.is_finite(), "pixel {pixel}, {seeds} seeds: {p}");
+            }
+        }
+    }
+}

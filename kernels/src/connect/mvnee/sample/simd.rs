@@ -1,0 +1,162 @@
+//! ```text
+//! count: m = number of k with t_0 + .. + t_k < s,  t_k = -ln(1 - u_k) / mu_t
+//! build: seed k at t_0 + .. + t_k along the axis, moved by r (cos(2 pi v) tangent + sin(2 pi v) bitangent),
+//!        r = width sqrt(u / (1 - u))  or  width sqrt(-2 ln(1 - u)),   width^2 = c^2 slope^2 L R / (L + R)
+//! ```
+//!
+//! 1. Counting keeps nothing but the count; building draws the flights again. A hash and a logarithm per seed are cheaper
+//!    than storing seeds by row and reading them back in bucket order.
+//! 2. Building works on one bucket at a time: eight rows insert the same number of vertices, no lane waits.
+//! 3. The first pass leaves step, L and place of each seed in the chain's own columns, the second walks back from the
+//!    light, where R grows without a difference, and overwrites them with the vertex.
+
+use wide::{f32x8, u32x8};
+
+use super::{BuildColumns, CountColumns};
+use crate::columns::paths::PathTable;
+use crate::columns::queues::CandidateBatch;
+use crate::columns::{Column3, LANES};
+use crate::connect::buckets::DROPPED;
+use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
+use crate::random::{self, uniform_x8};
+use crate::tables::media::Medium;
+use crate::transcendental::{neg_ln, sin_cos_turn};
+use crate::vec3x8::Vec3x8;
+use crate::{PathLengths, Step, lanes};
+
+/// The random sequence of eight connections.
+struct Sequence {
+    pixel: u32x8,
+    sample: u32x8,
+    depth: u32x8,
+    seed: u32,
+    mean_free_path: f32x8,
+}
+
+impl Sequence {
+    #[inline(always)]
+    fn new(medium: &Medium, step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
+        let path = &paths.columns;
+        Self {
+            pixel: path.pixel.gather(lane_of),
+            sample: path.sample.gather(lane_of),
+            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
+            seed: step.seed,
+            mean_free_path: f32x8::splat((1.0 / f64::from(medium.extinction)) as f32),
+        }
+    }
+
+    /// Four uniform numbers of block `purpose`.
+    #[inline(always)]
+    fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
+        let block = self.depth << 16_u32 | u32x8::splat(purpose);
+        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
+    }
+
+    /// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
+    #[inline(always)]
+    fn flights(&self, k: usize) -> [f32x8; 4] {
+        let uniforms = self.uniforms(random::MVNEE_FLIGHTS + k as u32);
+        uniforms.map(|u| neg_ln(f32x8::ONE - u) * self.mean_free_path)
+    }
+}
+
+/// The SIMD kernel; see [`CountKernel`](super::CountKernel).
+pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
+    let CountColumns { paths, connections, buckets } = columns;
+    for b in 0..connections.len.div_ceil(LANES) {
+        let sequence = Sequence::new(medium, step, paths, &connections.lane.batch(b).to_array());
+        let axis = connections.point.batch(b) - connections.start.batch(b);
+        let distance = axis.length_squared().sqrt();
+        let longest = u32x8::splat(lengths.max - 1) - sequence.depth;
+
+        let live = lanes::mask(lanes::first(connections.len - b * LANES));
+        let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
+        for k in 0.. {
+            for flight in sequence.flights(k) {
+                along += flight;
+                inside &= along.simd_lt(distance) & lanes::as_mask(count.simd_le(longest));
+                count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
+            }
+            if !inside.any() {
+                break;
+            }
+        }
+        let fits = count.simd_le(longest);
+        buckets.count.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
+    }
+}
+
+/// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
+pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    for bucket in buckets.buckets() {
+        for (b, _) in bucket.batches() {
+            let row_of = buckets.order.batch(b).to_array();
+            let candidate = CandidateBatch {
+                lane: connections.lane.gather(&row_of),
+                light: connections.light.gather(&row_of),
+                start: connections.start.gather(&row_of),
+                arriving: connections.arriving.gather(&row_of),
+                point: connections.point.gather(&row_of),
+                weight: f32x8::ZERO,
+            };
+            candidates.set_batch(b, candidate);
+            if bucket.inserted > 0 {
+                let sequence = Sequence::new(medium, step, paths, &candidate.lane.to_array());
+                place(&sequence, mvnee, &candidate, &mut chains.vertices[..bucket.inserted], b);
+            }
+        }
+    }
+}
+
+/// Fills batch `b` of the chain: the vertices between start and point.
+#[inline(always)]
+fn place(sequence: &Sequence, mvnee: &Mvnee, candidate: &CandidateBatch, chain: &mut [Column3<'_>], b: usize) {
+    let to_light = candidate.point - candidate.start;
+    let distance = to_light.length_squared().sqrt();
+    let axis = to_light * (f32x8::ONE / distance);
+    let (tangent, bitangent) = axis.frame();
+
+    // Leave (step, L, place on the axis) of every seed in its place in the chain.
+    let (mut along, mut before) = (f32x8::ZERO, f32x8::ZERO);
+    for (k, four) in chain.chunks_mut(4).enumerate() {
+        for (seed, flight) in four.iter_mut().zip(sequence.flights(k)) {
+            along += flight;
+            before = flight.mul_add(flight, before);
+            seed.set_batch(b, Vec3x8::new(flight, before, along));
+        }
+    }
+
+    // Walk back from the light and move every seed off the axis.
+    let last = distance - along;
+    let mut after = last * last;
+    let inverse_total = f32x8::ONE / (before + after);
+    for (k, two) in chain.chunks_mut(2).enumerate().rev() {
+        let [radius_0, azimuth_0, radius_1, azimuth_1] = sequence.uniforms(random::MVNEE_OFFSETS + k as u32);
+        let draws = [(radius_0, azimuth_0), (radius_1, azimuth_1)];
+        for (vertex, (u, v)) in two.iter_mut().zip(draws).rev() {
+            let Vec3x8 { x: step, y: before, z: along } = vertex.batch(b);
+            let radius = (mvnee.offset_squared(u) * before * (after * inverse_total)).sqrt();
+            let (sin, cos) = sin_cos_turn(v);
+            let across = tangent.mul_add(radius * cos, bitangent * (radius * sin));
+            vertex.set_batch(b, axis.mul_add(along, candidate.start) + across);
+            after = step.mul_add(step, after);
+        }
+    }
+}
+
+impl Mvnee {
+    /// Squared perturbation for a uniform number `u`, where L R / (L + R) is one: the inverse of the distribution.
+    #[inline(always)]
+    fn offset_squared(&self, u: f32x8) -> f32x8 {
+        let rest = f32x8::ONE - u;
+        match self.offset {
+            Offset::Ggx => {
+                let width = GGX_WIDTH as f32 * self.slope;
+                f32x8::splat(width * width) * u / rest
+            }
+            Offset::Gaussian => f32x8::splat(2.0 * self.slope * self.slope) * neg_ln(rest),
+        }
+    }
+}

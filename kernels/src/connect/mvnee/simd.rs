@@ -1,0 +1,117 @@
+//! ```text
+//! for each start a, counted from the light, within reach:
+//!     w, s: axis and distance to the light point
+//!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
+//!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
+//!     r += p_A P_l l_{n-1}^2 / cos_light * exp(mu_t (Lambda_a - s)) / p_w(a)
+//!          * prod_v offset_density(width_v, rho_v) * spread_v
+//! ```
+//!
+//! 1. `spread_v = l^2 / phase` is the same for all starts and is computed once per vertex.
+//! 2. Two passes: from the start to the light for projections and L, back again for R and the product. L + R is known
+//!    only after the first; R as a difference would cancel, and sums of outer products of the edges, which give R without
+//!    a pass, cost more loads and cancel too when edges stand across the axis.
+//! 3. rho comes from the component across the axis, not from a difference of squares.
+//! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows nor
+//!    vanishes; all mu_t^m cancel.
+//! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
+//! 6. Starts that no lane has in reach, and starts that every lane refuses, cost only the test.
+
+use wide::f32x8;
+
+use super::{GGX_WIDTH, Mvnee, Offset};
+use crate::mis_weight::suffix::{Arrival, Projection, Suffix};
+use crate::transcendental::exp;
+use crate::vec3x8::Vec3x8;
+
+/// Sum of the ratios of all starts; `starts` is the largest number of starts of any lane.
+#[inline(always)]
+pub fn ratios(mvnee: &Mvnee, arrival: &Arrival, suffix: &mut Suffix<'_>, starts: usize) -> f32x8 {
+    match mvnee.offset {
+        Offset::Ggx => sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32 * mvnee.slope, |width, offset, spread| {
+            let inverse = f32x8::ONE / (width + offset);
+            (width * inverse) * (spread * inverse)
+        }),
+        Offset::Gaussian => sum(mvnee, arrival, suffix, starts, mvnee.slope, |width, offset, spread| {
+            let inverse = f32x8::ONE / (width + width);
+            exp(-offset * inverse) * (spread * inverse)
+        }),
+    }
+}
+
+/// The ratios of all starts. `factor` is what an inserted vertex contributes, pi times the density of its offset times its
+/// spread, as a function of squared width, squared offset and spread: quotients of areas, which no scale of the scene can
+/// make overflow.
+#[inline(always)]
+fn sum(
+    mvnee: &Mvnee,
+    arrival: &Arrival,
+    suffix: &mut Suffix<'_>,
+    starts: usize,
+    slope: f32,
+    factor: impl Fn(f32x8, f32x8, f32x8) -> f32x8,
+) -> f32x8 {
+    let reach_squared = f32x8::splat(mvnee.max_distance * mvnee.max_distance);
+    let slope_squared = f32x8::splat(slope * slope);
+    let scale = arrival.inverse_area * arrival.last_squared / arrival.cos_light;
+    let mut sum = f32x8::ZERO;
+    for a in 1..=starts {
+        let start = suffix.vertices[a];
+        let to_light = suffix.vertices[0].position - start.position;
+        let distance_squared = to_light.length_squared();
+        let possible = start.eligible & distance_squared.simd_le(reach_squared);
+        if !possible.any() {
+            continue;
+        }
+        let distance = distance_squared.sqrt();
+        let axis = to_light * (f32x8::ONE / distance);
+        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
+
+        let mut product = start.inverse_density;
+        let mut after = axial.last_squared;
+        let inverse_total = f32x8::ONE / axial.total;
+        for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
+            let width_squared = slope_squared * projection.before * (after * inverse_total);
+            let factor = factor(width_squared, projection.offset_squared, vertex.spread);
+            product *= factor * f32x8::FRAC_1_PI;
+            after += projection.step_squared;
+        }
+        let detour = exp(arrival.extinction * (start.arc - distance));
+        sum += axial.possible.select(scale * start.selection * detour * product, f32x8::ZERO);
+    }
+    sum
+}
+
+/// A suffix seen along the axis from its start to its light point.
+struct Axial {
+    /// Rows that go forward only, and so may have been made by a connection.
+    possible: f32x8,
+    /// Squared length of the last projected segment [m^2].
+    last_squared: f32x8,
+    /// Sum of squares of all projected segments, L + R [m^2].
+    total: f32x8,
+}
+
+/// Fills the projections of the vertices between start `a` and the light; `None` if every row refuses.
+#[inline(always)]
+fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, possible: f32x8) -> Option<Axial> {
+    let start = suffix.vertices[a].position;
+    let (mut possible, mut along, mut before) = (possible, f32x8::ZERO, f32x8::ZERO);
+    for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
+        let from_start = vertex.position - start;
+        let reached = from_start.dot(axis);
+        let step = reached - along;
+        possible &= step.simd_gt(f32x8::ZERO);
+        before = step.mul_add(step, before);
+        *projection = Projection {
+            step_squared: step * step,
+            before,
+            offset_squared: axis.mul_neg_add(reached, from_start).length_squared(),
+        };
+        along = reached;
+    }
+    let last = distance - along;
+    possible &= last.simd_gt(f32x8::ZERO);
+    let last_squared = last * last;
+    possible.any().then(|| Axial { possible, last_squared, total: before + last_squared })
+}

@@ -1,0 +1,18 @@
+//! Next event estimation: one straight connection from the current vertex.
+//!
+//! The connection is the one that [`light_sample`](super::light_sample) draws, without inserted vertices. It is always
+//! attempted, so that its density is `p_A P_l` (area measure) and, with path tracing's
+//! `p_w exp(-mu_t s) cos_light / s^2`,
+//!
+//! ```text
+//! r_{n-1} = p_A P_l s^2 exp(mu_t s) / (p_w cos_light),      r_i = 0 for all other starts
+//! ```
+
+pub mod reference;
+pub(crate) mod simd;
+
+use super::light_sample::Reach;
+use crate::random;
+
+/// Every start in front of the light connects, at any distance.
+pub const REACH: Reach = Reach { purpose: random::NEE_LIGHT, max_distance: f32::INFINITY, facing: true };

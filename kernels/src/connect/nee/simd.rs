@@ -1,0 +1,16 @@
+//! ```text
+//! r = p_A P_l s^2 exp(mu_t s) / (p_w cos_light)          at the vertex next to the light
+//! ```
+
+use wide::f32x8;
+
+use crate::mis_weight::suffix::{Arrival, SuffixVertex};
+use crate::transcendental::exp;
+
+/// Ratio of the one start that next event estimation has: the vertex next to the light.
+#[inline(always)]
+pub fn ratio(arrival: &Arrival, start: &SuffixVertex) -> f32x8 {
+    let Arrival { extinction, inverse_area, last_squared, cos_light } = *arrival;
+    let geometry = inverse_area * start.selection * last_squared / cos_light;
+    geometry * start.inverse_density * exp(extinction * start.arc)
+}
