@@ -1,0 +1,76 @@
+//! The last vertices of eight candidates, and the sums over them that every start shares.
+
+use bumpalo::Bump;
+use wide::f32x8;
+
+use crate::vec3x8::Vec3x8;
+
+/// What a vertex of the suffix contributes to the ratios.
+#[derive(Clone, Copy)]
+pub struct SuffixVertex {
+    /// Position `[m]`.
+    pub position: Vec3x8,
+    /// Length of the path from here to the light (Lambda) `[m]`.
+    pub arc: f32x8,
+    /// One over the density of the direction in which the path leaves (p_w) `[sr]`.
+    pub inverse_density: f32x8,
+    /// Squared length of the segment that arrives here, over p_w [m^2 sr].
+    pub spread: f32x8,
+    /// Probability of selecting the candidate's light from here.
+    pub selection: f32x8,
+    /// Whether a connection may start here.
+    pub eligible: f32x8,
+}
+
+/// How one start sees a vertex between it and the light, reprojected on its axis (MVNEE).
+#[derive(Clone, Copy)]
+pub struct Projection {
+    /// Squared distance between the projections of this vertex and the one before it [m^2].
+    pub step_squared: f32x8,
+    /// Sum of `step_squared` from the start up to this vertex (L) [m^2].
+    pub before: f32x8,
+    /// Squared distance from the axis (rho^2) [m^2].
+    pub offset_squared: f32x8,
+}
+
+/// Suffixes of eight candidates, indexed from the light: vertex 0 is the point on the light, vertex `a` is `a` segments
+/// away from it.
+pub struct Suffix<'q> {
+    /// The vertices; index 0 has a position only.
+    pub vertices: &'q mut [SuffixVertex],
+    /// Scratch for one start at a time.
+    pub projections: &'q mut [Projection],
+}
+
+impl<'q> Suffix<'q> {
+    /// Room for paths of `longest` segments.
+    pub fn new_in(arena: &'q Bump, longest: usize) -> Self {
+        let zero = f32x8::ZERO;
+        let vertex = SuffixVertex {
+            position: Vec3x8::ZERO,
+            arc: zero,
+            inverse_density: zero,
+            spread: zero,
+            selection: zero,
+            eligible: zero,
+        };
+        let projection = Projection { step_squared: zero, before: zero, offset_squared: zero };
+        Self {
+            vertices: arena.alloc_slice_fill_copy(longest + 1, vertex),
+            projections: arena.alloc_slice_fill_copy(longest + 1, projection),
+        }
+    }
+}
+
+/// What all starts of a candidate have in common.
+#[derive(Clone, Copy)]
+pub struct Arrival {
+    /// Extinction [1/m].
+    pub extinction: f32x8,
+    /// One over the light's area, p_A [1/m^2].
+    pub inverse_area: f32x8,
+    /// Squared length of the last segment, l_{n-1}^2 [m^2].
+    pub last_squared: f32x8,
+    /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
+    pub cos_light: f32x8,
+}

@@ -1,0 +1,23 @@
+//! Shadow segments: whether a candidate's connection is free.
+
+pub mod reference;
+pub mod simd;
+
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use crate::tables::lights::Lights;
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// Rows to test: those of this bucket.
+    pub bucket: Bucket,
+    /// Read: start, point and light. Weight becomes 0 where the connection is blocked.
+    pub candidates: &'a mut CandidateQueue<'q>,
+    /// Read: the inserted vertices.
+    pub chains: &'a ChainTable<'q>,
+}
+
+/// Tests every segment of every connection, over its true length, against every disk, front or back.
+///
+/// The last segment ends on its own light and cannot cross that plane elsewhere, so it is not tested against it: no
+/// epsilon is needed. A segment that only touches a disk's plane is free.
+pub type Kernel = fn(&Lights, Columns<'_, '_>);

@@ -1,0 +1,90 @@
+//! Segment against disk in f64.
+//!
+//! With the heights `h = (x - c) . n` of its ends over the disk's plane, a segment from a to b crosses the plane if
+//! they have opposite signs, at
+//!
+//! ```text
+//! a + (b - a) h_a / (h_a - h_b)
+//! ```
+//!
+//! and the disk of radius R blocks it if that point is within R of the centre c. The test covers the segment as it is,
+//! from perturbed vertex to perturbed vertex, not its seed on the axis.
+
+use glam::DVec3;
+
+use super::Columns;
+use crate::tables::lights::{Disk, Lights};
+
+/// The twin; see [`Kernel`](super::Kernel).
+pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
+    let Columns { bucket, candidates, chains } = columns;
+    let mut chain = Vec::with_capacity(bucket.inserted + 2);
+    for row in bucket.rows() {
+        chain.clear();
+        chain.push(DVec3::from(candidates.start.row(row).map(f64::from)));
+        for vertex in &chains.vertices[..bucket.inserted] {
+            chain.push(DVec3::from(vertex.row(row).map(f64::from)));
+        }
+        chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
+        if is_occluded(lights, candidates.light.rows()[row] as usize, &chain) {
+            candidates.weight.rows_mut()[row] = 0.0;
+        }
+    }
+}
+
+/// Whether a disk blocks the chain from a start to a point on `light`. The light does not block the segment that ends
+/// on it.
+pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
+    let last = chain.len().saturating_sub(2);
+    for (index, ends) in chain.windows(2).enumerate() {
+        for (other, disk) in lights.disks().iter().enumerate() {
+            if index == last && other == light {
+                continue;
+            }
+            if blocks(disk, ends[0], ends[1]) {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// Whether the segment from `a` to `b` crosses the disk; one that only touches its plane does not.
+pub fn blocks(disk: &Disk, a: DVec3, b: DVec3) -> bool {
+    let center = DVec3::from(disk.center.map(f64::from));
+    let normal = DVec3::from(disk.normal.map(f64::from));
+    let (height_a, height_b) = ((a - center).dot(normal), (b - center).dot(normal));
+    let crosses = (height_a > 0.0 && height_b < 0.0) || (height_a < 0.0 && height_b > 0.0);
+    if !crosses {
+        return false;
+    }
+    let crossing = a + (b - a) * (height_a / (height_a - height_b));
+    (crossing - center).length() <= f64::from(disk.radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::lights::Selection;
+
+    #[test]
+    fn segments_are_blocked_only_where_they_cross_a_disk() {
+        let disk = Disk::new(DVec3::new(0.0, 0.0, 1.0), DVec3::Z, 1.0, [1.0; 3]);
+        let blocked = |a: [f64; 3], b: [f64; 3]| blocks(&disk, DVec3::from(a), DVec3::from(b));
+        assert!(blocked([0.5, 0.0, 0.0], [0.5, 0.0, 2.0]) && blocked([0.5, 0.0, 2.0], [0.5, 0.0, 0.0]));
+        assert!(!blocked([1.5, 0.0, 0.0], [1.5, 0.0, 2.0]), "passes beside it");
+        assert!(!blocked([0.5, 0.0, 0.0], [0.5, 0.0, 0.9]), "ends before it");
+        assert!(!blocked([0.5, 0.0, 0.0], [0.5, 0.0, 1.0]), "touches it");
+        assert!(!blocked([0.0, 0.0, 1.0], [0.5, 0.0, 1.0]), "lies in it");
+    }
+
+    #[test]
+    fn a_light_blocks_every_segment_but_the_one_that_ends_on_it() {
+        let lights = Lights::new(vec![Disk::new(DVec3::Z, -DVec3::Z, 1.0, [1.0; 3])], Selection::Uniform);
+        let chain = [DVec3::ZERO, DVec3::new(0.0, 0.1, 1.5), DVec3::new(0.0, 0.2, 1.0)];
+        assert!(is_occluded(&lights, 0, &chain));
+        let beside = [DVec3::ZERO, DVec3::new(0.0, 3.5, 1.5), DVec3::new(0.0, 0.2, 1.0)];
+        assert!(!is_occluded(&lights, 0, &beside));
+        assert!(!is_occluded(&lights, 0, &[DVec3::ZERO, DVec3::new(0.0, 0.2, 1.000_000_1)]));
+    }
+}

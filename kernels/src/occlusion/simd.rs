@@ -1,0 +1,50 @@
+//! ```text
+//! for each segment a -> b of start, inserted vertices .., point:
+//!     for each disk, but the candidate's own where b is the point:
+//!         fa, fb = signed distances of a, b from the disk's plane
+//!         blocked if fa fb < 0 and the crossing a + (b - a) fa / (fa - fb) lies within the radius
+//! ```
+//!
+//! 1. Rows of a bucket have the same number of segments, so lanes stay full.
+//! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
+
+use wide::{f32x8, u32x8};
+
+use super::Columns;
+use crate::lanes;
+use crate::tables::lights::{Disk, Lights};
+use crate::vec3x8::Vec3x8;
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
+    let Columns { bucket, candidates, chains } = columns;
+    for (b, rows) in bucket.batches() {
+        let weight = candidates.weight.batch(b);
+        let mut free = !weight.simd_eq(f32x8::ZERO) & lanes::mask(rows);
+        let mut from = candidates.start.batch(b);
+        for segment in 0..=bucket.inserted {
+            if !free.any() {
+                break;
+            }
+            let last = segment == bucket.inserted;
+            let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
+            for (index, disk) in lights.disks().iter().enumerate() {
+                let own = lanes::as_mask(candidates.light.batch(b).simd_eq(u32x8::splat(index as u32)));
+                let spared = if last { own } else { f32x8::ZERO };
+                free &= spared | !crosses(disk, from, to);
+            }
+            from = to;
+        }
+        candidates.weight.set_batch(b, free.select(weight, f32x8::ZERO));
+    }
+}
+
+/// Whether the segment from `a` to `b` crosses `disk`.
+#[inline(always)]
+fn crosses(disk: &Disk, a: Vec3x8, b: Vec3x8) -> f32x8 {
+    let (center, normal) = (Vec3x8::splat(disk.center), Vec3x8::splat(disk.normal));
+    let (a, b) = (a - center, b - center);
+    let (fa, fb) = (a.dot(normal), b.dot(normal));
+    let across = (b - a).mul_add(fa / (fa - fb), a).length_squared();
+    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(disk.radius * disk.radius))
+}
