@@ -1,0 +1,41 @@
+//! The arithmetic of fogbow: columns, read-only tables, and the stages that transform them.
+//!
+//! A stage is a folder: `mod.rs` states what it may read and fill, `simd.rs` does it for eight rows at a time in f32,
+//! `reference.rs` does it for one row at a time in f64, written from the formulas and not from the kernel.
+//! [`pipeline`] lists them all. Nothing here opens files, starts threads, reads clocks or allocates in a loop.
+
+pub mod accumulate;
+pub mod columns;
+pub mod connect;
+pub mod extend;
+pub mod generate;
+pub mod lanes;
+pub mod light_hit;
+pub mod medium_sample;
+pub mod mis_weight;
+pub mod occlusion;
+pub mod phase;
+pub mod pipeline;
+pub mod random;
+pub mod scatter;
+pub mod tables;
+pub mod transcendental;
+pub mod vec3x8;
+
+/// What every stage knows of the moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Seed of the frame's random bits.
+    pub seed: u32,
+    /// Bounce clock: names the slot of the current vertices, and is the depth of a path plus its birth.
+    pub clock: u32,
+}
+
+/// Which path lengths count, in segments, camera and light segment included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathLengths {
+    /// Shortest, >= 1.
+    pub min: u32,
+    /// Longest (K), >= `min`.
+    pub max: u32,
+}

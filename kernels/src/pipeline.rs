@@ -1,0 +1,77 @@
+//! The table of stages: one function pointer each.
+
+use crate::connect::{light_sample, mvnee};
+use crate::{accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter};
+
+/// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
+macro_rules! pipeline {
+    ($( $(#[$doc:meta])* $stage:ident ($Stage:ident) : $Kernel:ty = $simd:path, $reference:path; )*) => {
+        /// One kernel per stage.
+        #[derive(Clone, Copy)]
+        pub struct Pipeline { $( $(#[$doc])* pub $stage: $Kernel, )* }
+
+        /// The name of a stage.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Stage { $( $(#[$doc])* $Stage, )* }
+
+        impl Stage {
+            /// Every stage, in the order in which data meets them.
+            pub const ALL: &[Self] = &[$( Self::$Stage ),*];
+
+            /// The stage's name in code, flags and statistics.
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$Stage => stringify!($stage), )* }
+            }
+        }
+
+        /// Eight rows at a time, f32.
+        pub const SIMD: Pipeline = Pipeline { $( $stage: $simd, )* };
+
+        /// The twins: one row at a time, f64.
+        pub const REFERENCE: Pipeline = Pipeline { $( $stage: $reference, )* };
+
+        impl Pipeline {
+            /// The same table with one stage replaced by its twin.
+            pub fn with_reference(mut self, stage: Stage) -> Self {
+                match stage { $( Stage::$Stage => self.$stage = REFERENCE.$stage, )* }
+                self
+            }
+        }
+    };
+}
+
+pipeline! {
+    /// Camera rays for the lanes that are refilled.
+    generate (Generate): generate::Kernel = generate::simd::run, generate::reference::run;
+    /// Free flights.
+    medium_sample (MediumSample): medium_sample::Kernel = medium_sample::simd::run, medium_sample::reference::run;
+    /// Closest disk within the flight.
+    extend (Extend): extend::Kernel = extend::simd::run, extend::reference::run;
+    /// Hits become candidates, and end paths.
+    light_hit (LightHit): light_hit::Kernel = light_hit::simd::run, light_hit::reference::run;
+    /// Next vertex and direction.
+    scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
+    /// A light point for every vertex that may connect.
+    light_sample (LightSample): light_sample::Kernel = light_sample::simd::run, light_sample::reference::run;
+    /// How many vertices each MVNEE connection inserts.
+    mvnee_count (MvneeCount): mvnee::sample::CountKernel = mvnee::sample::simd::count, mvnee::sample::reference::count;
+    /// Where MVNEE's inserted vertices are.
+    mvnee_build (MvneeBuild): mvnee::sample::BuildKernel = mvnee::sample::simd::build, mvnee::sample::reference::build;
+    /// One weight per candidate.
+    mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
+    /// Blocked connections lose their weight.
+    occlusion (Occlusion): occlusion::Kernel = occlusion::simd::run, occlusion::reference::run;
+    /// Contributions reach their paths.
+    accumulate (Accumulate): accumulate::Kernel = accumulate::simd::run, accumulate::reference::run;
+}
+
+impl core::str::FromStr for Stage {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL.iter().copied().find(|stage| stage.name() == name).ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|stage| stage.name()).collect();
+            format!("there is no stage {name:?}; stages are {}", names.join(", "))
+        })
+    }
+}
