@@ -1,0 +1,178 @@
+//! Ranges of all values, and the frame that valid values make.
+
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::media::Medium;
+use glam::DVec3;
+
+use super::document::Document;
+use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Technique};
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+
+/// Largest length, coordinate and coefficient: their fourth powers, which occlusion forms, are still f32.
+const LARGEST: f64 = 1e9;
+/// Smallest radius, for the same reason.
+const SMALLEST_RADIUS: f64 = 1e-9;
+/// Largest radiance: sums over paths stay far inside f32.
+const LARGEST_RADIANCE: f64 = 1e30;
+/// Pixels of the largest film: it takes 12 GiB.
+const LARGEST_FILM: u64 = 1 << 27;
+/// Longest path: the random dimensions have room for as many inserted vertices.
+const LONGEST_PATH: u32 = 1024;
+
+/// A check of the values at some paths of a document.
+struct Check<'a> {
+    document: &'a Document,
+}
+
+/// The frame of `scene`, whose values stand in `document`.
+pub fn frame(scene: &Scene, document: &Document) -> Result<Frame> {
+    let check = Check { document };
+    let camera = check.camera(scene)?;
+    let medium = check.medium(scene)?;
+    let lights = check.lights(scene)?;
+    let (techniques, lengths) = check.render(&scene.render, &medium)?;
+    Ok(Frame { camera, medium, lights, techniques, lengths, seed: scene.render.seed })
+}
+
+impl Check<'_> {
+    fn wrong(&self, path: &str, finding: impl core::fmt::Display, remedy: &str) -> Error {
+        self.document.error(path, format!("{path} is {finding}"), remedy)
+    }
+
+    fn require(&self, ok: bool, path: &str, finding: impl core::fmt::Display, remedy: &str) -> Result<()> {
+        if ok { Ok(()) } else { Err(self.wrong(path, finding, remedy)) }
+    }
+
+    fn position(&self, path: &str, value: [f64; 3]) -> Result<DVec3> {
+        let ok = value.iter().all(|x| x.abs() <= LARGEST);
+        self.require(ok, path, format!("{value:?}"), "give three finite coordinates of at most 1e9 m")?;
+        Ok(DVec3::from(value))
+    }
+
+    fn direction(&self, path: &str, value: [f64; 3]) -> Result<DVec3> {
+        let direction = self.position(path, value)?;
+        let remedy = "give a direction, a vector that is not zero";
+        self.require(direction.length() > 1e-30, path, format!("{value:?}"), remedy)?;
+        Ok(direction)
+    }
+
+    fn camera(&self, scene: &Scene) -> Result<Camera> {
+        let schema::Camera { position, look_at, up, vertical_fov_deg, near } = scene.camera;
+        let [position, look_at] =
+            [self.position("camera.position", position)?, self.position("camera.look_at", look_at)?];
+        let forward = (look_at - position).try_normalize();
+        let remedy = "give a point other than the camera's position";
+        let forward =
+            forward.ok_or_else(|| self.wrong("camera.look_at", format!("{:?}", look_at.to_array()), remedy))?;
+        let upward = self.direction("camera.up", up)?.normalize();
+        let remedy = "give a direction that is not parallel to the viewing axis";
+        self.require(forward.cross(upward).length() > 1e-6, "camera.up", format!("{up:?}"), remedy)?;
+        let ok = vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0;
+        let finding = format!("{vertical_fov_deg:?}");
+        self.require(ok, "camera.vertical_fov_deg", finding, "give an angle between 0 and 180 degrees")?;
+        let ok = (0.0..=LARGEST).contains(&near);
+        self.require(ok, "camera.near", format!("{near:?}"), "give a distance from 0 m to 1e9 m")?;
+        let size = self.film_size(scene.film.size)?;
+        Ok(Camera::new(position, forward, upward, vertical_fov_deg.to_radians(), near, size))
+    }
+
+    fn film_size(&self, size: [u32; 2]) -> Result<[u32; 2]> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let remedy = format!("give a width and a height of 1 or more with at most {LARGEST_FILM} pixels");
+        self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)?;
+        Ok(size)
+    }
+
+    fn coefficient(&self, path: &str, value: Spectrum) -> Result<[f64; 3]> {
+        let ok = value.0.iter().all(|x| (0.0..=LARGEST).contains(x));
+        self.require(ok, path, value, "give finite coefficients of 0/m or more, at most 1e9/m")?;
+        Ok(value.0)
+    }
+
+    fn medium(&self, scene: &Scene) -> Result<Medium> {
+        let Some(medium) = &scene.medium else {
+            return Ok(Medium { extinction: 0.0, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } });
+        };
+        let scattering = self.coefficient("medium.scattering", medium.scattering)?;
+        let absorption = self.coefficient("medium.absorption", medium.absorption)?;
+        let extinction: [f64; 3] = core::array::from_fn(|c| scattering[c] + absorption[c]);
+        let grey = extinction.iter().all(|channel| (channel - extinction[0]).abs() <= 1e-6 * extinction[0]);
+        if !grey {
+            let coloured = if scattering == [scattering[0]; 3] { "medium.absorption" } else { "medium.scattering" };
+            return Err(self.document.error(
+                coloured,
+                format!("extinction (scattering + absorption) is {extinction:?}, different between channels"),
+                "make it the same in all channels: only grey extinction can be rendered so far",
+            ));
+        }
+        let g = medium.phase.g;
+        let remedy = "give a mean cosine above -1 and below 1, at most 0.9999999 in size";
+        self.require((g as f32).abs() < 1.0, "medium.phase.g", format!("{g:?}"), remedy)?;
+        let albedo = scattering.map(|s| if extinction[0] > 0.0 { (s / extinction[0]) as f32 } else { 0.0 });
+        let phase = HenyeyGreenstein { g: g as f32 };
+        Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
+    }
+
+    fn lights(&self, scene: &Scene) -> Result<Lights> {
+        if scene.light.is_empty() {
+            let remedy = "add a [[light]] table; without one the image is black";
+            return Err(self.document.error("light", "the scene has no light", remedy));
+        }
+        let disk = |(index, light): (usize, &schema::Light)| self.light(&format!("light[{index}]"), light);
+        let disks = scene.light.iter().enumerate().map(disk).collect::<Result<_>>()?;
+        let selection = match scene.render.light_selection {
+            LightSelection::Uniform => Selection::Uniform,
+            LightSelection::Intensity => Selection::Intensity,
+            LightSelection::IntensityDistance => Selection::IntensityDistance,
+        };
+        Ok(Lights::new(disks, selection))
+    }
+
+    fn light(&self, path: &str, light: &schema::Light) -> Result<Disk> {
+        let center = self.position(&format!("{path}.center"), light.center)?;
+        let normal = self.direction(&format!("{path}.normal"), light.normal)?;
+        let ok = (SMALLEST_RADIUS..=LARGEST).contains(&light.radius);
+        let remedy = "give a radius above 0 m, from 1e-9 to 1e9 m";
+        self.require(ok, &format!("{path}.radius"), format!("{:?}", light.radius), remedy)?;
+        let Spectrum(radiance) = light.radiance;
+        let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));
+        let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
+        self.require(ok, &format!("{path}.radiance"), light.radiance, remedy)?;
+        Ok(Disk::new(center, normal, light.radius, radiance))
+    }
+
+    fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {
+        let lengths = PathLengths { min: render.min_segments, max: render.max_segments };
+        let ok = (1..=LONGEST_PATH).contains(&lengths.max);
+        self.require(ok, "render.max_segments", lengths.max, "give a number of segments from 1 to 1024")?;
+        let remedy = "give a number of segments from 1 to max_segments";
+        self.require((1..=lengths.max).contains(&lengths.min), "render.min_segments", lengths.min, remedy)?;
+        let mesc = render.mesc.unwrap_or(f64::INFINITY);
+        let ok = mesc > 0.0 && render.mesc.is_none_or(f64::is_finite);
+        self.require(
+            ok,
+            "render.mesc",
+            format!("{mesc:?}"),
+            "give a number of segments above 0, or leave it out for no limit",
+        )?;
+        let ok = (1..=1 << 31).contains(&render.samples);
+        self.require(ok, "render.samples", render.samples, "give a number of samples from 1 to 2^31")?;
+        let names = &render.technique.0;
+        self.require(!names.is_empty(), "render.technique", "an empty list", "name a technique: path, nee, mvnee")?;
+        let offset = match render.perturbation {
+            Perturbation::Ggx => Offset::Ggx,
+            Perturbation::Gaussian => Offset::Gaussian,
+        };
+        let techniques = Techniques {
+            nee: names.contains(&Technique::Nee),
+            mvnee: names.contains(&Technique::Mvnee).then(|| Mvnee::new(medium, mesc, offset)),
+        };
+        Ok((techniques, lengths))
+    }
+}

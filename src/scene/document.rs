@@ -1,0 +1,278 @@
+//! Scene files and overrides as one tree of values that remembers where each of them stands.
+
+use core::fmt;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use toml::de::{DeArray, DeTable, DeValue};
+use toml::{Spanned, Table, Value};
+
+use super::plain;
+use crate::error::{Error, Kind, Result};
+
+/// Steps of the longest key that an override may have: some more than any key of a scene has.
+const LONGEST_KEY: usize = 16;
+
+/// Where a value comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Place {
+    /// The file, at this byte. Lines are counted when somebody asks: scenes may have thousands of lights.
+    Byte(usize),
+    /// A flag of the command line.
+    Flag(String),
+}
+
+/// A value that replaces or adds to one of the file's.
+#[derive(Clone, Debug)]
+pub struct Override {
+    /// The key: `medium.phase.g`, `light[0].radius`.
+    pub key: String,
+    /// The value.
+    pub value: Value,
+    /// The flag that says so, as the user wrote it.
+    pub flag: String,
+}
+
+impl Override {
+    /// From `key=value`, where the value is TOML; what is no TOML value is a string.
+    ///
+    /// # Errors
+    /// If there is no `=`.
+    pub fn parse(text: &str) -> Result<Self> {
+        let flag = format!("--set {text}");
+        let Some((key, value)) = text.split_once('=') else {
+            return Err(Error::usage(flag, "has no '='", "write key=value, as in medium.phase.g=0.6"));
+        };
+        let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
+        let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
+        Ok(Self { key: key.trim().into(), value, flag })
+    }
+}
+
+/// Values with their places.
+#[derive(Debug)]
+pub struct Document {
+    /// The file's values with the overrides in place: a table.
+    pub values: Value,
+    file: String,
+    text: String,
+    places: BTreeMap<String, Place>,
+}
+
+impl Document {
+    /// Reads `path`.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not TOML.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(|error| {
+            Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
+        })?;
+        let file = path.display().to_string();
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
+            let remedy = "give a scene: a TOML file in UTF-8, or a folder with a scene.toml";
+            Error::failure(place_at(&file, &valid, valid.len()), "is not a text file in UTF-8", remedy)
+        })?;
+        Self::parse(&file, &text)
+    }
+
+    /// Parses `text`, the content of `file`.
+    ///
+    /// # Errors
+    /// If it is not TOML.
+    pub fn parse(file: &str, text: &str) -> Result<Self> {
+        let malformed = |error: toml::de::Error| {
+            let place = error.span().map_or_else(|| file.to_string(), |span| place_at(file, text, span.start));
+            let finding = plain::words(error.message());
+            Error::failure(place, finding, "a scene file is TOML; see fogbow render --help-scene")
+        };
+        let mut places = BTreeMap::new();
+        note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());
+        let values = Value::Table(text.parse().map_err(malformed)?);
+        Ok(Self { values, file: file.into(), text: text.into(), places })
+    }
+
+    /// Puts `change` in the place of the file's value.
+    ///
+    /// # Errors
+    /// If its key leads through something that is no table, or to a list entry that does not exist.
+    pub fn apply(&mut self, change: Override) -> Result<()> {
+        let steps = steps(&change.key);
+        let refuse = |finding: String| {
+            Error::usage(&change.flag, finding, "name a key of the scene; see fogbow render --help-scene")
+        };
+        let Some((last, parents)) = steps.split_last() else {
+            return Err(refuse("the key is empty".into()));
+        };
+        if steps.len() > LONGEST_KEY {
+            return Err(refuse(format!("no key has {} parts", steps.len())));
+        }
+        let mut at = &mut self.values;
+        for step in parents {
+            at = enter(at, step).map_err(refuse)?;
+        }
+        let key = display(&steps);
+        self.places.retain(|path, _| !is_at_or_below(path, &key));
+        match (at, last) {
+            (Value::Table(table), Step::Key(key)) => drop(table.insert(key.clone(), change.value)),
+            (Value::Array(array), Step::Index(index)) if *index < array.len() => array[*index] = change.value,
+            _ => return Err(refuse(format!("there is no {} to set", change.key))),
+        }
+        for end in 1..=steps.len() {
+            let flag = Place::Flag(change.flag.clone());
+            self.places.entry(display(&steps[..end])).or_insert(flag);
+        }
+        Ok(())
+    }
+
+    /// Where the value at `path` stands, or else the nearest table around it, or else the file.
+    pub fn place(&self, path: &str) -> String {
+        let mut path = path;
+        loop {
+            match self.places.get(path) {
+                Some(Place::Byte(offset)) => return place_at(&self.file, &self.text, *offset),
+                Some(Place::Flag(flag)) => return flag.clone(),
+                None => {}
+            }
+            match path.rfind(['.', '[']) {
+                Some(end) => path = &path[..end],
+                None => return self.file.clone(),
+            }
+        }
+    }
+
+    /// The error that the value at `path` is wrong. A value from a flag is a usage error.
+    pub fn error(&self, path: &str, finding: impl fmt::Display, remedy: impl fmt::Display) -> Error {
+        let place = self.place(path);
+        let kind = if place.starts_with("--") { Kind::Usage } else { Kind::Failure };
+        Error { kind, ..Error::failure(place, finding, remedy) }
+    }
+}
+
+/// Notes the places of all values of `table`, which stands at `path`.
+fn note_table(places: &mut BTreeMap<String, Place>, path: &str, table: &DeTable<'_>) {
+    for (key, value) in table.iter() {
+        let path = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
+        note(places, path, key.span().start, value);
+    }
+}
+
+fn note_array(places: &mut BTreeMap<String, Place>, path: &str, array: &DeArray<'_>) {
+    for (index, value) in array.iter().enumerate() {
+        note(places, format!("{path}[{index}]"), value.span().start, value);
+    }
+}
+
+fn note(places: &mut BTreeMap<String, Place>, path: String, at: usize, value: &Spanned<DeValue<'_>>) {
+    match value.get_ref() {
+        DeValue::Table(table) => note_table(places, &path, table),
+        DeValue::Array(array) => note_array(places, &path, array),
+        _ => {}
+    }
+    places.insert(path, Place::Byte(at));
+}
+
+/// `file:line:column` of a byte of its text, counted from 1, columns in characters.
+fn place_at(file: &str, text: &str, offset: usize) -> String {
+    let before = &text[..offset];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let (line, column) = (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1);
+    format!("{file}:{line}:{column}")
+}
+
+fn is_at_or_below(path: &str, key: &str) -> bool {
+    path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+/// One step down the tree.
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    Key(String),
+    Index(usize),
+}
+
+/// `light[0].radius` and `light.0.radius` alike.
+fn steps(key: &str) -> Vec<Step> {
+    let names = key.split(['.', '[', ']']).filter(|name| !name.is_empty());
+    names.map(|name| name.parse().map_or_else(|_| Step::Key(name.into()), Step::Index)).collect()
+}
+
+fn display(steps: &[Step]) -> String {
+    let mut path = String::new();
+    for step in steps {
+        match step {
+            Step::Key(key) if path.is_empty() => path.clone_from(key),
+            Step::Key(key) => path = format!("{path}.{key}"),
+            Step::Index(index) => path = format!("{path}[{index}]"),
+        }
+    }
+    path
+}
+
+/// The value one step below `at`; tables that do not exist are made.
+fn enter<'a>(at: &'a mut Value, step: &Step) -> core::result::Result<&'a mut Value, String> {
+    match (at, step) {
+        (Value::Table(table), Step::Key(key)) => {
+            Ok(table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new())))
+        }
+        (Value::Array(array), Step::Index(index)) => {
+            let len = array.len();
+            array.get_mut(*index).ok_or_else(|| format!("entry {index} of a list of {len} does not exist"))
+        }
+        (Value::Array(_), Step::Key(key)) => Err(format!("a list has entries [0], [1] and so on, not {key}")),
+        (_, Step::Key(key)) => Err(format!("a plain value has no {key}")),
+        (_, Step::Index(index)) => Err(format!("only lists have an entry {index}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "[medium]\nscattering = 1\nphase = { g = 0.9 }\n\n[[light]]\nradius = 0.5\n";
+
+    fn document() -> Document {
+        Document::parse("a.toml", TEXT).expect("valid TOML")
+    }
+
+    #[test]
+    fn values_know_their_line_and_column() {
+        let document = document();
+        assert_eq!(document.place("medium.phase.g"), "a.toml:3:11");
+        assert_eq!(document.place("light[0].radius"), "a.toml:6:1");
+        assert_eq!(document.place("light[0].normal"), "a.toml:5:1");
+        assert_eq!(document.place("render.seed"), "a.toml");
+    }
+
+    #[test]
+    fn overrides_replace_add_and_name_their_flag() {
+        let mut document = document();
+        for text in ["medium.phase.g=0.6", "light.0.radius=2", "render.technique=nee"] {
+            document.apply(Override::parse(text).expect("has a =")).expect("applies");
+        }
+        assert_eq!(document.values["medium"]["phase"]["g"], Value::Float(0.6));
+        assert_eq!(document.values["light"][0]["radius"], Value::Integer(2));
+        assert_eq!(document.values["render"]["technique"], Value::String("nee".into()));
+        assert_eq!(document.place("light[0].radius"), "--set light.0.radius=2");
+        assert_eq!(document.place("medium.phase.g"), "--set medium.phase.g=0.6");
+        assert_eq!(document.place("render"), "--set render.technique=nee");
+        assert_eq!(document.place("medium.scattering"), "a.toml:2:1");
+    }
+
+    #[test]
+    fn overrides_that_lead_nowhere_are_usage_errors() {
+        for text in ["light[3].radius=1", "medium.scattering.x=1", "=1", "light.radius=1", "0=1"] {
+            let error = document().apply(Override::parse(text).expect("has a =")).expect_err(text);
+            assert_eq!(error.kind, Kind::Usage, "{error}");
+            assert_eq!(error.place, format!("--set {text}"));
+        }
+        assert!(Override::parse("medium").is_err());
+    }
+
+    #[test]
+    fn broken_files_are_reported_with_their_place() {
+        let error = Document::parse("a.toml", "[medium]\nscattering = = 1\n").expect_err("not TOML");
+        assert!(error.place.starts_with("a.toml:2:"), "{error}");
+    }
+}

@@ -1,0 +1,107 @@
+//! Scenes: from a file and flags to a [`Frame`].
+
+mod check;
+pub mod document;
+pub mod help;
+mod plain;
+pub mod schema;
+
+use std::path::{Path, PathBuf};
+
+use serde::de::IntoDeserializer;
+
+use crate::error::{Error, Result};
+use crate::frame::Frame;
+use document::{Document, Override};
+use schema::Scene;
+
+/// A scene that was read and found valid.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// What it is called: its folder's or file's name.
+    pub name: String,
+    /// All keys, overrides and defaults included.
+    pub scene: Scene,
+    /// The same as the stages read it.
+    pub frame: Frame,
+}
+
+/// Reads the scene at `path`, a TOML file or a folder with a `scene.toml`, and applies `overrides` in order.
+///
+/// # Errors
+/// If the file cannot be read, is not TOML, or has unknown keys, wrong types or values out of range.
+pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
+    let file = file(path)?;
+    let mut document = Document::read(&file)?;
+    for change in overrides {
+        document.apply(change)?;
+    }
+    let scene = read(&document)?;
+    let frame = check::frame(&scene, &document)?;
+    Ok(LoadedScene { name: name(path), scene, frame })
+}
+
+/// Parses and checks a scene from memory; `file` is what errors call it.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
+    let document = Document::parse(file, text)?;
+    let scene = read(&document)?;
+    let frame = check::frame(&scene, &document)?;
+    Ok(LoadedScene { name: name(Path::new(file)), scene, frame })
+}
+
+/// The scene file that `path` means.
+fn file(path: &Path) -> Result<PathBuf> {
+    if !path.is_dir() {
+        return Ok(path.to_path_buf());
+    }
+    let file = path.join("scene.toml");
+    if file.exists() {
+        return Ok(file);
+    }
+    let remedy = "give a scene file, or a folder with a scene.toml";
+    Err(Error::failure(path.display(), "is a folder without a scene.toml", remedy))
+}
+
+/// What the scene at `path` is called: a folder's name, or a file's without its ending; `a/scene.toml` is `a`.
+fn name(path: &Path) -> String {
+    let path = match path.file_stem() {
+        Some(stem) if stem == "scene" && !path.is_dir() => path.parent().unwrap_or(path),
+        _ => path,
+    };
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let name = if path.is_dir() { path.file_name() } else { path.file_stem() };
+    name.map_or_else(|| "scene".into(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Types and names of all keys.
+fn read(document: &Document) -> Result<Scene> {
+    serde_path_to_error::deserialize(document.values.clone().into_deserializer()).map_err(|error| {
+        let path = error.path().to_string();
+        let finding = plain::words(error.inner().message());
+        let finding = if path == "." { finding } else { format!("{path}: {finding}") };
+        let remedy = match (path.as_str(), document.values.get("light")) {
+            ("light", Some(toml::Value::Table(_))) => "write [[light]]: every light is a table of a list",
+            _ => "fogbow render --help-scene lists every key, its type and range",
+        };
+        document.error(&path, finding, remedy)
+    })
+}
+
+impl LoadedScene {
+    /// A hash of everything that the value of a sample depends on: scenes with the same hash have the same samples.
+    pub fn hash(&self) -> String {
+        let mut scene = self.scene.clone();
+        scene.render.samples = 0;
+        let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
+        blake3::hash(&canonical).to_hex()[..32].to_string()
+    }
+
+    /// All keys as TOML, overrides and defaults included.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(&self.scene).expect("a scene is a table of tables")
+    }
+}
