@@ -1,0 +1,14 @@
+//! fogbow renders light in dense, forward-scattering media.
+
+pub mod cli;
+pub mod compare;
+pub mod cpu;
+pub mod error;
+pub mod film;
+pub mod frame;
+pub mod image;
+pub mod reference;
+pub mod render;
+pub mod scene;
+pub mod stats;
+pub mod wavefront;

@@ -1,0 +1,106 @@
+//! Scheduling: blocks of samples over threads.
+
+use core::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use bumpalo::Bump;
+use fogbow_kernels::pipeline::Pipeline;
+
+use crate::film::Film;
+use crate::frame::Frame;
+use crate::stats::Stats;
+use crate::wavefront::{Wavefront, default_lanes};
+
+/// Samples of a pixel that one block takes: enough to amortise filling and draining the wavefront.
+const SAMPLES_PER_BLOCK: u32 = 16;
+
+/// How to render; nothing here changes a bit of the image.
+#[derive(Clone, Copy, Debug)]
+pub struct Workers {
+    /// Worker threads; 0 for one per processor.
+    pub threads: usize,
+    /// Paths in flight per worker; `None` for what suits the frame.
+    pub lanes: Option<usize>,
+    /// Whether to time stages and count the fate of connections.
+    pub detailed_stats: bool,
+}
+
+/// How a caller watches and stops a running render.
+#[derive(Debug, Default)]
+pub struct Monitor {
+    /// Set to stop: workers finish the block at hand.
+    pub stop: AtomicBool,
+    /// Set if it was the user who stopped it.
+    pub interrupted: AtomicBool,
+    /// Camera paths finished so far.
+    pub samples: AtomicU64,
+}
+
+impl Monitor {
+    /// Stops the render on behalf of the user.
+    pub fn interrupt(&self) {
+        self.interrupted.store(true, Ordering::Relaxed);
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Worker threads that render.
+pub struct Renderer {
+    pool: rayon::ThreadPool,
+    workers: Workers,
+}
+
+impl Renderer {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// If the system refuses to.
+    pub fn new(workers: Workers) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(workers.threads).build()?;
+        Ok(Self { pool, workers })
+    }
+
+    /// Number of worker threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Takes the sample numbers `samples` of every pixel of `film`, or as many as fit before the monitor says stop.
+    ///
+    /// Blocks are handed out pass by pass, so that an image that was stopped is evenly covered to within one block.
+    /// The sums are exact: who takes which block, and when, leaves no trace.
+    pub fn render(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Stats {
+        let total = Mutex::new(Stats::new(self.workers.detailed_stats));
+        let passes = (samples.end.saturating_sub(samples.start)).div_ceil(SAMPLES_PER_BLOCK);
+        let blocks = u64::from(passes) * film.tile_count() as u64;
+        let next = AtomicU64::new(0);
+        self.pool.broadcast(|_| {
+            let arena = Bump::new();
+            let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
+            let mut wavefront = Wavefront::new_in(&arena, frame, lanes);
+            let mut stats = Stats::new(self.workers.detailed_stats);
+            while !monitor.stop.load(Ordering::Relaxed) {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= blocks {
+                    break;
+                }
+                let (pass, tile) = (index / film.tile_count() as u64, index % film.tile_count() as u64);
+                let start = samples.start + pass as u32 * SAMPLES_PER_BLOCK;
+                let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                let before = stats.samples;
+                wavefront.render(frame, pipeline, block, &mut film.tile(tile as usize), &mut stats);
+                monitor.samples.fetch_add(stats.samples - before, Ordering::Relaxed);
+            }
+            total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&stats);
+        });
+        total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
