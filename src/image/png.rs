@@ -1,0 +1,47 @@
+//! 8-bit images for the eye.
+
+use std::io::Write;
+
+use super::tone::ToneCurve;
+use crate::film::Film;
+
+/// Writes the film tone-mapped (see [`super::tone`]); the exposure is noted in the file.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_film(writer: impl Write, film: &Film) -> core::result::Result<(), String> {
+    let curve = ToneCurve::for_pixels(film.pixels().map(|pixel| pixel.mean));
+    let region = film.region();
+    let rows = region.rows().map(|y| region.columns().flat_map(move |x| curve.encode(film.pixel(x, y).mean)));
+    let note = ("exposure", format!("{:e}", curve.exposure));
+    write_rows(writer, [region.width(), region.height()], rows, &[note])
+}
+
+/// Writes rows of RGB bytes.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_rows(
+    writer: impl Write,
+    size: [u32; 2],
+    rows: impl Iterator<Item = impl Iterator<Item = u8>>,
+    notes: &[(&str, String)],
+) -> core::result::Result<(), String> {
+    let failed = |error: png::EncodingError| error.to_string();
+    let mut encoder = png::Encoder::new(writer, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    for (name, text) in notes {
+        encoder.add_text_chunk((*name).into(), text.clone()).map_err(failed)?;
+    }
+    let mut png = encoder.write_header().map_err(failed)?;
+    let mut stream = png.stream_writer().map_err(failed)?;
+    let mut line = Vec::with_capacity(3 * size[0] as usize);
+    for row in rows {
+        line.clear();
+        line.extend(row);
+        stream.write_all(&line).map_err(|error| error.to_string())?;
+    }
+    stream.finish().map_err(failed)
+}
