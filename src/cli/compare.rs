@@ -1,0 +1,49 @@
+//! `fogbow compare`
+
+use super::figures::number;
+use super::{CompareArgs, say, tell};
+use crate::compare::{ChannelComparison, compare, difference_picture};
+use crate::error::{Error, Result};
+use crate::image::{self, check_writable, write_whole};
+
+pub fn run(args: &CompareArgs) -> Result<()> {
+    if let Some(path) = &args.png {
+        if !image::is_png(path) {
+            let flag = format!("--png {}", path.display());
+            return Err(Error::usage(flag, "does not name a PNG image", "end the name in .png"));
+        }
+        check_writable(path)?;
+    }
+    let (a, b) = (image::exr::read_image(&args.a)?, image::exr::read_image(&args.b)?);
+    let channels = compare(&a, &b)
+        .map_err(|error| Error { place: format!("{}, {}", args.a.display(), args.b.display()), ..error })?;
+    if args.json {
+        let report = serde_json::json!({ "width": a.width, "height": a.height, "channels": channels });
+        say(report)?;
+    } else {
+        say(format!("{} and {}: {}x{} pixels", args.a.display(), args.b.display(), a.width, a.height))?;
+        channels.iter().try_for_each(|channel| say(describe(channel)))?;
+    }
+    if let Some(path) = &args.png {
+        let (bytes, meaning) = difference_picture(&a, &b)?;
+        let rows = bytes.chunks(3 * a.width).map(|row| row.iter().copied());
+        let size = [a.width as u32, a.height as u32];
+        write_whole(path, |writer| image::png::write_rows(writer, size, rows, &[("scale", meaning.clone())]))?;
+        tell(format!("{}: full colour is {meaning}", path.display()));
+    }
+    Ok(())
+}
+
+fn describe(c: &ChannelComparison) -> String {
+    let [mean_a, mean_b] = [c.mean_a, c.mean_b].map(|mean| number(mean, 6));
+    let (rmse, relative) = (number(c.rmse, 4), number(c.relative_mse, 4));
+    let mut text = format!("{}  means {mean_a} and {mean_b}  RMSE {rmse}  relative MSE {relative}", c.channel);
+    let noise = (c.mean_difference_in_standard_errors, c.noisy_pixels, c.chi_square, c.p_value);
+    if let (Some(z), Some(pixels), Some(chi_square), Some(p)) = noise {
+        let chi_square = number(chi_square, 4);
+        text += &format!(
+            "\n   means differ by {z:+.2} standard errors  chi-square {chi_square} over {pixels} noisy pixels, p = {p:.3}"
+        );
+    }
+    text
+}

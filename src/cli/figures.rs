@@ -1,0 +1,59 @@
+//! Figures as people read them.
+
+use std::time::Duration;
+
+/// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an exponent.
+pub fn number(value: f64, digits: usize) -> String {
+    if !value.is_finite() || (value.fract() == 0.0 && value.abs() < 1e6) {
+        return value.to_string();
+    }
+    let exponent = value.abs().log10().floor();
+    let after_first = digits.saturating_sub(1);
+    match exponent {
+        -4.0..6.0 => format!("{value:.*}", (after_first as i32 - exponent as i32).max(0) as usize),
+        _ => format!("{value:.after_first$e}"),
+    }
+}
+
+/// A rate with its unit.
+pub fn rate(samples_per_second: f64) -> String {
+    match samples_per_second {
+        rate if rate >= 1e6 => format!("{:.2} M samples/s", rate / 1e6),
+        rate if rate >= 1e3 => format!("{:.1} k samples/s", rate / 1e3),
+        rate => format!("{rate:.0} samples/s"),
+    }
+}
+
+/// A duration with one or two units.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        ..0.001 => "less than 1 ms".into(),
+        ..0.1 => format!("{:.0} ms", 1e3 * seconds),
+        ..10.0 => format!("{seconds:.1} s"),
+        _ => humantime::format_duration(Duration::from_secs(seconds.round().min(1e10) as u64)).to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_as_long_as_they_say_something() {
+        let cases = [(0.0, "0"), (1.23456, "1.235"), (-64.0, "-64"), (123_456.0, "123456"), (1e-3, "0.001000")];
+        for (value, text) in cases {
+            assert_eq!(number(value, 4), text);
+        }
+        assert_eq!(number(1.5e-7, 3), "1.50e-7");
+        assert_eq!(number(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn rates_and_durations_read_well() {
+        assert_eq!(rate(12_345_678.0), "12.35 M samples/s");
+        assert_eq!(rate(1_500.0), "1.5 k samples/s");
+        assert_eq!(duration(0.0123), "12 ms");
+        assert_eq!(duration(3.21), "3.2 s");
+        assert_eq!(duration(75.2), "1m 15s");
+    }
+}

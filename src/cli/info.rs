@@ -1,0 +1,114 @@
+//! `fogbow info`
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use fogbow_kernels::pipeline::SIMD;
+
+use super::figures::{duration, number, rate};
+use super::{InfoArgs, say};
+use crate::error::{Error, Result};
+use crate::film::{Film, Region, TILE_SIZE};
+use crate::frame::Frame;
+use crate::image;
+use crate::render::{Monitor, Renderer, Workers};
+use crate::scene::{self, LoadedScene};
+
+/// How long the rate is measured.
+const PILOT: Duration = Duration::from_millis(300);
+/// About how many pixels the rate is measured on.
+const PILOT_PIXELS: u32 = 1 << 14;
+
+pub fn run(args: &InfoArgs) -> Result<()> {
+    let path = args.path.as_path();
+    if image::is_png(path) {
+        let remedy = "give a scene, or the EXR image of the same render";
+        return Err(Error::failure(path.display(), "PNG images are for the eye and hold no data", remedy));
+    }
+    if image::is_exr(path) { describe_image(path) } else { describe_scene(&scene::load(path, Vec::new())?) }
+}
+
+fn describe_image(path: &Path) -> Result<()> {
+    let image = image::exr::read_image(path)?;
+    say(format!("{}: {}x{} pixels", path.display(), image.width, image.height))?;
+    for (name, values) in &image.channels {
+        let mean = values.iter().map(|value| f64::from(*value)).sum::<f64>() / values.len() as f64;
+        say(format!("  {name:5} mean {}", number(mean, 6)))?;
+    }
+    for (name, text) in &image.header {
+        let name = name.strip_prefix(image::exr::PREFIX).unwrap_or(name);
+        match text.trim_end().split_once('\n') {
+            None => say(format!("{name}: {text}"))?,
+            Some(_) => say(format!("{name}:\n{}", indented(text)))?,
+        }
+    }
+    Ok(())
+}
+
+fn indented(text: &str) -> String {
+    let lines = text.trim_end().lines();
+    let lines = lines.map(|line| if line.is_empty() { String::new() } else { format!("  {line}") });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The single-scattering albedo: one number if it is grey.
+fn albedo(frame: &Frame) -> String {
+    let channels = frame.medium.albedo.map(|channel| number(f64::from(channel), 4));
+    if channels.iter().all(|channel| *channel == channels[0]) { channels[0].clone() } else { channels.join(" | ") }
+}
+
+fn describe_scene(loaded: &LoadedScene) -> Result<()> {
+    let LoadedScene { name, scene, frame } = loaded;
+    let [width, height] = scene.film.size;
+    let render = &scene.render;
+    say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
+    match &scene.medium {
+        Some(medium) if frame.medium.extinction > 0.0 => {
+            let free_path = number(f64::from(1.0 / frame.medium.extinction), 4);
+            say(format!("fog: mean free path {free_path} m, albedo {}, g {:?}", albedo(frame), medium.phase.g))?;
+        }
+        _ => say("vacuum: only directly seen light counts")?,
+    }
+    for light in &scene.light {
+        let distance = glam::DVec3::from(light.center).distance(glam::DVec3::from(scene.camera.position));
+        let depth = number(distance * f64::from(frame.medium.extinction), 3);
+        let (distance, radius) = (number(distance, 4), light.radius);
+        say(format!("light: disk of radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))?;
+    }
+    let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
+    say(format!(
+        "technique {}, paths of {} to {} segments",
+        names.join(","),
+        render.min_segments,
+        render.max_segments
+    ))?;
+
+    let pixels = u64::from(width) * u64::from(height);
+    let measured = measure(loaded)?;
+    let samples = pixels * u64::from(render.samples);
+    say(format!(
+        "cost: {samples} samples, {} at {}; film {} MiB",
+        duration(samples as f64 / measured),
+        rate(measured),
+        (Film::bytes(frame, pixels) >> 20).max(1),
+    ))
+}
+
+/// Samples per second of this scene on this machine, from a short render.
+fn measure(loaded: &LoadedScene) -> Result<f64> {
+    let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
+        .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;
+    let [width, height] = loaded.scene.film.size;
+    // A strip through the middle is a fair sample of the image.
+    let columns = width.min(PILOT_PIXELS);
+    let rows = PILOT_PIXELS.div_ceil(columns).min(height);
+    let (left, top) = ((width - columns) / 2, (height - rows) / 2);
+    let film = Film::new(&loaded.frame, Region { x0: left, y0: top, x1: left + columns, y1: top + rows }, TILE_SIZE);
+    let (start, mut samples, mut done) = (Instant::now(), 0, 0);
+    while start.elapsed() < PILOT && done < 1 << 20 {
+        let next = (2 * done).clamp(1, done + 16);
+        samples += renderer.render(&loaded.frame, &SIMD, &film, done..next, &Monitor::default()).samples;
+        done = next;
+    }
+    Ok(samples as f64 / start.elapsed().as_secs_f64())
+}

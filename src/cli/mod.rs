@@ -1,0 +1,204 @@
+//! The command line.
+
+mod compare;
+mod figures;
+mod info;
+mod job;
+mod progress;
+mod render;
+mod report;
+mod values;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::error::{Error, Result};
+use crate::scene::document::Override;
+use values::Reference;
+
+/// Renders light in dense, forward-scattering media: fog, clouds, milk, skin, deep water.
+#[derive(Debug, Parser)]
+#[command(name = "fogbow", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to EXR and PNG images.
+    Render(Box<RenderArgs>),
+    /// Compare two EXR images: differences, and whether noise explains them.
+    Compare(CompareArgs),
+    /// Say what a scene is and what it will cost, or what an image's header holds.
+    Info(InfoArgs),
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Progress {
+    /// A bar on a terminal, plain lines elsewhere.
+    Auto,
+    /// A bar.
+    Bar,
+    /// A line now and then.
+    Plain,
+    /// One JSON object per line, on standard error.
+    Json,
+    /// Lines that Open Job Description workers understand, on standard output.
+    Openjd,
+    /// Nothing but errors.
+    None,
+}
+
+#[derive(Debug, Args)]
+struct RenderArgs {
+    /// The scene: a TOML file, or a folder with a scene.toml.
+    #[arg(required_unless_present = "help_scene")]
+    scene: Option<PathBuf>,
+    /// Where to write the image; .exr or .png; may be repeated. Default: the scene's name with .exr.
+    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png")]
+    output: Vec<PathBuf>,
+    /// Connection technique, or several with commas: path, nee, mvnee.
+    #[arg(long, value_name = "T[,T]")]
+    technique: Option<String>,
+    /// Longest MVNEE connection in expected segments.
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
+    mesc: Option<f64>,
+    /// Longest path in segments, camera and light segment included.
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = values::whole_number("--max-segments"))]
+    max_segments: Option<i64>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true, value_parser = values::whole_number("--samples"))]
+    samples: Option<i64>,
+    /// Render for so long, as 60s or 2min, and at least one sample per pixel.
+    #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
+    time: Option<Duration>,
+    /// Render until the root mean square error of the pixels is this share of the image's mean.
+    #[arg(long, value_name = "SHARE", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
+    noise: Option<f64>,
+    /// Size of the image in pixels.
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
+    size: Option<[u32; 2]>,
+    /// Render only columns X0 to X1 and rows Y0 to Y1 (the last ones excluded) of the image.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = values::crop)]
+    crop: Option<[u32; 4]>,
+    /// Seed of all random numbers.
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed"))]
+    seed: Option<i64>,
+    /// Worker threads. Default: one per processor. The image does not depend on it.
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]
+    threads: Option<u32>,
+    /// Replace all stages, or the named one, by their scalar f64 twins.
+    #[arg(long, value_name = "STAGE", num_args = 0..=1, default_missing_value = "all", value_parser = values::stage)]
+    reference: Option<Reference>,
+    /// Write counters and times of every stage as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+    /// How to show progress.
+    #[arg(long, value_enum, default_value = "auto")]
+    progress: Progress,
+    /// Override any key of the scene; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
+    set: Vec<Override>,
+    /// List every key of a scene file, with type, default and meaning.
+    #[arg(long)]
+    help_scene: bool,
+}
+
+#[derive(Debug, Args)]
+struct CompareArgs {
+    /// The first image.
+    a: PathBuf,
+    /// The second image, the reference of relative figures.
+    b: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Write a picture of the difference: red where the first is brighter, blue where it is darker.
+    #[arg(long, value_name = "DIFF.png")]
+    png: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+struct InfoArgs {
+    /// A scene file or folder, or an EXR image.
+    path: PathBuf,
+}
+
+/// Runs the program with `args`, the program's name first.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return explain(&error),
+    };
+    let outcome = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
+    };
+    outcome.unwrap_or_else(|error| fail(&error))
+}
+
+/// Prints what clap says, wrong values in the same form as all other errors, and gives the exit code.
+fn explain(error: &clap::Error) -> ExitCode {
+    let own = std::error::Error::source(error).and_then(|source| source.downcast_ref::<Error>());
+    if let Some(error) = own.cloned().or_else(|| wrong_choice(error)) {
+        return fail(&error);
+    }
+    // Help and version are errors to clap, but not to the shell.
+    let _ = error.print();
+    ExitCode::from(if error.use_stderr() { 2 } else { 0 })
+}
+
+/// The error that a value is none of those that its flag knows.
+fn wrong_choice(error: &clap::Error) -> Option<Error> {
+    let context = (error.get(ContextKind::InvalidArg)?, error.get(ContextKind::InvalidValue)?);
+    let (ContextValue::String(flag), ContextValue::String(value)) = context else { return None };
+    let ContextValue::Strings(choices) = error.get(ContextKind::ValidValue)? else { return None };
+    if error.kind() != ErrorKind::InvalidValue || value.is_empty() {
+        return None;
+    }
+    let flag = flag.split(' ').next().unwrap_or(flag);
+    Some(Error::usage(format!("{flag} {value}"), "is no choice", format!("choices are {}", choices.join(", "))))
+}
+
+/// Prints `error` and gives its exit code.
+pub fn fail(error: &Error) -> ExitCode {
+    tell(error);
+    ExitCode::from(error.exit_code())
+}
+
+/// Prints a line to standard error. If nobody can read it, there is nobody to tell.
+fn tell(line: impl core::fmt::Display) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints a line to standard output; a reader that has gone away is no error.
+fn say(line: impl core::fmt::Display) -> Result<()> {
+    use std::io::Write;
+    match writeln!(std::io::stdout().lock(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            let finding = format!("cannot be written: {error}");
+            Err(Error::failure("standard output", finding, "check where it goes and the free space there"))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,115 @@
+//! `fogbow render`
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use fogbow_kernels::pipeline::{self, Pipeline};
+
+use super::job::{Job, Target};
+use super::progress::Reporter;
+use super::values::Reference;
+use super::{RenderArgs, say};
+use crate::error::{Error, Result};
+use crate::film::{Film, Region, TILE_SIZE};
+use crate::image::{self, check_writable};
+use crate::render::{Renderer, Workers};
+use crate::scene::document::Override;
+use crate::scene::{self, LoadedScene};
+
+/// Side of a tile where twins run: they are slow, and a tile is what Ctrl-C and progress wait for.
+const REFERENCE_TILE_SIZE: u32 = 8;
+
+pub fn run(args: &RenderArgs) -> Result<ExitCode> {
+    if args.help_scene {
+        say(scene::help::page().trim_end())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
+    let scene = scene::load(path, overrides(args))?;
+    let region = region(args, scene.scene.film.size)?;
+    let outputs = outputs(args, &scene)?;
+    check_stats(args, &outputs)?;
+    let target = match (args.time, args.noise) {
+        (Some(time), _) => Target::Time(time),
+        (_, Some(noise)) => Target::Noise(noise),
+        _ => Target::Samples(scene.scene.render.samples),
+    };
+    let workers =
+        Workers { threads: args.threads.unwrap_or(0) as usize, lanes: None, detailed_stats: args.stats.is_some() };
+    let renderer = Renderer::new(workers).map_err(|error| {
+        Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
+    })?;
+    let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { TILE_SIZE };
+    let film = Film::new(&scene.frame, region, tile_size);
+    let job = Job { scene: &scene, renderer, pipeline: pipeline(args), film };
+    let mut reporter = Reporter::new(args.progress, &scene.name);
+    let outcome = job.run(target, &mut reporter)?;
+    job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)
+}
+
+/// The scene's keys that flags override, before those of `--set`.
+fn overrides(args: &RenderArgs) -> Vec<Override> {
+    let change = |key: &str, value: toml::Value, flag: String| Override { key: key.into(), value, flag };
+    let number = |key: &str, flag: &str, value: Option<i64>| {
+        value.map(|value| change(key, value.into(), format!("--{flag} {value}")))
+    };
+    let technique =
+        args.technique.as_ref().map(|t| change("render.technique", t.clone().into(), format!("--technique {t}")));
+    let mesc = args.mesc.map(|mesc| change("render.mesc", mesc.into(), format!("--mesc {mesc}")));
+    let size = args.size.map(|[width, height]| {
+        let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
+        change("film.size", value.into(), format!("--size {width}x{height}"))
+    });
+    let numbers = [
+        number("render.max_segments", "max-segments", args.max_segments),
+        number("render.samples", "samples", args.samples),
+        number("render.seed", "seed", args.seed),
+    ];
+    let flags = [technique, mesc, size].into_iter().chain(numbers).flatten();
+    flags.chain(args.set.iter().cloned()).collect()
+}
+
+fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
+    let whole = Region::whole(width, height);
+    let Some([x0, y0, x1, y1]) = args.crop else { return Ok(whole) };
+    if x0 < x1 && y0 < y1 && x1 <= width && y1 <= height {
+        return Ok(Region { x0, y0, x1, y1 });
+    }
+    let finding = format!("the window is empty or not inside the image of {width}x{height} pixels");
+    let remedy = "give X0,Y0,X1,Y1 with 0 <= X0 < X1 <= width and 0 <= Y0 < Y1 <= height";
+    Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
+}
+
+/// The images to write, each once.
+fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<PathBuf>> {
+    let default = [PathBuf::from(format!("{}.exr", scene.name))];
+    let mut outputs: Vec<PathBuf> = Vec::new();
+    for path in if args.output.is_empty() { &default } else { args.output.as_slice() } {
+        if !image::is_exr(path) && !image::is_png(path) {
+            let flag = format!("--output {}", path.display());
+            return Err(Error::usage(flag, "does not name an image format", "end the name in .exr or .png"));
+        }
+        check_writable(path)?;
+        if !outputs.contains(path) {
+            outputs.push(path.clone());
+        }
+    }
+    Ok(outputs)
+}
+
+fn check_stats(args: &RenderArgs, outputs: &[PathBuf]) -> Result<()> {
+    let Some(path) = &args.stats else { return Ok(()) };
+    if outputs.contains(path) || args.scene.as_ref() == Some(path) {
+        let flag = format!("--stats {}", path.display());
+        return Err(Error::usage(flag, "names the scene or an image", "give the statistics a file of their own"));
+    }
+    check_writable(path)
+}
+
+fn pipeline(args: &RenderArgs) -> Pipeline {
+    match args.reference {
+        None => pipeline::SIMD,
+        Some(Reference::All) => pipeline::REFERENCE,
+        Some(Reference::One(stage)) => pipeline::SIMD.with_reference(stage),
+    }
+}

@@ -1,0 +1,141 @@
+//! What a render leaves behind besides pixels: header entries, statistics and a last line.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use fogbow_kernels::pipeline::Stage;
+use serde_json::{Value, json};
+
+use super::figures::{duration, number, rate};
+use crate::error::Result;
+use crate::film::Film;
+use crate::image::write_whole;
+use crate::scene::LoadedScene;
+use crate::stats::{ConnectionStats, Stats};
+
+/// A finished render.
+pub struct Report<'a> {
+    /// The scene.
+    pub scene: &'a LoadedScene,
+    /// The film.
+    pub film: &'a Film,
+    /// Worker threads.
+    pub threads: usize,
+    /// Time spent rendering.
+    pub elapsed: Duration,
+    /// Counters.
+    pub stats: &'a Stats,
+}
+
+impl Report<'_> {
+    /// Names of the active techniques, `path` if there is no other.
+    pub fn techniques(&self) -> String {
+        let techniques = self.scene.frame.techniques;
+        let names = [("nee", techniques.nee), ("mvnee", techniques.mvnee.is_some())];
+        let active: Vec<_> = names.into_iter().filter(|(_, active)| *active).map(|(name, _)| name).collect();
+        if active.is_empty() { "path".into() } else { active.join(",") }
+    }
+
+    /// Entries of an image's header.
+    pub fn header(&self) -> Vec<(String, String)> {
+        let region = self.film.region();
+        let entries = [
+            ("version", env!("CARGO_PKG_VERSION").to_string()),
+            ("scene", self.scene.name.clone()),
+            ("scene_hash", self.scene.hash()),
+            ("settings", self.scene.to_toml()),
+            ("technique", self.techniques()),
+            ("seed", self.scene.frame.seed.to_string()),
+            // The last ones perhaps not of every pixel.
+            ("sample_range", format!("0..{}", self.film.most_samples())),
+            ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
+            ("samples", self.stats.samples.to_string()),
+            ("seconds", format!("{:.3}", self.elapsed.as_secs_f64())),
+            ("threads", self.threads.to_string()),
+            ("cpu_features", crate::cpu::built_for().join(" ")),
+        ];
+        entries.into_iter().map(|(name, text)| (name.to_string(), text)).collect()
+    }
+
+    /// What was rendered, in one line.
+    pub fn summary(&self, outputs: &[PathBuf]) -> String {
+        let (samples, seconds) = (self.stats.samples as f64, self.elapsed.as_secs_f64());
+        let names: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
+        let per_pixel = match samples / self.film.region().pixels() as f64 {
+            1.0 => "1 sample per pixel".into(),
+            count => format!("{} samples per pixel", number(count, 4)),
+        };
+        // There is none with one sample per pixel, or in a black image.
+        let noise = Some(self.film.relative_noise()).filter(|noise| noise.is_finite());
+        let (mean, error) = self.film.mean();
+        let mean = |channel: usize| match noise {
+            None => number(mean[channel], 5),
+            Some(_) => format!("{} +- {}", number(mean[channel], 5), number(error[channel], 2)),
+        };
+        let means: Vec<_> = (0..self.scene.frame.channels()).map(mean).collect();
+        format!(
+            "{}: {}, {per_pixel} in {}, {}, mean {}{}",
+            names.join(", "),
+            self.techniques(),
+            duration(seconds),
+            rate(samples / seconds),
+            means.join(" | "),
+            noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3))),
+        )
+    }
+
+    /// Writes the statistics as JSON.
+    pub fn write_statistics(&self, path: &Path) -> Result<()> {
+        let text = serde_json::to_string_pretty(&self.statistics()).expect("numbers and names");
+        write_whole(path, |writer| writeln!(writer, "{text}").map_err(|error| error.to_string()))
+    }
+
+    /// Statistics as JSON.
+    fn statistics(&self) -> Value {
+        let (seconds, stats) = (self.elapsed.as_secs_f64(), self.stats);
+        let stages: Vec<_> = Stage::ALL
+            .iter()
+            .zip(&stats.stages)
+            .map(|(stage, work)| {
+                json!({
+                    "stage": stage.name(),
+                    "calls": work.calls,
+                    "rows": work.rows,
+                    "live_lanes_per_batch": work.rows as f64 / work.batches.max(1) as f64,
+                    "seconds": work.seconds,
+                })
+            })
+            .collect();
+        let (mean, standard_error) = self.film.mean();
+        json!({
+            "scene": self.scene.name,
+            "technique": self.techniques(),
+            "threads": self.threads,
+            "seconds": seconds,
+            "samples": stats.samples,
+            "samples_per_second": stats.samples as f64 / seconds,
+            "segments": stats.segments,
+            "segments_per_second": stats.segments as f64 / seconds,
+            "mean": mean,
+            "standard_error": standard_error,
+            "stages": stages,
+            "connections": { "nee": connections(&stats.nee), "mvnee": connections(&stats.mvnee) },
+            "dropped_non_finite": dropped(self),
+        })
+    }
+}
+
+fn connections(stats: &ConnectionStats) -> Value {
+    json!({ "tried": stats.tried, "weighted": stats.weighted, "occluded": stats.occluded })
+}
+
+fn dropped(report: &Report<'_>) -> Value {
+    let width = report.scene.frame.camera.width;
+    let first = report
+        .stats
+        .dropped
+        .first
+        .map(|(pixel, sample)| json!({ "x": pixel % width, "y": pixel / width, "sample": sample }));
+    json!({ "count": report.stats.dropped.count, "first": first })
+}
