@@ -1,0 +1,152 @@
+//! Where images go: refused in time if they cannot, whole or not at all if they can.
+
+use std::fs;
+use std::io::Read;
+
+use super::support::{Folder, SCENE, header, plane};
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_rendering() {
+    let folder = Folder::with_scene();
+    fs::create_dir(folder.path("folder.exr")).expect("a folder");
+    let long = format!("{}.exr", "x".repeat(300));
+    let cases = [
+        ("nowhere/a.exr", "nowhere/a.exr: no file can be made in nowhere: "),
+        ("folder.exr", "folder.exr: is a folder\n"),
+        ("a.exr/", "a.exr/: is a folder\n"),
+        ("scene.toml/a.exr", "scene.toml/a.exr: no file can be made in scene.toml: "),
+        (&long, &format!("{long}: cannot be a file: ")),
+    ];
+    for (output, beginning) in cases {
+        // So many samples would take hours.
+        let run = folder.refused(&["render", "scene.toml", "-o", output, "--samples", "1000000000"], 1, beginning);
+        assert!(!run.stderr.contains(".part"), "{run}");
+    }
+    folder.refused(&["render", "scene.toml", "-o", "a.exr", "--stats", "nowhere/s.json"], 1, "nowhere/s.json: ");
+    folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", "nowhere/b.png"], 1, "nowhere/b.png: ");
+}
+
+#[test]
+fn an_output_names_its_format() {
+    let folder = Folder::with_scene();
+    for output in ["a", "a.jpg", ".exr", "scene.toml"] {
+        let beginning = format!("--output {output}: does not name an image format\n");
+        folder.refused(&["render", "scene.toml", "-o", output], 2, &beginning);
+    }
+    folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", "b"], 2, "--output b: ");
+}
+
+#[test]
+fn statistics_do_not_replace_the_image_or_the_scene() {
+    let folder = Folder::with_scene();
+    for stats in ["a.exr", "scene.toml"] {
+        let beginning = format!("--stats {stats}: names the scene or an image\n");
+        folder.refused(&["render", "scene.toml", "-o", "a.exr", "--stats", stats], 2, &beginning);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_without_write_permission_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_scene();
+    fs::create_dir(folder.path("locked")).expect("a folder");
+    fs::set_permissions(folder.path("locked"), fs::Permissions::from_mode(0o555)).expect("own folder");
+    if fs::write(folder.path("locked/probe"), "").is_ok() {
+        return; // root may write anywhere
+    }
+    folder.refused(&["render", "scene.toml", "-o", "locked/a.exr"], 1, "locked/a.exr: no file can be made in locked: ");
+}
+
+#[test]
+fn every_output_is_written_once() {
+    let folder = Folder::with_scene();
+    let args =
+        ["render", "scene.toml", "-o", "a.exr", "-o", "b.PNG", "-o", "a.exr", "-o", "c.exr", "--stats", "s.json"];
+    let run = folder.done(&args);
+    assert_eq!(folder.names(), ["a.exr", "b.PNG", "c.exr", "s.json", "scene.toml"]);
+    assert!(run.stderr.starts_with("a.exr, b.PNG, c.exr: mvnee, 4 samples per pixel in "), "{run}");
+    assert_eq!(run.stdout, "");
+}
+
+#[test]
+fn without_an_output_the_scene_names_the_image() {
+    let folder = Folder::empty();
+    folder.write("fog.v2.toml", SCENE);
+    folder.write("thick.v3/scene.toml", SCENE);
+    folder.write("mist/scene.toml", SCENE);
+    folder.write("scene/scene.toml", SCENE);
+    folder.done(&["render", "scene"]);
+    folder.done(&["render", "fog.v2.toml"]);
+    folder.done(&["render", "thick.v3"]);
+    folder.done(&["render", "mist/scene.toml"]);
+    let scenes = ["fog.v2.toml", "mist", "scene", "thick.v3"];
+    let images = folder.names().into_iter().filter(|name| !scenes.contains(&name.as_str()));
+    assert_eq!(images.collect::<Vec<_>>(), ["fog.v2.exr", "mist.exr", "scene.exr", "thick.v3.exr"]);
+    assert_eq!(header(&folder.image("thick.v3.exr"), "scene"), "thick.v3");
+}
+
+#[test]
+fn a_scene_in_the_current_folder_is_called_after_the_folder() {
+    let outside = Folder::empty();
+    outside.write("dale/scene.toml", SCENE);
+    for scene in [".", "scene.toml", "../dale/scene.toml", "./scene.toml"] {
+        let run = super::support::Run::of(
+            super::support::program(&outside).current_dir(outside.path("dale")).args(["render", scene]),
+        );
+        assert_eq!(run.code, Some(0), "{run}");
+        fs::remove_file(outside.path("dale/dale.exr")).unwrap_or_else(|error| panic!("{error}: {run}"));
+    }
+}
+
+#[test]
+fn names_may_be_long_and_in_any_script() {
+    let name = format!("Nebelstraße-雾-{}", "y".repeat(200));
+    let folder = Folder::empty();
+    folder.write(&format!("{name}.toml"), SCENE);
+    folder.done(&["render", &format!("{name}.toml")]);
+    assert_eq!(header(&folder.image(&format!("{name}.exr")), "scene"), name);
+}
+
+#[test]
+fn an_existing_image_is_replaced_as_a_whole() {
+    let folder = Folder::with_scene();
+    folder.write("a.exr", "the image of yesterday");
+    let mut reader = fs::File::open(folder.path("a.exr")).expect("a file");
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    assert_eq!(plane(&folder.image("a.exr"), "R").len(), 64);
+    #[cfg(unix)] // who had the old one open still reads it to its end
+    {
+        let mut old = String::new();
+        reader.read_to_string(&mut old).expect("text");
+        assert_eq!(old, "the image of yesterday");
+    }
+    assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn images_have_the_permissions_of_any_new_file() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_scene();
+    let mut shell = std::process::Command::new("sh");
+    let script = "umask 027; exec \"$0\" render scene.toml -o a.exr -o b.png --stats s.json --progress none";
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_fogbow")]).current_dir(folder.path("."));
+    let status = shell.status().expect("a shell");
+    assert!(status.success());
+    for name in ["a.exr", "b.png", "s.json"] {
+        let mode = fs::metadata(folder.path(name)).expect("a file").permissions().mode();
+        assert_eq!(mode & 0o777, 0o640, "{name}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_stays_one() {
+    let folder = Folder::with_scene();
+    folder.write("elsewhere/a.exr", "");
+    std::os::unix::fs::symlink("elsewhere/a.exr", folder.path("link.exr")).expect("a link");
+    folder.done(&["render", "scene.toml", "-o", "link.exr"]);
+    assert!(folder.path("link.exr").is_symlink());
+    assert_eq!(plane(&folder.image("elsewhere/a.exr"), "R").len(), 64);
+}

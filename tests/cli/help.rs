@@ -1,0 +1,57 @@
+//! Help.
+
+use super::support::Folder;
+
+#[test]
+fn help_for_scenes_lists_every_key() {
+    let run = Folder::empty().done(&["render", "--help-scene"]);
+    for key in ["[camera]", "vertical_fov_deg = number  (required)", "[[light]]", "phase.g = number", "mesc = number"] {
+        assert!(run.stdout.contains(key), "{key} is missing\n{run}");
+    }
+    assert_eq!(run.stderr, "", "{run}");
+}
+
+#[test]
+fn help_lists_every_flag_that_scripts_rely_on() {
+    let run = Folder::empty().done(&["render", "--help"]);
+    let flags = [
+        "--output",
+        "--technique",
+        "--mesc",
+        "--max-segments",
+        "--samples",
+        "--time",
+        "--noise",
+        "--size",
+        "--crop",
+        "--seed",
+        "--threads",
+        "--reference",
+        "--stats",
+        "--progress",
+        "--set",
+        "--help-scene",
+    ];
+    for flag in flags {
+        assert!(run.stdout.contains(flag), "{flag} is missing\n{run}");
+    }
+    let run = Folder::empty().done(&["--help"]);
+    for command in ["render", "compare", "info"] {
+        assert!(run.stdout.contains(&format!("\n  {command} ")), "{command} is missing\n{run}");
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    let run = Folder::empty().done(&["--version"]);
+    assert_eq!(run.stdout, concat!("fogbow ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn help_into_a_closed_pipe_is_no_error() {
+    let mut shell = std::process::Command::new("sh");
+    let script = "{ \"$0\" render --help-scene; echo $? >&2; } | true";
+    let output = shell.args(["-c", script, env!("CARGO_BIN_EXE_fogbow")]).output().expect("a shell");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "0\n");
+}

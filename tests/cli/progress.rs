@@ -1,0 +1,108 @@
+//! Who is told what, and where.
+
+use super::support::{Folder, Run};
+use serde_json::Value;
+
+/// A render that is longer than the interval between messages.
+fn long_render(style: &str) -> Run {
+    Folder::with_scene().done(&["render", "scene.toml", "-o", "a.exr", "--time", "2300ms", "--progress", style])
+}
+
+fn short_render(style: &str) -> Run {
+    Folder::with_scene().done(&["render", "scene.toml", "-o", "a.exr", "--progress", style])
+}
+
+#[test]
+fn plain_progress_is_a_line_now_and_then_and_a_summary() {
+    let run = long_render("plain");
+    let lines: Vec<_> = run.stderr.lines().collect();
+    assert_eq!((lines.len(), run.stdout.as_str()), (2, ""), "{run}");
+    let percent = lines[0].split_once('%').and_then(|(number, _)| number.trim().parse::<f64>().ok());
+    assert!(percent.is_some_and(|percent| (80.0..=100.0).contains(&percent)), "{run}");
+    assert!(lines[0].contains("samples/s") && lines[0].ends_with(" left"), "{run}");
+    assert!(lines[1].starts_with("a.exr: mvnee, ") && lines[1].contains("samples per pixel in 2."), "{run}");
+}
+
+#[test]
+fn json_progress_is_one_object_per_line_on_standard_error() {
+    let run = long_render("json");
+    let messages: Vec<Value> =
+        run.stderr.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}\n{run}"))).collect();
+    let events: Vec<_> = messages.iter().map(|message| message["event"].as_str().expect("an event")).collect();
+    assert_eq!((events.as_slice(), run.stdout.as_str()), (&["progress", "progress", "status"][..], ""), "{run}");
+    let fractions = [&messages[0], &messages[1]].map(|message| message["fraction"].as_f64().expect("a fraction"));
+    assert!(fractions[0] > 0.8 && fractions[1] == 1.0, "{run}");
+    for name in ["samples", "samples_per_second", "seconds", "seconds_left"] {
+        assert!(messages[0][name].is_number(), "{name}: {run}");
+    }
+    assert!(messages[2]["message"].as_str().is_some_and(|text| text.starts_with("a.exr: mvnee, ")), "{run}");
+}
+
+#[test]
+fn openjd_progress_is_on_standard_output() {
+    let run = long_render("openjd");
+    let lines: Vec<_> = run.stdout.lines().collect();
+    assert_eq!((lines.len(), run.stderr.as_str()), (3, ""), "{run}");
+    let percents = [lines[0], lines[1]].map(|line| line.strip_prefix("openjd_progress: ").and_then(|n| n.parse().ok()));
+    assert!(percents[0].is_some_and(|percent: f64| percent > 80.0) && percents[1] == Some(100.0), "{run}");
+    assert!(lines[2].starts_with("openjd_status: a.exr: mvnee, "), "{run}");
+}
+
+#[test]
+fn without_progress_success_is_silent_and_errors_are_not() {
+    let run = short_render("none");
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");
+    Folder::with_scene().refused(&["render", "scene.toml", "-o", "a", "--progress", "none"], 2, "--output a: ");
+}
+
+#[test]
+fn a_short_render_is_a_single_line() {
+    for style in ["auto", "plain", "bar"] {
+        let run = short_render(style);
+        assert_eq!((run.stderr.lines().count(), run.stdout.as_str()), (1, ""), "{run}");
+        assert!(run.stderr.starts_with("a.exr: mvnee, 4 samples per pixel in "), "{run}");
+        assert!(run.stderr.contains(" +- ") && run.stderr.contains(", noise "), "{run}");
+    }
+}
+
+#[test]
+fn one_sample_per_pixel_claims_no_accuracy() {
+    let run = Folder::with_scene().done(&["render", "scene.toml", "-o", "a.exr", "--samples", "1"]);
+    assert!(run.stderr.contains("1 sample per pixel"), "{run}");
+    assert!(!run.stderr.contains("+-") && !run.stderr.contains("noise"), "{run}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_has_gone_away_does_not_stop_a_render() {
+    for (stream, style) in [("2>&1 >/dev/null", "json"), ("", "openjd")] {
+        let folder = Folder::with_scene();
+        let mut shell = std::process::Command::new("sh");
+        let fogbow = env!("CARGO_BIN_EXE_fogbow");
+        // The reader ends at once; the program's exit code goes to a file.
+        let script = format!(
+            "{{ '{fogbow}' render scene.toml -o a.exr --time 300ms --progress {style} {stream}; echo $? >code; }} | true"
+        );
+        shell.args(["-c", &script]).current_dir(folder.path("."));
+        assert!(shell.status().expect("a shell").success());
+        assert_eq!(std::fs::read_to_string(folder.path("code")).expect("a code"), "0\n", "{style}");
+        assert_eq!(folder.image("a.exr").width, 8);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_an_error() {
+    use super::support::program;
+    let folder = Folder::with_scene();
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    for args in [&["render", "--help-scene"][..], &["info", "a.exr"], &["compare", "a.exr", "a.exr", "--json"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+        let run = Run::of(program(&folder).args(args).stdout(full));
+        assert_eq!(run.code, Some(1), "{run}");
+        assert!(run.stderr.starts_with("error: standard output: cannot be written: "), "{run}");
+    }
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
+    let run = Run::of(program(&folder).args(["render", "scene.toml", "-o", "b.exr"]).stderr(full));
+    assert_eq!(run.code, Some(0), "{run}");
+}

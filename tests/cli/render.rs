@@ -1,0 +1,119 @@
+//! What flags do to a render.
+
+use std::time::Instant;
+
+use super::support::{Folder, mean, plane};
+
+/// Renders the small scene with `flags` and reads the image.
+fn rendered(folder: &Folder, flags: &[&str]) -> fogbow::image::Image {
+    folder.done(&[&["render", "scene.toml", "-o", "a.exr"], flags].concat());
+    folder.image("a.exr")
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit() {
+    let folder = Folder::with_scene();
+    let flags = ["--size", "70x40", "--samples", "20"];
+    let one = rendered(&folder, &[&flags[..], &["--threads", "1"]].concat());
+    for threads in ["2", "3", "16"] {
+        let many = rendered(&folder, &[&flags[..], &["--threads", threads]].concat());
+        assert!(one.channels == many.channels, "{threads} threads give another image than one");
+    }
+}
+
+#[test]
+fn the_seed_changes_the_image() {
+    let folder = Folder::with_scene();
+    let red = |flags: &[&str]| plane(&rendered(&folder, flags), "R").to_vec();
+    assert_eq!(red(&["--seed", "1"]), red(&[]));
+    assert_ne!(red(&["--seed", "2"]), red(&[]));
+    assert_ne!(red(&["--seed", "4294967295"]), red(&["--seed", "0"]));
+}
+
+#[test]
+fn the_number_of_samples_is_that_of_every_pixel() {
+    let folder = Folder::with_scene();
+    for samples in ["1", "17", "100"] {
+        let image = rendered(&folder, &["--samples", samples, "--size", "35x33"]);
+        assert!(plane(&image, "N").iter().all(|n| n.to_string() == samples), "{samples}");
+    }
+}
+
+#[test]
+fn a_time_limit_is_kept_once_every_pixel_has_a_sample() {
+    let folder = Folder::with_scene();
+    let start = Instant::now();
+    let image = rendered(&folder, &["--time", "300ms", "--size", "40x40"]);
+    assert!(start.elapsed().as_millis() >= 300 && start.elapsed().as_secs() < 20, "took {:?}", start.elapsed());
+    assert!(plane(&image, "N").iter().all(|n| *n >= 1.0));
+    let image = rendered(&folder, &["--time", "0s", "--size", "40x40"]);
+    assert!(plane(&image, "N").iter().all(|n| *n == 1.0), "no time is enough for one sample");
+}
+
+#[test]
+fn a_noise_target_is_met() {
+    let folder = Folder::with_scene();
+    for target in [0.3, 0.05] {
+        let image = rendered(&folder, &["--noise", &target.to_string()]);
+        let squares = plane(&image, "SE.R").iter().map(|error| f64::from(*error).powi(2));
+        let noise = (squares.sum::<f64>() / 64.0).sqrt() / mean(&image, "R");
+        assert!(noise <= target && noise > 0.3 * target, "{noise} for {target}");
+    }
+}
+
+#[test]
+fn a_noise_target_ends_on_a_black_image() {
+    let folder = Folder::with_edited_scene("radiance = 10", "radiance = 0");
+    let image = rendered(&folder, &["--noise", "0.01", "--size", "2x2"]);
+    assert!(plane(&image, "R").iter().all(|radiance| *radiance == 0.0));
+}
+
+#[test]
+fn size_overrides_the_scene() {
+    let folder = Folder::with_scene();
+    let image = rendered(&folder, &["--size", "5x3"]);
+    assert_eq!((image.width, image.height), (5, 3));
+    let image = rendered(&folder, &["--size", "5x3", "--set", "film.size=[2, 9]"]);
+    assert_eq!((image.width, image.height), (2, 9), "--set comes last");
+}
+
+#[test]
+fn any_key_can_be_overridden() {
+    let folder = Folder::with_scene();
+    let plain = rendered(&folder, &[]);
+    let doubled = rendered(&folder, &["--set", "light[0].radiance=20"]);
+    for (doubled, plain) in plane(&doubled, "R").iter().zip(plane(&plain, "R")) {
+        assert!((doubled - 2.0 * plain).abs() <= 1e-6 * doubled, "{doubled} {plain}");
+    }
+    let flags = ["--set", "medium.absorption = 0.3", "--set", "render.technique = [\"nee\", \"mvnee\"]"];
+    assert!(mean(&rendered(&folder, &flags), "R") < mean(&plain, "R"));
+    let same = ["--technique", "mvnee", "--mesc", "4", "--max-segments", "8", "--samples", "4", "--seed", "1"];
+    assert_eq!(plane(&rendered(&folder, &same), "R"), plane(&plain, "R"));
+    assert_ne!(plane(&rendered(&folder, &["--max-segments", "1"]), "R"), plane(&plain, "R"));
+    assert_ne!(plane(&rendered(&folder, &["--mesc", "1e-3"]), "R"), plane(&plain, "R"));
+}
+
+#[test]
+fn a_scene_may_leave_out_what_has_a_default() {
+    let folder = Folder::empty();
+    let minimal = "camera = { position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 60 }\n\
+                   film.size = [4, 4]\n\
+                   light = [{ type = \"disk\", center = [0, 0, 3], normal = [0, 0, -1], radius = 9, radiance = 2.5 }]\n";
+    folder.write("scene.toml", minimal);
+    let image = rendered(&folder, &[]);
+    assert!(plane(&image, "R").iter().all(|radiance| *radiance == 2.5), "a light that fills the view in vacuum");
+    assert!(plane(&image, "N").iter().all(|samples| *samples == 64.0));
+}
+
+#[test]
+fn twins_agree_with_the_stages() {
+    let folder = Folder::with_scene();
+    for technique in ["path", "nee", "mvnee"] {
+        let flags = ["--samples", "16", "--technique", technique];
+        let simd = mean(&rendered(&folder, &flags), "R");
+        for reference in [&["--reference"][..], &["--reference", "all"], &["--reference", "mis_weight"]] {
+            let twin = mean(&rendered(&folder, &[&flags[..], reference].concat()), "R");
+            assert!((twin / simd - 1.0).abs() < 1e-3, "{technique} {reference:?}: {twin}, SIMD {simd}");
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Scenes that are wrong are refused before anything is rendered, with the place and what to do.
+
+use super::support::{Folder, SCENE};
+
+/// The scene with `from` replaced by `to` is refused at `to`, with `finding`.
+#[track_caller]
+fn refused(from: &str, to: &str, finding: &str) {
+    let folder = Folder::with_edited_scene(from, to);
+    // Errors name the place of the key, which is the last line of the replacement.
+    let key = to.lines().last().expect("a line");
+    let beginning = format!("{}: {finding}", folder.place(key));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+fn an_unknown_key_is_reported_with_line_and_remedy() {
+    refused("radius = 1.5", "raduis = 1.5", "light[0].raduis: unknown key `raduis`, expected one of `type`");
+    refused("size = [8, 8]", "sise = [8, 8]", "film.sise: unknown key `sise`, expected `size`");
+    refused("g = 0.5", "G = 0.5", "medium.phase.G: unknown key `G`");
+}
+
+#[test]
+fn a_missing_key_is_reported_with_its_table() {
+    let folder = Folder::with_edited_scene("radius = 1.5\n", "");
+    let beginning = format!("{}: light[0]: missing key `radius`", folder.place("[[light]]"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+fn a_wrong_type_is_reported_in_plain_words() {
+    let cases = [
+        ("radius = 1.5", "radius = \"big\"", "light[0].radius: this is the string \"big\", expected a number"),
+        ("radius = 1.5", "radius = true", "light[0].radius: this is the boolean `true`, expected a number"),
+        ("samples = 4", "samples = 1.5", "render.samples: this is the number `1.5`, expected a whole number from 0 to"),
+        ("samples = 4", "samples = -1", "render.samples: this is the whole number `-1`, expected a whole number from"),
+        ("normal = [0, 0, -1]", "normal = [0, -1]", "light[0].normal: the number of entries is 2, expected a list of"),
+        (
+            "normal = [0, 0, -1]",
+            "normal = [0, 0, -1, 0]",
+            "light[0].normal: the number of entries is 4, expected fewer",
+        ),
+        ("scattering = 0.7", "scattering = [1, 2]", "medium.scattering: the number of entries is 2, expected a number"),
+        ("technique = \"mvnee\"", "technique = 3", "render.technique: this is the whole number `3`, expected the name"),
+        ("type = \"disk\"", "type = \"sphere\"", "light[0].type: unknown name `sphere`, expected `disk`"),
+        (
+            "technique = \"mvnee\"",
+            "technique = \"bdpt\"",
+            "render.technique: unknown name `bdpt`, expected one of `path`",
+        ),
+    ];
+    for (from, to, finding) in cases {
+        refused(from, to, finding);
+    }
+}
+
+#[test]
+fn a_single_table_for_a_list_of_lights_is_explained() {
+    let folder = Folder::with_edited_scene("[[light]]", "[light]");
+    let beginning = format!("{}: light: this is a table, expected a list", folder.place("light]"));
+    let run = folder.refused(&["render", "scene.toml"], 1, &beginning);
+    assert!(run.stderr.contains("help: write [[light]]"), "{run}");
+}
+
+#[test]
+fn a_mean_cosine_outside_the_open_interval_is_refused() {
+    for (written, shown) in
+        [("1", "1.0"), ("-1", "-1.0"), ("1.5", "1.5"), ("inf", "inf"), ("nan", "NaN"), ("0.99999999", "0.99999999")]
+    {
+        let folder = Folder::with_edited_scene("g = 0.5", &format!("g = {written}"));
+        let beginning = format!("{}: medium.phase.g is {shown}\n", folder.place(&format!("g = {written}")));
+        folder.refused(&["render", "scene.toml"], 1, &beginning);
+    }
+}
+
+#[test]
+fn coefficients_are_finite_and_not_negative() {
+    let cases =
+        [("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("1e308", "1e308"), ("[1, -1, 1]", "[1.0, -1.0, 1.0]")];
+    for (written, shown) in cases {
+        let scattering = format!("scattering = {written}");
+        refused("scattering = 0.7", &scattering, &format!("medium.scattering is {shown}\n"));
+        let absorption = format!("scattering = 0.7\nabsorption = {written}");
+        refused("scattering = 0.7", &absorption, &format!("medium.absorption is {shown}\n"));
+        let radiance = format!("radiance = {written}");
+        refused("radiance = 10", &radiance, &format!("light[0].radiance is {shown}\n"));
+    }
+}
+
+#[test]
+fn chromatic_extinction_is_refused_where_the_colour_comes_from() {
+    let extinction = "extinction (scattering + absorption) is";
+    refused("scattering = 0.7", "scattering = [1, 2, 3]", extinction);
+    refused("scattering = 0.7", "scattering = 0.7\nabsorption = [1, 2, 3]", extinction);
+}
+
+#[test]
+fn a_light_has_a_normal_and_a_size() {
+    refused("normal = [0, 0, -1]", "normal = [0, 0, 0]", "light[0].normal is [0.0, 0.0, 0.0]\n");
+    refused("normal = [0, 0, -1]", "normal = [0, nan, 1]", "light[0].normal is [0.0, NaN, 1.0]\n");
+    refused("radius = 1.5", "radius = 0", "light[0].radius is 0.0\n");
+    refused("radius = 1.5", "radius = -2", "light[0].radius is -2.0\n");
+    refused("radius = 1.5", "radius = 1e300", "light[0].radius is 1e300\n");
+}
+
+#[test]
+fn path_lengths_have_limits() {
+    for segments in ["0", "1025", "4294967295"] {
+        let to = format!("max_segments = {segments}");
+        refused("max_segments = 8", &to, &format!("render.max_segments is {segments}\n"));
+    }
+    refused("max_segments = 8", "max_segments = 8\nmin_segments = 9", "render.min_segments is 9\n");
+    refused("max_segments = 8", "max_segments = 8\nmin_segments = 0", "render.min_segments is 0\n");
+    refused("mesc = 4", "mesc = 0", "render.mesc is 0.0\n");
+    refused("mesc = 4", "mesc = nan", "render.mesc is NaN\n");
+}
+
+#[test]
+fn a_camera_sees_something() {
+    refused("look_at = [0, 0, 1]", "look_at = [0, 0, 0]", "camera.look_at is [0.0, 0.0, 0.0]\n");
+    refused("look_at = [0, 0, 1]", "look_at = [0, 0, 1]\nup = [0, 0, 3]", "camera.up is [0.0, 0.0, 3.0]\n");
+    refused("look_at = [0, 0, 1]", "look_at = [0, 0, 1]\nup = [0, 0, 0]", "camera.up is [0.0, 0.0, 0.0]\n");
+    for (written, shown) in [("0", "0.0"), ("180", "180.0"), ("-1", "-1.0"), ("nan", "NaN")] {
+        let to = format!("vertical_fov_deg = {written}");
+        refused("vertical_fov_deg = 60", &to, &format!("camera.vertical_fov_deg is {shown}\n"));
+    }
+    refused("look_at = [0, 0, 1]", "look_at = [0, 0, 1]\nnear = -1", "camera.near is -1.0\n");
+}
+
+#[test]
+fn a_film_has_pixels_but_not_more_than_fit() {
+    for size in ["[0, 0]", "[8, 0]", "[4000000000, 4000000000]", "[1, 134217729]"] {
+        refused("size = [8, 8]", &format!("size = {size}"), &format!("film.size is {size}\n"));
+    }
+    let folder = Folder::with_edited_scene("size = [8, 8]", "size = [4294967296, 1]");
+    let beginning = format!("{}: film.size[0]: this is the whole number `4294967296`", folder.place("4294967296"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+fn a_scene_needs_a_light() {
+    let (before, rest) = SCENE.split_once("[[light]]").expect("a light");
+    let (_, after) = rest.split_once("[render]").expect("a table after it");
+    let folder = Folder::empty();
+    folder.write("scene.toml", format!("{before}[render]{after}"));
+    folder.refused(&["render", "scene.toml"], 1, "scene.toml: the scene has no light\n");
+}
+
+#[test]
+fn files_that_are_no_scenes_are_told_apart() {
+    let folder = Folder::empty();
+    folder.write("empty.toml", "");
+    folder.write("prose.toml", "# a title\nIt was a foggy day.\n");
+    folder.write("latin1.toml", b"# fog\n# Stra\xdfe\n");
+    folder.write("deep.toml", format!("x = {}", "[".repeat(100_000)));
+    folder.write("huge.toml", "seed = 99999999999999999999\n");
+    folder.write("here/readme.txt", "no scene");
+    folder.refused(&["render", "missing.toml"], 1, "missing.toml: cannot be read: ");
+    folder.refused(&["render", "empty.toml"], 1, "empty.toml: missing key `camera`\n");
+    folder.refused(&["render", "prose.toml"], 1, "prose.toml:2:4: ");
+    folder.refused(&["render", "latin1.toml"], 1, "latin1.toml:2:7: is not a text file in UTF-8\n");
+    folder.refused(&["render", "deep.toml"], 1, "deep.toml:1:");
+    folder.refused(&["render", "huge.toml"], 1, "huge.toml:1:8: this is the whole number `99999999999999999999`");
+    folder.refused(&["render", "here"], 1, "here: is a folder without a scene.toml\n");
+    folder.refused(&["render", "."], 1, ".: is a folder without a scene.toml\n");
+}
+
+#[test]
+fn files_from_windows_are_read() {
+    let folder = Folder::empty();
+    folder.write("scene.toml", format!("\u{feff}{}", SCENE.replace('\n', "\r\n")));
+    folder.done(&["render", "scene.toml"]);
+}
+
+#[test]
+fn thousands_of_lights_load_at_once() {
+    let folder = Folder::empty();
+    let light = &SCENE[SCENE.find("[[light]]").expect("a light")..SCENE.find("[render]").expect("a table after it")];
+    folder.write("scene.toml", format!("{SCENE}{}", light.repeat(5000)));
+    let start = std::time::Instant::now();
+    folder.refused(&["render", "scene.toml", "--set", "light[4999].radius=-1"], 2, "--set light[4999].radius=-1: ");
+    assert!(start.elapsed().as_secs() < 10, "took {:?}", start.elapsed());
+}
+
+#[test]
+fn strange_values_are_rendered_or_refused() {
+    let keys = [
+        "camera.position",
+        "camera.look_at",
+        "camera.up",
+        "camera.vertical_fov_deg",
+        "camera.near",
+        "medium.scattering",
+        "medium.absorption",
+        "medium.phase.g",
+        "light[0].center",
+        "light[0].normal",
+        "light[0].radius",
+        "light[0].radiance",
+        "render.technique",
+        "render.max_segments",
+        "render.mesc",
+        "render.seed",
+        "film.size",
+        "light",
+        "medium",
+    ];
+    let values = [
+        "0",
+        "-0.0",
+        "1",
+        "1e308",
+        "-1e308",
+        "5e-324",
+        "inf",
+        "nan",
+        "1e9",
+        "-1e9",
+        "1e-9",
+        "1e30",
+        "0.9999999",
+        "-0.9999999",
+        "179.9999",
+        "1024",
+        "[]",
+        "{}",
+        "[[]]",
+        "[1e9, -1e9, 1e9]",
+        "[1e-30, 0, 0]",
+        "[5, 0, 0]",
+        "[1, 1]",
+        "[\"path\", \"nee\"]",
+        "1979-05-27",
+    ];
+    let folder = Folder::with_scene();
+    for key in keys {
+        for value in values {
+            let set = format!("{key}={value}");
+            let args = ["render", "scene.toml", "-o", "a.exr", "--samples", "1", "--progress", "none", "--set", &set];
+            let run = folder.run(&args);
+            let told = match run.code {
+                Some(0) => run.stderr.is_empty(),
+                Some(2) => {
+                    run.stderr.starts_with(&format!("error: --set {set}: ")) && run.stderr.contains("\n  help: ")
+                }
+                // Default up vector and viewing direction may become parallel: the table is at fault, not a flag.
+                Some(1) => run.stderr.contains("camera.up is [0.0, 1.0, 0.0]\n  help: "),
+                _ => false,
+            };
+            assert!(told, "{run}");
+        }
+    }
+}

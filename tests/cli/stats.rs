@@ -1,0 +1,82 @@
+//! `--stats`
+
+use super::support::Folder;
+use fogbow_kernels::pipeline::Stage;
+use serde_json::Value;
+
+fn statistics(folder: &Folder, flags: &[&str]) -> Value {
+    folder.done(&[&["render", "scene.toml", "-o", "a.exr", "--stats", "s.json"], flags].concat());
+    let text = std::fs::read_to_string(folder.path("s.json")).expect("statistics");
+    assert!(text.ends_with("}\n"));
+    serde_json::from_str(&text).expect("statistics are JSON")
+}
+
+/// The number at `pointer`.
+#[track_caller]
+fn number(statistics: &Value, pointer: &str) -> f64 {
+    let value = statistics.pointer(pointer).and_then(Value::as_f64);
+    value.unwrap_or_else(|| panic!("no number at {pointer}\n{statistics:#}"))
+}
+
+#[test]
+fn statistics_tell_what_every_stage_did() {
+    let folder = Folder::with_scene();
+    let statistics = statistics(&folder, &["--technique", "nee,mvnee", "--samples", "16"]);
+    let stages = statistics["stages"].as_array().expect("stages");
+    let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
+    assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
+    for (index, name) in names.iter().enumerate() {
+        let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
+        let lanes = stage("live_lanes_per_batch");
+        assert!(stage("calls") >= 1.0 && stage("rows") >= stage("calls"), "{name}: {statistics:#}");
+        assert!((1.0..=8.0).contains(&lanes), "{name}: {lanes} of 8 lanes are live");
+        assert!(stage("seconds") > 0.0, "{name}: {statistics:#}");
+    }
+    assert_eq!(number(&statistics, "/stages/0/rows"), 16.0 * 64.0, "every sample is generated once");
+}
+
+#[test]
+fn statistics_tell_rates_and_the_fate_of_connections() {
+    let folder = Folder::with_edited_scene(
+        "[render]",
+        "[[light]]\ntype = \"disk\"\ncenter = [0, 0, 2]\nnormal = [0, 0, -1]\nradius = 0.5\nradiance = 1\n\n[render]",
+    );
+    let statistics = statistics(&folder, &["--technique", "nee,mvnee", "--samples", "16", "--threads", "2"]);
+    assert_eq!(
+        statistics["scene"].as_str(),
+        folder.path(".").canonicalize().expect("a folder").file_name().and_then(|name| name.to_str())
+    );
+    assert_eq!((statistics["technique"].as_str(), number(&statistics, "/threads")), (Some("nee,mvnee"), 2.0));
+    assert_eq!(number(&statistics, "/samples"), 16.0 * 64.0);
+    let seconds = number(&statistics, "/seconds");
+    for (rate, count) in [("/samples_per_second", "/samples"), ("/segments_per_second", "/segments")] {
+        let expected = number(&statistics, count) / seconds;
+        assert!((number(&statistics, rate) / expected - 1.0).abs() < 1e-9, "{rate}");
+    }
+    for technique in ["nee", "mvnee"] {
+        let [tried, weighted, occluded] = ["tried", "weighted", "occluded"]
+            .map(|what| number(&statistics, &format!("/connections/{technique}/{what}")));
+        assert!(tried >= weighted && weighted > occluded && occluded > 0.0, "{technique}: {statistics:#}");
+    }
+    assert_eq!(number(&statistics, "/dropped_non_finite/count"), 0.0);
+    assert!(statistics["dropped_non_finite"]["first"].is_null());
+    assert!(number(&statistics, "/mean/0") > 0.0 && number(&statistics, "/standard_error/0") > 0.0);
+}
+
+#[test]
+fn a_technique_that_does_not_run_has_no_connections() {
+    let folder = Folder::with_scene();
+    let statistics = statistics(&folder, &["--technique", "path"]);
+    for pointer in ["/connections/nee/tried", "/connections/mvnee/tried", "/connections/mvnee/weighted"] {
+        assert_eq!(number(&statistics, pointer), 0.0, "{pointer}");
+    }
+    assert!(number(&statistics, "/segments") > 256.0);
+}
+
+#[test]
+fn statistics_do_not_change_the_image() {
+    let folder = Folder::with_scene();
+    statistics(&folder, &[]);
+    folder.done(&["render", "scene.toml", "-o", "b.exr"]);
+    assert!(folder.image("a.exr").channels == folder.image("b.exr").channels);
+}

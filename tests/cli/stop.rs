@@ -1,0 +1,99 @@
+//! Ctrl-C: what there is is written.
+
+#![cfg(unix)]
+
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::support::{Folder, header, plane, program};
+
+/// How much slower a build without optimisation is.
+const SLOWNESS: u32 = if cfg!(debug_assertions) { 20 } else { 1 };
+
+/// Starts a render that would take hours, and returns once it has begun.
+fn started(folder: &Folder, flags: &[&str]) -> Child {
+    let mut command = program(folder);
+    command.args(["render", "scene.toml", "-o", "a.exr", "-o", "a.png"]).args(flags);
+    let child = command.spawn().expect("the program starts");
+    let start = Instant::now();
+    while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {
+        sleep(Duration::from_millis(5));
+    }
+    sleep(SLOWNESS * Duration::from_millis(300));
+    child
+}
+
+/// Whether the process has a handler for SIGINT, signal 2.
+fn catches_interrupts(process: u32) -> bool {
+    let Ok(status) = std::fs::read_to_string(format!("/proc/{process}/status")) else { return false };
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 2 != 0)
+}
+
+/// Interrupts the render and returns its exit code, standard output and standard error.
+fn interrupted(child: Child) -> (Option<i32>, String, String) {
+    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(status.success());
+    let output = child.wait_with_output().expect("a child");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn ctrl_c_writes_the_image_and_says_so() {
+    let folder = Folder::with_scene();
+    let child = started(&folder, &["--samples", "1000000000", "--size", "40x40", "--progress", "plain"]);
+    let (code, stdout, stderr) = interrupted(child);
+    assert_eq!((code, stdout.as_str()), (Some(130), ""), "{stderr}");
+    let lines: Vec<_> = stderr.lines().collect();
+    let [.., stopped, summary] = lines.as_slice() else { panic!("{stderr}") };
+    assert!(stopped.starts_with("stopped after ") && stopped.ends_with("writing what there is"), "{stderr}");
+    assert!(summary.starts_with("a.exr, a.png: mvnee, "), "{stderr}");
+    assert_eq!(folder.names(), ["a.exr", "a.png", "scene.toml"]);
+
+    let image = folder.image("a.exr");
+    let samples = plane(&image, "N");
+    let (fewest, most) = samples.iter().fold((f32::MAX, 0.0_f32), |(low, high), n| (low.min(*n), high.max(*n)));
+    assert!(fewest >= 1.0 && most - fewest <= 16.0, "{fewest} to {most} samples are not even");
+    assert_eq!(header(&image, "sample_range"), format!("0..{most}"));
+    let total: f64 = samples.iter().map(|n| f64::from(*n)).sum();
+    assert_eq!(header(&image, "samples"), total.to_string());
+    assert!(stopped.contains(&format!("after {total} samples")), "{stderr}");
+}
+
+#[test]
+fn ctrl_c_ends_a_render_of_unlimited_time() {
+    let folder = Folder::with_scene();
+    let child = started(&folder, &["--time", "18446744073709551615s", "--progress", "openjd"]);
+    let (code, stdout, stderr) = interrupted(child);
+    assert_eq!((code, stderr.as_str()), (Some(130), ""), "{stdout}");
+    assert!(stdout.contains("openjd_status: stopped after "), "{stdout}");
+    assert!(!stdout.contains("openjd_progress: 100"), "{stdout}");
+    assert!(plane(&folder.image("a.exr"), "N")[0] >= 1.0);
+}
+
+#[test]
+fn ctrl_c_does_not_wait_long_for_twins() {
+    let folder = Folder::with_scene();
+    let long_paths = ["--set", "medium.scattering=3", "--max-segments", "60", "--technique", "nee"];
+    let flags = ["--samples", "1000000", "--size", "64x64", "--reference", "--progress", "none"];
+    let child = started(&folder, &[&flags[..], &long_paths].concat());
+    let start = Instant::now();
+    let (code, stdout, stderr) = interrupted(child);
+    assert_eq!((code, stdout.as_str(), stderr.as_str()), (Some(130), "", ""));
+    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(6), "took {:?}", start.elapsed());
+    assert_eq!(folder.image("a.exr").width, 64);
+}
+
+#[test]
+fn an_image_that_cannot_be_written_does_not_take_the_others_with_it() {
+    let folder = Folder::with_scene();
+    std::fs::create_dir(folder.path("gone")).expect("a folder");
+    let child = started(&folder, &["--samples", "1000000000", "-o", "gone/b.exr", "-o", "c.exr", "--progress", "none"]);
+    std::fs::remove_dir(folder.path("gone")).expect("an empty folder");
+    let (code, _, stderr) = interrupted(child);
+    assert_eq!(code, Some(1), "{stderr}");
+    assert!(stderr.starts_with("error: gone/b.exr: no file can be made in gone: "), "{stderr}");
+    assert_eq!(folder.names(), ["a.exr", "a.png", "c.exr", "scene.toml"]);
+}

@@ -1,0 +1,188 @@
+//! Scenes whose radiance is known: absorption only, one scattering event, and what must hold for all.
+
+use fogbow::frame::Frame;
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::media::Medium;
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::{green, render};
+use fogbow_testing::truths;
+use glam::DVec3;
+
+/// A camera so narrow that it is one ray along +z.
+fn ray_camera(near: f64) -> Camera {
+    Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1e-6, near, [1, 1])
+}
+
+#[test]
+fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
+    for (distance, absorption, near) in [(5.0, 0.3, 0.0), (5.0, 0.3, 1.0), (40.0, 0.5, 0.5), (1.0, 0.0, 0.0)] {
+        let medium = Medium { extinction: absorption as f32, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.3 } };
+        let disk = Disk::new(DVec3::new(0.0, 0.0, distance), -DVec3::Z, 1.0, [2.0, 3.0, 4.0]);
+        let base = Frame {
+            camera: ray_camera(near),
+            medium,
+            lights: Lights::new(vec![disk], Selection::Uniform),
+            techniques: Active::Path.techniques(&medium, 4.0),
+            lengths: PathLengths { min: 1, max: 10 },
+            seed: 3,
+        };
+        for active in Active::ALL {
+            let pixel = render(&frames::with_techniques(&base, active, 4.0), [1, 1], 0..4).0.pixel(0, 0);
+            let expected = (-absorption * (distance - near)).exp();
+            for (mean, radiance) in pixel.mean.iter().zip([2.0, 3.0, 4.0]) {
+                let relative = mean / (radiance * expected);
+                assert!((relative - 1.0).abs() < 2e-6, "{active:?}: {mean} is off by a factor {relative}");
+            }
+            // The fixed point of the sums resolves 1e-12 of the light.
+            assert!(pixel.standard_error.iter().all(|error| *error < 1e-6), "{active:?}: noise where there is none");
+        }
+    }
+}
+
+/// The published single-scattering scene with the given camera.
+fn single_scatter(camera: Camera, active: Active) -> Frame {
+    let extinction = 1.1;
+    let medium = Medium { extinction, albedo: [0.8 / 1.1; 3], phase: HenyeyGreenstein { g: 0.7 } };
+    let disk = Disk::new(DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0), 0.5, [10.0, 5.0, 2.5]);
+    Frame {
+        camera,
+        medium,
+        lights: Lights::new(vec![disk], Selection::Uniform),
+        techniques: active.techniques(&medium, f64::INFINITY),
+        lengths: PathLengths { min: 1, max: 2 },
+        seed: 5,
+    }
+}
+
+/// Radiance along +z from `near` on, by quadrature over the ray and the disk, red.
+fn single_scatter_quadrature(near: f64) -> f64 {
+    let (scattering, extinction, g) = (0.8, 1.1, 0.7);
+    let (center, normal) = (DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0).normalize());
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let (steps, rings, spokes) = (4000, 24, 48);
+    let mut sum = 0.0;
+    for i in 0..steps {
+        // Uniform in optical depth up to 20.
+        let t = (f64::from(i) + 0.5) / f64::from(steps) * 20.0 / extinction;
+        let vertex = DVec3::new(0.0, 0.0, near + t);
+        let mut arriving = 0.0;
+        for j in 0..rings * spokes {
+            let r = 0.5 * ((f64::from(j / spokes) + 0.5) / f64::from(rings)).sqrt();
+            let (sin, cos) = ((f64::from(j % spokes) + 0.5) / f64::from(spokes) * core::f64::consts::TAU).sin_cos();
+            let way = center + r * (cos * tangent + sin * bitangent) - vertex;
+            let (distance, direction) = (way.length(), way.normalize());
+            let cos_light = (-direction.dot(normal)).max(0.0);
+            arriving +=
+                phase::density(g, direction.z) * cos_light / (distance * distance) * (-extinction * distance).exp();
+        }
+        let area = core::f64::consts::PI * 0.25 / f64::from(rings * spokes);
+        sum += scattering * (-extinction * t).exp() * 10.0 * arriving * area;
+    }
+    sum * 20.0 / extinction / f64::from(steps)
+}
+
+#[test]
+fn one_scattering_event_has_the_radiance_of_the_quadrature() {
+    for (near, recorded) in [(1.0, 0.033_092_55), (0.0, 0.014_787_97)] {
+        let expected = single_scatter_quadrature(near);
+        assert!((expected / recorded - 1.0).abs() < 1e-3, "quadrature gives {expected} instead of {recorded}");
+        for active in [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+            let film = render(&single_scatter(ray_camera(near), active), [1, 1], 0..2_000_000).0;
+            let pixel = film.pixel(0, 0);
+            let z = (pixel.mean[0] - recorded) / pixel.standard_error[0];
+            assert!(z.abs() < 4.0, "near {near}, {active:?}: {} instead of {recorded}, z = {z}", pixel.mean[0]);
+            assert!((pixel.mean[0] / pixel.mean[2] - 4.0).abs() < 1e-3, "channels differ by the light's colour only");
+        }
+    }
+}
+
+#[test]
+fn the_noise_free_single_scattering_image_is_met_in_every_pixel() {
+    let truth = truths::image("single-scatter-near1");
+    let size = [truth.width as u32, truth.height as u32];
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 1.0, size);
+    let film = render(&single_scatter(camera, Active::Nee), size, 0..20_000).0;
+    let (red, errors) = (truth.channel("R").expect("red"), truth.channel("SE.R").expect("errors"));
+    let (mut chi_square, mut count) = (0.0, 0);
+    for (i, pixel) in film.pixels().enumerate().filter(|(i, _)| errors[*i] < 1e8) {
+        let z = (pixel.mean[0] - f64::from(red[i])) / pixel.standard_error[0].max(1e-9 * f64::from(red[i]));
+        assert!(z.abs() < 5.5, "pixel {i}: {} instead of {}, z = {z}", pixel.mean[0], red[i]);
+        chi_square += z * z;
+        count += 1;
+    }
+    assert_eq!(count, 216);
+    let p = fogbow_testing::statistics::p_of_chi_square(chi_square, count);
+    assert!(p > 1e-4, "chi-square {chi_square} of {count} pixels, p = {p}");
+}
+
+#[test]
+fn lengths_can_be_counted_in_mean_free_paths() {
+    // Extinction times k and lengths over k give the same image.
+    let base = frames::fog_facing(0.5, 0.7, [8, 8]);
+    let (mean, error) = green(&render(&base, [8, 8], 0..4000).0);
+    for scale in [1e-4, 1e4] {
+        let medium = Medium { extinction: (1.7 / scale) as f32, ..base.medium };
+        let disk = Disk::new(DVec3::new(0.0, 0.0, 5.0 * scale), -DVec3::Z, 0.5 * scale, [80.0; 3]);
+        let frame = Frame {
+            camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.5 * scale, [8, 8]),
+            medium,
+            lights: Lights::new(vec![disk], Selection::Uniform),
+            techniques: Active::Mvnee.techniques(&medium, 4.0),
+            ..base.clone()
+        };
+        // The random numbers are the same, so that only rounding differs.
+        let scaled = green(&render(&frame, [8, 8], 0..4000).0).0;
+        assert!((scaled - mean).abs() < 0.05 * error, "scale {scale}: {scaled} instead of {mean} +- {error}");
+    }
+}
+
+#[test]
+fn axes_can_be_exchanged() {
+    let base = frames::fog(0.3, 0.8, DVec3::new(0.2, 0.7, -0.6), [12, 12]);
+    let (mean, error) = green(&render(&base, [12, 12], 0..3000).0);
+    let disk = Disk::new(DVec3::new(5.0, 0.0, 0.0), DVec3::new(-0.6, 0.2, 0.7), 0.5, [80.0; 3]);
+    let permuted = Frame {
+        camera: Camera::new(DVec3::ZERO, DVec3::X, DVec3::Z, frames::UNIT_FOV, 0.3, [12, 12]),
+        lights: Lights::new(vec![disk], Selection::Uniform),
+        ..base.clone()
+    };
+    let found = green(&render(&permuted, [12, 12], 0..3000).0);
+    let z = fogbow_testing::statistics::z_of_means((mean, error), found);
+    assert!(z.abs() < 4.0, "{found:?} instead of {mean} +- {error}");
+}
+
+#[test]
+fn the_back_of_a_light_is_black_and_opaque() {
+    let toward = |normal: DVec3| {
+        let front = Disk::new(DVec3::new(0.0, 0.0, 2.0), normal, 1.0, [5.0; 3]);
+        let behind = Disk::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [7.0; 3]);
+        let medium = Medium { extinction: 0.2, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
+        let frame = Frame {
+            camera: ray_camera(0.0),
+            medium,
+            lights: Lights::new(vec![behind, front], Selection::Uniform),
+            techniques: Active::Both.techniques(&medium, 4.0),
+            lengths: PathLengths { min: 1, max: 5 },
+            seed: 1,
+        };
+        render(&frame, [1, 1], 0..1).0.pixel(0, 0).mean[0]
+    };
+    assert!((toward(-DVec3::Z) / (5.0 * (-0.4_f64).exp()) - 1.0).abs() < 1e-5);
+    assert_eq!(toward(DVec3::Z), 0.0);
+}
+
+#[test]
+fn only_paths_of_the_asked_lengths_count() {
+    let base = frames::three_lights(0.4, Selection::IntensityDistance, [16, 16]);
+    let with = |min: u32, max: u32| {
+        let frame = Frame { lengths: PathLengths { min, max }, ..base.clone() };
+        green(&render(&frame, [16, 16], 0..64).0).0
+    };
+    // The same random numbers make the same candidates whatever is counted, so that the parts add up exactly.
+    let parts: f64 = (1..=5).map(|n| with(n, n)).sum();
+    assert!((parts / with(1, 5) - 1.0).abs() < 1e-6, "{parts} instead of {}", with(1, 5));
+    assert!((1..=5).all(|n| with(n, n) > 0.0));
+}

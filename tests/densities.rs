@@ -1,0 +1,212 @@
+//! Densities and weights against independent code, and the properties that every weight has.
+
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
+use fogbow_kernels::connect::{Techniques, mvnee, nee};
+use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
+use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::media::Medium;
+use fogbow_testing::truths::{Case, density_ratios};
+use fogbow_testing::weighing::{Made, Weigher};
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+
+fn vertices(case: &Case) -> Vec<DVec3> {
+    case.vertices.iter().map(|v| DVec3::from(*v)).collect()
+}
+
+fn medium(case: &Case) -> Medium {
+    Medium { extinction: case.mu_t as f32, albedo: [1.0; 3], phase: HenyeyGreenstein { g: case.g as f32 } }
+}
+
+#[test]
+fn full_densities_of_the_twins_match_recorded_ratios() {
+    let mut checked = 0;
+    for (index, case) in density_ratios().iter().enumerate() {
+        let path = vertices(case);
+        let normal = DVec3::from(case.light_normal);
+        let settings =
+            mvnee::reference::Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: slope::of(case.g) };
+        for start in &case.starts {
+            let traced = path_tracing_density(case.mu_t, case.g, &path, start.start, normal).expect("has a density");
+            let chain = &path[start.start..];
+            let light = 1.0 / case.light_area;
+            let found = [
+                traced.value() / start.path_tracing_density,
+                nee_ratio(nee::reference::density(chain, normal, light).over(traced), start.nee),
+                nee_ratio(mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced), start.mvnee),
+            ];
+            for (name, quotient) in ["path tracing", "nee", "mvnee"].iter().zip(found) {
+                let place = format!("case {index}, start {}: {name}", start.start);
+                assert!((quotient - 1.0).abs() < 1e-9, "{place} is off by a factor {quotient}");
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 300, "only {checked} starts");
+}
+
+/// Quotient of a found and a recorded ratio; 1 if both are zero.
+fn nee_ratio(found: f64, recorded: f64) -> f64 {
+    if found == recorded { 1.0 } else { found / recorded }
+}
+
+/// The techniques whose ratios were recorded, and their sum over the starts from `first` on.
+fn recorded(case: &Case, first: usize) -> [(Techniques, f64); 3] {
+    let mvnee = Some(Mvnee::new(&medium(case), f64::INFINITY, Offset::Ggx));
+    let sum = |ratio: &dyn Fn(&fogbow_testing::truths::Start) -> f64| {
+        case.starts.iter().filter(|start| start.start >= first).map(ratio).sum()
+    };
+    [
+        (Techniques { nee: true, mvnee: None }, sum(&|start| start.nee)),
+        (Techniques { nee: false, mvnee }, sum(&|start| start.mvnee)),
+        (Techniques { nee: true, mvnee }, sum(&|start| start.nee + start.mvnee)),
+    ]
+}
+
+#[test]
+fn weights_of_kernel_and_twin_match_recorded_ratios_however_a_path_was_made() {
+    let (mut checked, mut worst) = (0, 0.0_f64);
+    for (index, case) in density_ratios().iter().enumerate() {
+        let path = vertices(case);
+        let n = path.len() - 1;
+        let radius = (case.light_area / core::f64::consts::PI).sqrt();
+        // The recorded path ends on the light, wherever its centre is.
+        let disk = Disk::new(path[n], DVec3::from(case.light_normal), radius, [1.0; 3]);
+        let (medium, lights) = (medium(case), Lights::new(vec![disk], Selection::Uniform));
+        let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
+        let distance = path.iter().map(|v| v.length()).fold(0.0, f64::max);
+        // Recorded in f64, stored in f32.
+        let cos_light = -(path[n] - path[n - 1]).normalize().dot(DVec3::from(case.light_normal));
+        let rounding = fogbow_testing::tolerances::weight_conditioning(case.g, distance, shortest, cos_light);
+        for inserted in 0..n - 1 {
+            for first_start in 1..=n - 1 - inserted {
+                for (techniques, expected) in recorded(case, first_start) {
+                    let made = Made { vertices: &path, inserted, first_start, light: 0 };
+                    for kernel in [mis_weight::simd::run as mis_weight::Kernel, mis_weight::reference::run] {
+                        let weigher = Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques };
+                        let weight = weigher.weight(&made, (index + inserted) % 16);
+                        let error = (weight * (1.0 + expected) - 1.0).abs();
+                        worst = worst.max(error / (1e-5 + rounding));
+                        assert!(
+                            error < 1e-5 + rounding,
+                            "case {index}, {inserted} inserted, starts from {first_start}: weight {weight:e}, expected {:e}",
+                            1.0 / (1.0 + expected)
+                        );
+                        checked += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{checked} weights, worst at {worst:.2} of its tolerance");
+    assert!(checked > 1000, "only {checked} weights");
+}
+
+/// A random path in front of a light, as a walk that mostly goes forward.
+fn any_path() -> impl Strategy<Value = Vec<DVec3>> {
+    let step = (-1.0..1.0_f64, -1.0..1.0_f64, 0.3..1.5_f64).prop_map(|(x, y, z)| DVec3::new(0.6 * x, 0.6 * y, z));
+    proptest::collection::vec(step, 2..10).prop_map(|steps| {
+        let mut path = vec![DVec3::new(0.1, -0.2, 0.05)];
+        steps.iter().for_each(|step| path.push(path[path.len() - 1] + *step));
+        path
+    })
+}
+
+/// Lights of which the first is met by the path's end.
+fn lights_around(path: &[DVec3], turn: DQuat, scale: f64, selection: Selection) -> Lights {
+    let end = path[path.len() - 1];
+    let place = |offset: DVec3| end + scale * (turn * offset);
+    let disk = |offset: DVec3, normal: DVec3, radius: f64, radiance: f64| {
+        Disk::new(place(offset), turn * normal, scale * radius, [radiance; 3])
+    };
+    let lights = vec![
+        disk(DVec3::new(0.05, 0.1, 0.0), -DVec3::Z, 0.4, 3.0),
+        disk(DVec3::new(2.0, -1.0, 0.5), -DVec3::X, 0.7, 8.0),
+        disk(DVec3::new(-1.0, 2.0, -1.5), -DVec3::Y, 0.2, 20.0),
+    ];
+    Lights::new(lights, selection)
+}
+
+fn any_selection() -> impl Strategy<Value = Selection> {
+    prop_oneof![Just(Selection::Uniform), Just(Selection::Intensity), Just(Selection::IntensityDistance)]
+}
+
+fn any_g() -> impl Strategy<Value = f32> {
+    prop_oneof![Just(0.0_f32), Just(0.9), -0.9..0.95_f32]
+}
+
+fn any_turn() -> impl Strategy<Value = DQuat> {
+    (any::<[i16; 3]>(), 0.0..6.0_f64).prop_map(|(axis, angle)| {
+        let axis = DVec3::from(axis.map(f64::from)) + DVec3::new(0.5, 0.25, 0.125);
+        DQuat::from_axis_angle(axis.normalize(), angle)
+    })
+}
+
+fn techniques(medium: &Medium, nee: bool, mvnee: bool, mesc: f64) -> Techniques {
+    Techniques { nee, mvnee: mvnee.then(|| Mvnee::new(medium, mesc, Offset::Ggx)) }
+}
+
+const KERNELS: [mis_weight::Kernel; 2] = [mis_weight::simd::run, mis_weight::reference::run];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn weights_sum_to_one_over_techniques(
+        path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64, lane in 0..16_usize,
+    ) {
+        // A technique's share of a path is its density over the sum of all; the weight is path tracing's share, and each
+        // of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
+        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+        let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
+        for kernel in KERNELS {
+            let made = Made { vertices: &path, inserted: 0, first_start: 1, light: 0 };
+            let with = |nee: bool, mvnee: bool| {
+                let techniques = techniques(&medium, nee, mvnee, mesc);
+                Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques }.weight(&made, lane)
+            };
+            let (none, nee, mvnee, both) = (with(false, false), with(true, false), with(false, true), with(true, true));
+            prop_assert_eq!(none, 1.0);
+            prop_assert!(nee > 0.0 && nee <= 1.0 && mvnee > 0.0 && mvnee <= 1.0 && both > 0.0);
+            let shares = both + both * (1.0 / nee - 1.0) + both * (1.0 / mvnee - 1.0);
+            prop_assert!((shares - 1.0).abs() < 1e-5, "shares add up to {}", shares);
+        }
+    }
+
+    #[test]
+    fn weights_do_not_depend_on_how_a_path_was_made(
+        path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64,
+    ) {
+        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+        let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
+        let techniques = techniques(&medium, true, true, mesc);
+        let weigher = Weigher { kernel: mis_weight::simd::run, medium: &medium, lights: &lights, techniques: &techniques };
+        let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, light: 0 }, 5);
+        for inserted in 1..path.len() - 2 {
+            prop_assert!((weight(inserted) / weight(0) - 1.0).abs() < 1e-4, "{} inserted", inserted);
+        }
+    }
+
+    #[test]
+    fn weights_are_invariant_under_scaling_and_rotation(
+        path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64,
+        turn in any_turn(), log_scale in -9.0..9.0_f64,
+    ) {
+        let scale = log_scale.exp();
+        let moved: Vec<_> = path.iter().map(|v| scale * (turn * *v)).collect();
+        for kernel in KERNELS {
+            let weight = |path: &[DVec3], turn: DQuat, scale: f64| {
+                let extinction = (1.3 / scale) as f32;
+                let medium = Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+                let lights = lights_around(path, turn, scale, selection);
+                let techniques = techniques(&medium, true, true, mesc);
+                let weigher = Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques };
+                weigher.weight(&Made { vertices: path, inserted: path.len() / 2 - 1, first_start: 1, light: 0 }, 2)
+            };
+            let (here, there) = (weight(&path, DQuat::IDENTITY, 1.0), weight(&moved, turn, scale));
+            // A start right at the limit of reach, or a turn of the projections, may fall to either side.
+            prop_assert!((there / here - 1.0).abs() < 1e-3, "{} and {}", here, there);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The same bits whatever the threads, the wavefront, the tiles and the split of the samples.
+
+use fogbow::film::{Film, Pixel, TILE_SIZE};
+use fogbow::frame::Frame;
+use fogbow::render::Workers;
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::tables::lights::Selection;
+use fogbow_testing::frames;
+use fogbow_testing::render::{WORKERS, render, render_with};
+
+const SIZE: [u32; 2] = [70, 41];
+
+fn frames() -> Vec<Frame> {
+    vec![
+        frames::fog_facing(0.0, 0.9, SIZE),
+        frames::three_lights(0.6, Selection::IntensityDistance, SIZE),
+        frames::with_techniques(&frames::fog_facing(0.0, 0.9, SIZE), frames::Active::Nee, 4.0),
+    ]
+}
+
+fn pixels(film: &Film) -> Vec<Pixel> {
+    film.pixels().collect()
+}
+
+#[test]
+fn one_thread_renders_the_same_bits_as_many() {
+    for frame in frames() {
+        let with = |threads: usize| {
+            let workers = Workers { threads, ..WORKERS };
+            pixels(&render_with(&frame, &SIMD, workers, SIZE, TILE_SIZE, 0..20).0)
+        };
+        let one = with(1);
+        assert_eq!(one, with(2));
+        assert_eq!(one, with(5));
+    }
+}
+
+#[test]
+fn the_size_of_the_wavefront_leaves_no_trace() {
+    for frame in frames() {
+        let with = |lanes: Option<usize>| {
+            let workers = Workers { lanes, ..WORKERS };
+            pixels(&render_with(&frame, &SIMD, workers, SIZE, TILE_SIZE, 0..6).0)
+        };
+        let usual = with(None);
+        for lanes in [1, 8, 72, 1000, 4096] {
+            assert_eq!(usual, with(Some(lanes)), "{lanes} lanes");
+        }
+    }
+}
+
+#[test]
+fn the_size_of_tiles_leaves_no_trace() {
+    for frame in frames() {
+        let with = |tile: u32| pixels(&render_with(&frame, &SIMD, WORKERS, SIZE, tile, 0..6).0);
+        let usual = with(TILE_SIZE);
+        for tile in [1, 7, 64, 500] {
+            assert_eq!(usual, with(tile), "tiles of {tile}");
+        }
+    }
+}
+
+#[test]
+fn a_split_of_the_samples_merges_to_the_same_bits_in_any_order() {
+    for frame in frames() {
+        let whole = pixels(&render(&frame, SIZE, 0..23).0);
+        let parts = [0..5, 5..6, 6..21, 21..23];
+        for order in [[0, 1, 2, 3], [3, 1, 0, 2], [2, 3, 1, 0]] {
+            let mut film = render(&frame, SIZE, parts[order[0]].clone()).0;
+            for part in &order[1..] {
+                film.merge(&render(&frame, SIZE, parts[*part].clone()).0);
+            }
+            assert_eq!(whole, pixels(&film), "order {order:?}");
+        }
+    }
+}
+
+#[test]
+fn every_sample_can_be_replayed_alone() {
+    let frame = frames::fog_facing(0.0, 0.9, SIZE);
+    let sum: Vec<f64> = pixels(&render(&frame, SIZE, 0..4).0).iter().map(|pixel| 4.0 * pixel.mean[0]).collect();
+    let mut replayed = vec![0.0; sum.len()];
+    for sample in (0..4).rev() {
+        let alone = pixels(&render(&frame, SIZE, sample..sample + 1).0);
+        replayed.iter_mut().zip(alone).for_each(|(sum, pixel)| *sum += pixel.mean[0]);
+    }
+    assert_eq!(sum, replayed);
+}
+
+#[test]
+fn a_window_of_the_image_has_the_pixels_of_the_whole() {
+    use fogbow::film::Region;
+    use fogbow::render::{Monitor, Renderer};
+    let frame = frames::three_lights(0.6, Selection::Intensity, SIZE);
+    let whole = render(&frame, SIZE, 0..5).0;
+    let window = Film::new(&frame, Region { x0: 33, y0: 7, x1: 68, y1: 40 }, TILE_SIZE);
+    let renderer = Renderer::new(WORKERS).expect("threads start");
+    renderer.render(&frame, &SIMD, &window, 0..5, &Monitor::default());
+    for y in 7..40 {
+        for x in 33..68 {
+            assert_eq!(whole.pixel(x, y), window.pixel(x, y), "({x}, {y})");
+        }
+    }
+}

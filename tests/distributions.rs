@@ -1,0 +1,343 @@
+//! Samplers against their densities, and moments of the random walk.
+
+use bumpalo::Bump;
+use fogbow::frame::Frame;
+use fogbow::wavefront::Wavefront;
+use fogbow_kernels::columns::queues::Request;
+use fogbow_kernels::connect::light_sample::{self, Reach, reference::selection_probability};
+use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset, sample as mvnee_sample};
+use fogbow_kernels::connect::nee;
+use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::tables::lights::Selection;
+use fogbow_kernels::{PathLengths, generate, medium_sample, scatter};
+use fogbow_testing::frames;
+use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity};
+use glam::DVec3;
+
+/// Samples that a distribution is tested with.
+const SAMPLES: usize = 1 << 18;
+/// Lanes of the wavefronts used here.
+const LANES: usize = 4096;
+/// P-value below which a distribution is refused. Some 40 are tested, with fixed seeds.
+const SUSPICIOUS: f64 = 1e-4;
+
+/// Starts a path in every lane, `round` telling apart successive wavefronts.
+fn start(wavefront: &mut Wavefront<'_>, frame: &Frame, round: usize) {
+    wavefront.requests.lanes.clear();
+    for lane in 0..LANES {
+        let request = Request { x: (lane % 64) as u32, y: (lane / 64) as u32, sample: round as u32 };
+        wavefront.requests.columns.set_row(lane, request);
+        wavefront.requests.lanes.insert(lane as u32);
+    }
+    let Wavefront { requests, paths, vertices, rays, step, .. } = wavefront;
+    (SIMD.generate)(&frame.camera, *step, generate::Columns { requests, paths, vertices, rays });
+}
+
+/// One scattering event of every path, without lights.
+fn walk(wavefront: &mut Wavefront<'_>, frame: &Frame) {
+    let Wavefront { paths, vertices, rays, flights, step, .. } = wavefront;
+    (SIMD.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+    (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
+    step.clock += 1;
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}
+
+/// Calls `visit` for every lane of many wavefronts, after `bounces` scattering events.
+fn after_walks(frame: &Frame, samples: usize, bounces: usize, mut visit: impl FnMut(&mut Wavefront<'_>)) {
+    let arena = Bump::new();
+    let mut wavefront = Wavefront::new_in(&arena, frame, LANES);
+    for round in 0..samples / LANES {
+        start(&mut wavefront, frame, round);
+        (0..bounces).for_each(|_| walk(&mut wavefront, frame));
+        visit(&mut wavefront);
+    }
+}
+
+fn frame(g: f32) -> Frame {
+    frames::three_lights(g, Selection::IntensityDistance, [64, 64])
+}
+
+#[test]
+fn pixels_are_sampled_uniformly() {
+    let mut cells = vec![0.0; 64];
+    let frame = frame(0.0);
+    let camera = &frame.camera;
+    after_walks(&frame, SAMPLES, 0, |wavefront| {
+        for lane in 0..LANES {
+            let direction = vector(wavefront.rays.at(wavefront.step.clock).direction.row(lane));
+            let film = direction / direction.dot(vector(camera.forward)) - vector(camera.corner);
+            let coordinate = |step: [f32; 3]| film.dot(vector(step)) / vector(step).length_squared();
+            let cell = |x: f64| ((x.rem_euclid(1.0) * 8.0) as usize).min(7);
+            cells[8 * cell(coordinate(camera.step_y)) + cell(coordinate(camera.step_x))] += 1.0;
+        }
+    });
+    let p = p_of_counts(&cells, &[SAMPLES as f64 / 64.0; 64]);
+    assert!(p > SUSPICIOUS, "p = {p}");
+}
+
+#[test]
+fn free_flights_are_exponential() {
+    let frame = frame(0.0);
+    let mut cells = vec![0.0; 60];
+    after_walks(&frame, SAMPLES, 1, |wavefront| {
+        for lane in 0..LANES {
+            let depth = f64::from(wavefront.flights.flight.rows()[lane]) * f64::from(frame.medium.extinction);
+            cells[((depth / 0.2) as usize).min(59)] += 1.0;
+        }
+    });
+    let expected: Vec<_> = (0..60)
+        .map(|i| (-0.2 * f64::from(i)).exp() - if i < 59 { (-0.2 * f64::from(i + 1)).exp() } else { 0.0 })
+        .map(|share| share * SAMPLES as f64)
+        .collect();
+    let p = p_of_counts(&cells, &expected);
+    assert!(p > SUSPICIOUS, "p = {p}");
+}
+
+#[test]
+fn scattered_directions_match_the_phase_function() {
+    for g in [-0.95, -0.3, 0.0, 1e-4, 0.5, 0.9, 0.99] {
+        let frame = frame(g);
+        // Cells of equal probability in the cosine, from the twin's inversion, and of equal azimuth.
+        let edges: Vec<_> = (1..32).map(|i| phase::sample_cosine(f64::from(g), f64::from(i) / 32.0)).collect();
+        let mut cells = vec![0.0; 32 * 8];
+        after_walks(&frame, SAMPLES, 1, |wavefront| {
+            let clock = wavefront.step.clock;
+            for lane in 0..LANES {
+                let old = vector(wavefront.rays.at(clock - 1).direction.row(lane));
+                let new = vector(wavefront.rays.at(clock).direction.row(lane));
+                let (tangent, bitangent) = old.normalize().any_orthonormal_pair();
+                let azimuth = new.dot(bitangent).atan2(new.dot(tangent)).rem_euclid(core::f64::consts::TAU);
+                let cosine = edges.partition_point(|edge| *edge < new.dot(old));
+                cells[8 * cosine + ((azimuth / core::f64::consts::TAU * 8.0) as usize).min(7)] += 1.0;
+            }
+        });
+        let p = p_of_counts(&cells, &vec![SAMPLES as f64 / 256.0; 256]);
+        assert!(p > SUSPICIOUS, "g = {g}: p = {p}");
+    }
+}
+
+#[test]
+fn random_walks_have_the_moments_of_the_phase_function() {
+    const EVENTS: i32 = 12;
+    for g in [-0.5_f32, 0.0, 0.6, 0.9] {
+        let frame = frame(g);
+        let (mut along, mut squared) = (Moments::default(), Moments::default());
+        let arena = Bump::new();
+        let mut wavefront = Wavefront::new_in(&arena, &frame, LANES);
+        for round in 0..2 * SAMPLES / LANES {
+            start(&mut wavefront, &frame, round);
+            let first = wavefront.step.clock;
+            let camera = |wavefront: &Wavefront<'_>, lane: usize| {
+                let start = vector(wavefront.vertices.at(first).position.row(lane));
+                (start, vector(wavefront.rays.at(first).direction.row(lane)))
+            };
+            let starts: Vec<_> = (0..LANES).map(|lane| camera(&wavefront, lane)).collect();
+            (0..EVENTS).for_each(|_| walk(&mut wavefront, &frame));
+            for (lane, (start, direction)) in starts.into_iter().enumerate() {
+                let way = vector(wavefront.vertices.at(wavefront.step.clock).position.row(lane)) - start;
+                along.add(way.dot(direction));
+                squared.add(way.length_squared());
+            }
+        }
+        let (g, mu_t, n) = (f64::from(g), f64::from(frame.medium.extinction), f64::from(EVENTS));
+        let power = g.powi(EVENTS);
+        let mean = (1.0 - power) / (mu_t * (1.0 - g));
+        let mean_square = 2.0 / (mu_t * mu_t) * (n / (1.0 - g) - g * (1.0 - power) / ((1.0 - g) * (1.0 - g)));
+        for (name, found, expected) in [("r.w", along, mean), ("r^2", squared, mean_square)] {
+            let z = (found.mean() - expected) / found.standard_error();
+            assert!(z.abs() < 4.0, "g = {g}: <{name}> is {} instead of {expected}, z = {z}", found.mean());
+        }
+    }
+}
+
+/// Light points for the first vertices of many walks.
+fn light_points(frame: &Frame, reach: Reach, mut visit: impl FnMut(DVec3, usize, DVec3)) {
+    after_walks(frame, SAMPLES, 1, |wavefront| {
+        let Wavefront { paths, vertices, rays, connections, step, .. } = wavefront;
+        connections.len = 0;
+        let columns = light_sample::Columns { paths, vertices, rays, connections };
+        (SIMD.light_sample)(&frame.lights, reach, *step, columns);
+        for row in 0..connections.len {
+            let connection = connections.row(row);
+            visit(vector(connection.start), connection.light as usize, vector(connection.point));
+        }
+    });
+}
+
+#[test]
+fn light_points_are_uniform_on_their_disks() {
+    let frame = frame(0.3);
+    // Everything is accepted, so that what is tested is the sampler alone.
+    let reach = Reach { facing: false, ..nee::REACH };
+    let mut cells = vec![vec![0.0; 64]; 3];
+    light_points(&frame, reach, |_, light, point| {
+        let disk = &frame.lights.disks()[light];
+        let offset = point - vector(disk.center);
+        let (u, v) = (offset.dot(vector(disk.tangent)), offset.dot(vector(disk.bitangent)));
+        let radius = (u * u + v * v) / f64::from(disk.radius).powi(2);
+        let azimuth = v.atan2(u).rem_euclid(core::f64::consts::TAU) / core::f64::consts::TAU;
+        cells[light][8 * ((radius * 8.0) as usize).min(7) + ((azimuth * 8.0) as usize).min(7)] += 1.0;
+    });
+    for (light, cells) in cells.iter().enumerate() {
+        let count: f64 = cells.iter().sum();
+        let p = p_of_counts(cells, &[count / 64.0; 64]);
+        assert!(p > SUSPICIOUS && count > 1000.0, "light {light}: p = {p} of {count} points");
+    }
+}
+
+#[test]
+fn lights_are_selected_with_their_probability() {
+    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
+        let frame = frames::three_lights(0.3, selection, [64, 64]);
+        let reach = Reach { facing: false, ..nee::REACH };
+        let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
+        light_points(&frame, reach, |start, light, _| {
+            found[light] += 1.0;
+            (0..3).for_each(|light| expected[light] += selection_probability(&frame.lights, light, start));
+        });
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS, "{selection:?}: p = {p}, {found:?} instead of {expected:?}");
+    }
+}
+
+/// MVNEE connections of the first vertices of many walks, built by the kernels: start, inserted vertices, light point.
+fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3])) {
+    let mvnee = frame.techniques.mvnee.expect("an MVNEE frame");
+    after_walks(frame, samples, 1, |wavefront| {
+        let Wavefront { paths, vertices, rays, connections, buckets, bridged, chains, step, .. } = wavefront;
+        connections.len = 0;
+        let columns = light_sample::Columns { paths, vertices, rays, connections };
+        (SIMD.light_sample)(&frame.lights, mvnee.reach(), *step, columns);
+        let columns = mvnee_sample::CountColumns { paths, connections, buckets };
+        (SIMD.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
+        bridged.len = buckets.sort(connections.len);
+        let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+        (SIMD.mvnee_build)(&frame.medium, &mvnee, *step, columns);
+        for bucket in buckets.buckets() {
+            for row in bucket.rows() {
+                let inserted = chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
+                let ends = [bridged.start.row(row), bridged.point.row(row)].map(vector);
+                let chain: Vec<_> = [ends[0]].into_iter().chain(inserted).chain([ends[1]]).collect();
+                visit(&chain);
+            }
+        }
+    });
+}
+
+/// A frame whose connections are of moderate length and never too long.
+fn mvnee_frame(g: f32, offset: Offset) -> Frame {
+    let mut frame = frames::fog_facing(0.0, g, [64, 64]);
+    frame.medium.extinction = 0.5;
+    frame.lengths = PathLengths { min: 1, max: 60 };
+    frame.techniques.mvnee = Some(Mvnee::new(&frame.medium, f64::INFINITY, offset));
+    frame
+}
+
+#[test]
+fn numbers_of_seeds_are_poisson_distributed() {
+    let frame = mvnee_frame(0.9, Offset::Ggx);
+    let (mut found, mut expected) = (vec![0.0; 25], vec![0.0; 25]);
+    connections(&frame, SAMPLES, |chain| {
+        found[(chain.len() - 2).min(24)] += 1.0;
+        let mean = chain[0].distance(chain[chain.len() - 1]) * f64::from(frame.medium.extinction);
+        let mut share = (-mean).exp();
+        for (m, expected) in expected.iter_mut().enumerate() {
+            *expected += share;
+            share *= mean / (m + 1) as f64;
+        }
+    });
+    let rest = found.iter().sum::<f64>() - expected.iter().take(24).sum::<f64>();
+    expected[24] = rest.max(1e-3);
+    let p = p_of_counts(&found, &expected);
+    assert!(p > SUSPICIOUS, "p = {p}");
+}
+
+/// The twin's density of the inserted vertices of `chain`, given their number and the light point.
+fn density(frame: &Frame, settings: &mvnee::reference::Settings, chain: &[DVec3]) -> f64 {
+    let extinction = f64::from(frame.medium.extinction);
+    let mean = chain[0].distance(chain[chain.len() - 1]) * extinction;
+    let count: f64 = (1..=chain.len() - 2).map(|m| mean / m as f64).product();
+    mvnee::reference::density(settings, extinction, chain, 1.0).value() / (count * (-mean).exp())
+}
+
+#[test]
+fn one_inserted_vertex_matches_its_density() {
+    for (g, offset) in [(0.9, Offset::Ggx), (0.5, Offset::Gaussian), (-0.5, Offset::Ggx)] {
+        let frame = mvnee_frame(g, offset);
+        let settings = (&frame.techniques.mvnee.expect("an MVNEE frame")).into();
+        // Position along the axis and distance from it, in units that make all chains alike: the density depends on the
+        // distance between start and light only by its scale.
+        let (mut found, mut total) = (vec![0.0; 20 * 10], 0.0);
+        connections(&frame, 4 * SAMPLES, |chain| {
+            if let [start, vertex, point] = chain {
+                let (length, axis) = (start.distance(*point), (*point - *start).normalize());
+                let along = (*vertex - *start).dot(axis) / length;
+                let across = ((*vertex - *start) - along * length * axis).length() / length;
+                let cell = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+                found[10 * cell(along, 20) + cell(across / (across + 0.1), 10)] += 1.0;
+                total += 1.0;
+            }
+        });
+        let steps = 60;
+        let mut expected = vec![0.0; found.len()];
+        for i in 0..20 * steps {
+            let along = (f64::from(i) + 0.5) / f64::from(20 * steps);
+            for j in 0..10 * steps {
+                // across / (across + 0.1) = y, uniform in y; the last cell reaches to infinity.
+                let y = (f64::from(j) + 0.5) / f64::from(10 * steps);
+                let across = 0.1 * y / (1.0 - y);
+                let ring = core::f64::consts::TAU * across * 0.1 / (1.0 - y).powi(2) / f64::from(10 * steps);
+                let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
+                let share = density(&frame, &settings, &chain) * ring / f64::from(20 * steps);
+                expected[(10 * (i / steps) + j / steps) as usize] += share * total;
+            }
+        }
+        let mass = expected.iter().sum::<f64>() / total;
+        assert!((mass - 1.0).abs() < 2e-3, "g = {g}: the density integrates to {mass}");
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS && total > 1e4, "g = {g}: p = {p} of {total} vertices");
+    }
+}
+
+#[test]
+fn any_density_over_the_samplers_has_mean_one() {
+    // E[h / p] = 1 for every density h where the sampler's p is positive. h: MVNEE with narrower, Gaussian offsets.
+    let frame = mvnee_frame(0.6, Offset::Ggx);
+    let settings: mvnee::reference::Settings = (&frame.techniques.mvnee.expect("an MVNEE frame")).into();
+    let other = mvnee::reference::Settings { offset: Offset::Gaussian, slope: 0.8 * settings.slope, ..settings };
+    let mut quotients = vec![Moments::default(); 9];
+    connections(&frame, 4 * SAMPLES, |chain| {
+        if let 3..=8 = chain.len() {
+            let quotient = density(&frame, &other, chain) / density(&frame, &settings, chain);
+            quotients[chain.len() - 2].add(quotient);
+        }
+    });
+    let mut p_values = Vec::new();
+    for (inserted, quotient) in quotients.iter().enumerate().filter(|(_, quotient)| quotient.count > 0.0) {
+        let z = (quotient.mean() - 1.0) / quotient.standard_error();
+        assert!(z.abs() < 4.0, "{inserted} inserted: mean {} +- {}", quotient.mean(), quotient.standard_error());
+        p_values.push(fogbow_testing::statistics::p_of_z(z));
+    }
+    assert!(p_values.len() == 6 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
+}
+
+#[test]
+fn isotropic_media_forget_where_light_came_from() {
+    let isotropic = HenyeyGreenstein { g: 0.0 };
+    let mut frame = frame(0.0);
+    frame.medium.phase = isotropic;
+    let mut cosines = Moments::default();
+    after_walks(&frame, SAMPLES, 2, |wavefront| {
+        let clock = wavefront.step.clock;
+        for lane in 0..LANES {
+            let [old, new] = [clock - 1, clock].map(|clock| vector(wavefront.rays.at(clock).direction.row(lane)));
+            cosines.add(old.dot(new));
+        }
+    });
+    assert!((cosines.mean() / cosines.standard_error()).abs() < 4.0, "{}", cosines.mean());
+    assert!((cosines.variance() * 3.0 - 1.0).abs() < 0.01, "{}", cosines.variance());
+}

@@ -1,0 +1,164 @@
+//! Kernels and twins agree, stage by stage on the queues of real frames, and path by path.
+
+use bumpalo::Bump;
+use fogbow::film::{Film, Region};
+use fogbow::frame::Frame;
+use fogbow::reference;
+use fogbow::stats::Stats;
+use fogbow::wavefront::Wavefront;
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
+use fogbow_testing::checked::{CHECKED, Log, take_log};
+use fogbow_testing::frames;
+use fogbow_testing::render::render_here;
+use fogbow_testing::tolerances;
+
+/// Runs a frame through the checked pipeline and returns what it found.
+fn check(frame: &Frame, lanes: usize, size: [u32; 2], samples: u32) -> Log {
+    render_here(frame, &CHECKED, lanes, size, samples);
+    take_log()
+}
+
+fn assert_clean(name: &str, log: &Log) {
+    let shown: Vec<_> = log.failures.iter().take(3).map(String::as_str).collect();
+    assert!(
+        log.failures.is_empty(),
+        "{name}: {} of {} rows are apart, among them\n{}",
+        log.failures.len(),
+        log.rows,
+        shown.join("\n")
+    );
+}
+
+#[test]
+fn every_stage_agrees_with_its_twin_on_the_queues_of_real_frames() {
+    let (mut rows, mut decisions) = (0, 0);
+    for (name, frame) in frames::variety([16, 16]) {
+        let log = check(&frame, 128, [16, 16], 4);
+        assert_clean(&name, &log);
+        assert!(log.rows > 1000, "{name}: only {} rows were compared", log.rows);
+        (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+    }
+    let share = decisions as f64 / rows as f64;
+    assert!(share <= tolerances::DIFFERENT_DECISIONS, "{decisions} of {rows} rows were decided differently");
+}
+
+#[test]
+fn every_stage_agrees_with_its_twin_for_every_tail_length() {
+    let (mut rows, mut decisions) = (0, 0);
+    for paths in 1..=17 {
+        for (name, frame) in frames::variety([paths, 1]) {
+            let log = check(&frame, 24, [paths, 1], 1);
+            assert_clean(&format!("{name}, {paths} paths"), &log);
+            (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+        }
+    }
+    assert!(decisions <= 5, "{decisions} of {rows} rows were decided differently");
+}
+
+/// The radiance of every pixel's first sample, by the wavefront.
+fn first_samples(frame: &Frame, pipeline: &Pipeline, lanes: usize, size: [u32; 2]) -> Vec<[f64; 3]> {
+    render_here(frame, pipeline, lanes, size, 1).pixels().map(|pixel| pixel.mean).collect()
+}
+
+#[test]
+fn whole_paths_agree_with_the_scalar_integrator_pixel_by_pixel() {
+    let size = [48, 48];
+    for (name, frame) in frames::variety(size) {
+        let found = first_samples(&frame, &SIMD, 512, size);
+        let mut apart = Vec::new();
+        let (mut sum, mut sum_twin) = (0.0, 0.0);
+        for (pixel, kernel) in (0..).zip(found) {
+            let twin = reference::radiance(&frame, pixel, 0);
+            (sum, sum_twin) = (sum + kernel[1], sum_twin + twin[1]);
+            let allowed = |x: f64| tolerances::RADIANCE.absolute + tolerances::RADIANCE.relative * x;
+            if (0..3).any(|c| (kernel[c] - twin[c]).abs() > allowed(kernel[c].max(twin[c]))) {
+                apart.push((pixel, kernel, twin));
+            }
+        }
+        let share = apart.len() as f64 / f64::from(size[0] * size[1]);
+        assert!(
+            share <= tolerances::DIFFERENT_PATHS,
+            "{name}: {} pixels are apart, among them {:?}",
+            apart.len(),
+            &apart[..3]
+        );
+        assert!(sum > 0.0 && sum_twin > 0.0, "{name}: nothing was found");
+    }
+}
+
+#[test]
+fn a_pipeline_of_twins_alone_renders_the_same_paths() {
+    let size = [16, 16];
+    for (name, frame) in frames::variety(size).into_iter().step_by(3) {
+        let (kernels, twins) = (first_samples(&frame, &SIMD, 64, size), first_samples(&frame, &REFERENCE, 64, size));
+        let apart = |(a, b): &(&[f64; 3], &[f64; 3])| (a[1] - b[1]).abs() > 1e-9 + 5e-3 * a[1].max(b[1]);
+        let count = kernels.iter().zip(&twins).filter(apart).count();
+        assert!(count <= 2, "{name}: {count} of 256 samples differ");
+    }
+}
+
+#[test]
+fn any_single_stage_can_be_replaced_by_its_twin() {
+    let size = [16, 16];
+    let frame = frames::three_lights(0.6, fogbow_kernels::tables::lights::Selection::IntensityDistance, size);
+    let kernels = first_samples(&frame, &SIMD, 64, size);
+    for stage in Stage::ALL {
+        let mixed = first_samples(&frame, &SIMD.with_reference(*stage), 64, size);
+        let apart = |(a, b): &(&[f64; 3], &[f64; 3])| (a[1] - b[1]).abs() > 1e-9 + 5e-3 * a[1].max(b[1]);
+        let count = kernels.iter().zip(&mixed).filter(apart).count();
+        assert!(count <= 2, "{}: {count} of 256 samples differ", stage.name());
+    }
+}
+
+/// Fills every real column with NaN, and every index column with indices that are valid but senseless.
+fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
+    use fogbow_kernels::columns::{ColumnMut, ColumnSet};
+    let mut fill = |_: &'static str, column: ColumnMut<'_>| match column {
+        ColumnMut::F32(values) => values.fill(f32::NAN),
+        ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
+    };
+    let Wavefront { paths, vertices, rays, flights, hits, views, light_hits, connections, bridged, chains, .. } =
+        wavefront;
+    let mut tables: Vec<&mut dyn ColumnSet> = vec![&mut paths.columns, flights, hits];
+    tables.iter_mut().for_each(|table| table.visit_mut(&mut fill));
+    (0..vertices.slots() as u32).for_each(|slot| vertices.at_mut(slot).visit_mut(&mut fill));
+    (0..rays.slots() as u32).for_each(|slot| rays.at_mut(slot).visit_mut(&mut fill));
+    for queue in [views, light_hits, connections, bridged] {
+        queue.visit_mut(&mut fill);
+        // One light is all that every frame has.
+        queue.light.rows_mut().fill(0);
+    }
+    hits.disk.rows_mut().fill(0);
+    for vertex in chains.vertices.iter_mut() {
+        vertex.channels_mut().into_iter().for_each(|channel| channel.rows_mut().fill(f32::NAN));
+    }
+}
+
+#[test]
+fn dead_lanes_are_silent() {
+    for paths in [1, 5, 8, 13, 17] {
+        let size = [paths, 1];
+        for (name, frame) in frames::variety(size) {
+            let clean = first_samples(&frame, &SIMD, 40, size);
+            let arena = Bump::new();
+            let mut wavefront = Wavefront::new_in(&arena, &frame, 40);
+            poison(&mut wavefront, 40);
+            let film = Film::new(&frame, Region::whole(paths, 1), 32);
+            let mut stats = Stats::new(true);
+            wavefront.render(&frame, &SIMD, 0..1, &mut film.tile(0), &mut stats);
+            let poisoned: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
+            assert_eq!(clean, poisoned, "{name}, {paths} paths");
+            assert_eq!(stats.dropped.count, 0, "{name}: NaN was counted");
+        }
+    }
+}
+
+#[test]
+fn a_sample_does_not_depend_on_its_lane() {
+    for (name, frame) in frames::variety([23, 3]) {
+        let alone = first_samples(&frame, &SIMD, 8, [23, 3]);
+        for lanes in [16, 64, 200] {
+            assert_eq!(alone, first_samples(&frame, &SIMD, lanes, [23, 3]), "{name}, {lanes} lanes");
+        }
+    }
+}

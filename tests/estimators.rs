@@ -1,0 +1,150 @@
+//! All techniques have the same mean: per path length, per scene, and that of independent programs.
+
+use fogbow::film::Film;
+use fogbow::frame::Frame;
+use fogbow_kernels::tables::lights::Selection;
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::{green, render};
+use fogbow_testing::statistics::{p_of_chi_square, p_of_uniformity, p_of_z, z_of_means};
+use fogbow_testing::truths;
+use glam::DVec3;
+
+const SMALL: [u32; 2] = [16, 16];
+
+/// Deviates of all techniques from path tracing, for one path length.
+fn deviates(base: &Frame, mesc: f64, segments: u32, samples: u32) -> Vec<(Active, f64)> {
+    let mean = |active: Active| {
+        // Other seeds, so that the walks of different techniques are independent.
+        let seed = 100 * active as u32 + segments;
+        let frame = frames::with_length(&Frame { seed, ..frames::with_techniques(base, active, mesc) }, segments);
+        green(&render(&frame, SMALL, 0..samples).0)
+    };
+    let truth = mean(Active::Path);
+    let others = [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both];
+    others.into_iter().map(|active| (active, z_of_means(mean(active), truth))).collect()
+}
+
+fn assert_equal_means(name: &str, base: &Frame, mesc: f64, lengths: core::ops::RangeInclusive<u32>, samples: u32) {
+    let mut p_values = Vec::new();
+    for segments in lengths {
+        for (active, z) in deviates(base, mesc, segments, samples) {
+            assert!(z.abs() < 4.2, "{name}: {active:?} differs from path tracing at {segments} segments, z = {z}");
+            p_values.push(p_of_z(z));
+        }
+    }
+    let p = p_of_uniformity(&p_values);
+    assert!(p > 1e-4, "{name}: p-values {p_values:?} are not uniform, p = {p}");
+}
+
+#[test]
+fn all_techniques_have_equal_means_per_path_length_with_one_light() {
+    let base = frames::fog_facing(1.0, 0.7, SMALL);
+    assert_equal_means("fog-facing", &base, 4.0, 1..=9, 3000);
+}
+
+#[test]
+fn all_techniques_have_equal_means_per_path_length_with_three_lights() {
+    for (selection, g, mesc) in [
+        (Selection::Uniform, -0.6, f64::INFINITY),
+        (Selection::Intensity, 0.0, 2.0),
+        (Selection::IntensityDistance, 0.8, 1.5),
+    ] {
+        let base = frames::three_lights(g, selection, SMALL);
+        assert_equal_means(&format!("three lights, {selection:?}"), &base, mesc, 1..=6, 1500);
+    }
+}
+
+#[test]
+fn the_length_limit_counts_camera_and_light_segment() {
+    // One segment more would be brighter by a tenth.
+    let frame = frames::with_techniques(&frames::fog_facing(1.0, 0.0, SMALL), Active::Nee, 4.0);
+    let (mean, error) = green(&render(&frame, SMALL, 0..40_000).0);
+    assert!(error < 0.001, "error {error}");
+    assert!((mean - 0.1847).abs() < 0.0002 + 3.5 * error, "{mean} +- {error}");
+}
+
+/// Compares a render with an independent image: per pixel, per block of 4 x 4 pixels, and in the mean.
+fn assert_matches(name: &str, film: &Film) {
+    let truth = truths::image(name);
+    let (green, errors) = (truth.channel("G").expect("green"), truth.channel("SE.G").expect("errors"));
+    let pixels: Vec<_> = film.pixels().collect();
+    assert_eq!(pixels.len(), green.len(), "{name}: sizes differ");
+    let mut p_values = Vec::new();
+    for block in [1, 4, truth.width] {
+        let (mut chi_square, mut blocks) = (0.0, 0);
+        for y in (0..truth.height).step_by(block) {
+            for x in (0..truth.width).step_by(block) {
+                let (mut difference, mut variance) = (0.0, 0.0);
+                for i in (y..y + block).flat_map(|y| (x..x + block).map(move |x| y * truth.width + x)) {
+                    difference += pixels[i].mean[1] - f64::from(green[i]);
+                    variance += pixels[i].standard_error[1].powi(2) + f64::from(errors[i]).powi(2);
+                }
+                chi_square += difference * difference / variance;
+                blocks += 1;
+            }
+        }
+        p_values.push((block, p_of_chi_square(chi_square, blocks)));
+    }
+    // Heavy tails make single pixels lie further out than their errors say; blocks and means must not.
+    assert!(p_values[1].1 > 1e-3 && p_values[2].1 > 1e-3, "{name}: p-values per block size {p_values:?}");
+}
+
+fn size(name: &str) -> [u32; 2] {
+    let image = truths::image(name);
+    [image.width as u32, image.height as u32]
+}
+
+#[test]
+fn fog_facing_matches_an_independent_program() {
+    let name = "fog-facing-near0-g0.9";
+    let film = render(&frames::fog_facing(0.0, 0.9, size(name)), size(name), 0..6000).0;
+    let (mean, error) = green(&film);
+    assert!((mean - 1.2838).abs() < 0.0004 + 3.5 * error && error < 0.004, "{mean} +- {error}");
+    assert_matches(name, &film);
+}
+
+#[test]
+fn fog_facing_seen_from_the_image_plane_matches_an_independent_program() {
+    let name = "fog-facing-near1-g0.9";
+    let film = render(&frames::fog_facing(1.0, 0.9, size(name)), size(name), 0..1500).0;
+    let (mean, error) = green(&film);
+    assert!((mean - 1.7004).abs() < 0.0005 + 3.5 * error && error < 0.006, "{mean} +- {error}");
+    assert_matches(name, &film);
+}
+
+#[test]
+fn isotropic_fog_matches_an_independent_program() {
+    let name = "fog-facing-near1-g0.0";
+    let film = render(&frames::fog_facing(1.0, 0.0, size(name)), size(name), 0..1500).0;
+    let (mean, error) = green(&film);
+    assert!((mean - 0.1847).abs() < 0.0002 + 3.5 * error && error < 0.001, "{mean} +- {error}");
+    assert_matches(name, &film);
+}
+
+#[test]
+fn light_across_the_view_matches_an_independent_program() {
+    let name = "fog-perpendicular-near1-g0.6";
+    let frame = frames::fog(1.0, 0.6, DVec3::Y, size(name));
+    for active in [Active::Nee, Active::Mvnee] {
+        let film = render(&frames::with_techniques(&frame, active, 4.0), size(name), 0..1500).0;
+        let (mean, error) = green(&film);
+        assert!((mean - 0.23981).abs() < 0.00026 + 3.5 * error && error < 0.002, "{active:?}: {mean} +- {error}");
+        assert_matches(name, &film);
+    }
+}
+
+#[test]
+fn many_lights_have_equal_means_under_every_selection_rule() {
+    let with = |selection: Selection, active: Active| {
+        let base = frames::three_lights(0.7, selection, SMALL);
+        let frame = Frame { seed: 31 * selection as u32 + active as u32, ..base };
+        green(&render(&frames::with_techniques(&frame, active, 3.0), SMALL, 0..4000).0)
+    };
+    let truth = with(Selection::Uniform, Active::Path);
+    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
+        for active in [Active::Nee, Active::Mvnee, Active::Both] {
+            let z = z_of_means(with(selection, active), truth);
+            assert!(z.abs() < 4.0, "{selection:?}, {active:?}: z = {z}");
+        }
+    }
+}

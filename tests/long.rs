@@ -1,0 +1,161 @@
+//! The long suite: statistics that take minutes.
+//!
+//! ```text
+//! cargo test --release --features long --test long
+//! ```
+
+use fogbow::frame::Frame;
+use fogbow_kernels::random;
+use fogbow_kernels::tables::lights::Selection;
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::{green, render};
+use fogbow_testing::statistics::{p_of_counts, p_of_uniformity, p_of_z, z_of_means};
+use glam::DVec3;
+
+/// Mean of a scene to a standard error of `goal`, against a published one of error `known`.
+fn assert_mean(name: &str, frame: &Frame, expected: f64, known: f64, goal: f64) {
+    let size = [64, 64];
+    let mut samples = 1000;
+    loop {
+        let (mean, error) = green(&render(frame, size, 0..samples).0);
+        if error <= goal {
+            let z = (mean - expected) / error.hypot(known);
+            println!("{name}: {mean:.5} +- {error:.5}, expected {expected} +- {known}, z = {z:.2}");
+            assert!(z.abs() < 3.5, "{name}: {mean} +- {error}");
+            return;
+        }
+        samples = (f64::from(samples) * (error / goal).powi(2) * 1.1) as u32;
+    }
+}
+
+#[test]
+fn means_of_fog_facing_are_those_of_independent_programs() {
+    let size = [64, 64];
+    for active in [Active::Path, Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+        let with = |near: f64, g: f32| frames::with_techniques(&frames::fog_facing(near, g, size), active, 4.0);
+        assert_mean(&format!("near 1, g .9, {active:?}"), &with(1.0, 0.9), 1.7004, 0.0005, 0.001);
+        assert_mean(&format!("near 0, g .9, {active:?}"), &with(0.0, 0.9), 1.2838, 0.0004, 0.001);
+        assert_mean(&format!("near 1, g 0, {active:?}"), &with(1.0, 0.0), 0.1847, 0.0002, 0.0005);
+    }
+    let mvnee = |near: f64, g: f32| frames::fog_facing(near, g, size);
+    assert_mean("near 1, g .9, Mvnee, tight", &mvnee(1.0, 0.9), 1.7004, 0.0005, 0.0004);
+    assert_mean("near 0, g .9, Mvnee, tight", &mvnee(0.0, 0.9), 1.2838, 0.0004, 0.0004);
+}
+
+#[test]
+fn light_across_the_view_has_the_mean_of_an_independent_program() {
+    for active in Active::ALL {
+        let frame = frames::with_techniques(&frames::fog(1.0, 0.6, DVec3::Y, [64, 64]), active, 4.0);
+        assert_mean(&format!("fog-perpendicular, {active:?}"), &frame, 0.23981, 0.00026, 0.0006);
+    }
+}
+
+#[test]
+fn techniques_agree_tile_by_tile_and_their_p_values_are_uniform() {
+    let size = [32, 32];
+    for (name, base, mesc) in [
+        ("fog-facing", frames::fog_facing(1.0, 0.8, size), 4.0),
+        ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, size), 2.5),
+    ] {
+        for segments in [2, 3, 5, 8] {
+            let with = |active: Active| {
+                let frame = Frame { seed: 7 + active as u32, ..frames::with_techniques(&base, active, mesc) };
+                let film = render(&frames::with_length(&frame, segments), size, 0..4000).0;
+                // Means of tiles of 8 x 8 pixels.
+                let tile = |x: u32, y: u32| {
+                    let pixels =
+                        (y..y + 8).flat_map(|y| (x..x + 8).map(move |x| (x, y))).map(|(x, y)| film.pixel(x, y));
+                    let (mut mean, mut variance) = (0.0, 0.0);
+                    pixels.for_each(|pixel| {
+                        mean += pixel.mean[1] / 64.0;
+                        variance += (pixel.standard_error[1] / 64.0).powi(2);
+                    });
+                    (mean, variance.sqrt())
+                };
+                (0..32)
+                    .step_by(8)
+                    .flat_map(|y| (0..32).step_by(8).map(move |x| (x, y)))
+                    .map(|(x, y)| tile(x, y))
+                    .collect::<Vec<_>>()
+            };
+            let nee = with(Active::Nee);
+            for active in [Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+                let p_values: Vec<_> = with(active).iter().zip(&nee).map(|(a, b)| p_of_z(z_of_means(*a, *b))).collect();
+                let p = p_of_uniformity(&p_values);
+                println!("{name}, {segments} segments, {active:?}: p-values uniform with p = {p:.3}");
+                assert!(p > 1e-4, "{name}, {segments} segments, {active:?}: {p_values:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_techniques_have_equal_means_for_every_lobe() {
+    let size = [16, 16];
+    for g in [-0.9, -0.5, 0.3, 0.9, 0.97] {
+        let base = frames::three_lights(g, Selection::IntensityDistance, size);
+        let with = |active: Active| {
+            let frame = Frame { seed: 1000 + active as u32, ..frames::with_techniques(&base, active, 3.0) };
+            green(&render(&frame, size, 0..40_000).0)
+        };
+        let truth = with(Active::Path);
+        for active in [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+            let z = z_of_means(with(active), truth);
+            println!("g {g}, {active:?}: z = {z:.2}");
+            assert!(z.abs() < 4.0, "g {g}, {active:?}: z = {z}");
+        }
+    }
+}
+
+/// Keys whose neighbours differ by one in pixel, sample or dimension.
+fn neighbours(key: [u32; 3]) -> [[u32; 3]; 4] {
+    let [pixel, sample, block] = key;
+    [
+        [pixel + 1, sample, block],
+        [pixel, sample + 1, block],
+        [pixel, sample, block + 1],
+        [pixel, sample, block + (1 << 16)],
+    ]
+}
+
+fn uniforms([pixel, sample, block]: [u32; 3], seed: u32) -> [f64; 4] {
+    random::words(pixel, sample, block, seed).map(random::uniform)
+}
+
+#[test]
+fn random_words_are_uniform_and_independent_of_their_neighbours() {
+    let keys = || (0..1 << 10).flat_map(|pixel| (0..1 << 10).map(move |i| [pixel, i % 64, (i / 64) << 16 | (i % 7)]));
+    let cell = |u: f64| (u * 32.0) as usize;
+    let mut p_values = Vec::new();
+    for seed in [0, 1, 12345] {
+        for word in 0..4 {
+            let mut counts = vec![0.0; 4096];
+            keys().for_each(|key| counts[(uniforms(key, seed)[word] * 4096.0) as usize] += 1.0);
+            p_values.push(p_of_counts(&counts, &[f64::from(1 << 20) / 4096.0; 4096]));
+        }
+        for (a, b) in [(0, 1), (0, 2), (1, 2), (2, 3), (0, 3), (1, 3)] {
+            let mut counts = vec![0.0; 1024];
+            keys().for_each(|key| {
+                let u = uniforms(key, seed);
+                counts[32 * cell(u[a]) + cell(u[b])] += 1.0;
+            });
+            p_values.push(p_of_counts(&counts, &[f64::from(1 << 20) / 1024.0; 1024]));
+        }
+        for neighbour in 0..4 {
+            for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2)] {
+                let mut counts = vec![0.0; 1024];
+                let mut correlation = 0.0;
+                keys().for_each(|key| {
+                    let (u, v) = (uniforms(key, seed)[a], uniforms(neighbours(key)[neighbour], seed)[b]);
+                    counts[32 * cell(u) + cell(v)] += 1.0;
+                    correlation += 12.0 * (u - 0.5) * (v - 0.5);
+                });
+                p_values.push(p_of_counts(&counts, &[f64::from(1 << 20) / 1024.0; 1024]));
+                p_values.push(p_of_z(correlation / f64::from(1 << 20).sqrt()));
+            }
+        }
+    }
+    let (least, p) = (p_values.iter().fold(1.0, |least: f64, p| least.min(*p)), p_of_uniformity(&p_values));
+    println!("{} tests, least p {least:.2e}, uniform with p = {p:.3}", p_values.len());
+    assert!(least > 1e-5 && p > 1e-4, "least p-value {least}, uniformity {p}");
+}

@@ -1,0 +1,66 @@
+//! The scenes that ship: each loads, says what it is, and has the mean that its README promises.
+
+use std::path::{Path, PathBuf};
+
+use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow_testing::render::{green, render};
+
+fn folders() -> Vec<PathBuf> {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let entries = std::fs::read_dir(&scenes).expect("the project has scenes");
+    let mut folders: Vec<_> = entries.map(|entry| entry.expect("a readable entry").path()).collect();
+    folders.sort();
+    folders
+}
+
+/// The scene at a small size.
+fn small(folder: &Path) -> LoadedScene {
+    let size = Override::parse("film.size=[24, 24]").expect("has a =");
+    scene::load(folder, vec![size]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Value and error of the README's row `name`.
+fn promised(folder: &Path, name: &str) -> (f64, f64) {
+    let readme = std::fs::read_to_string(folder.join("README.md")).expect("every scene has a README");
+    let row =
+        readme.lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{}: no {name}", folder.display()));
+    let numbers: Vec<f64> = row.split([' ', '|']).filter_map(|word| word.parse().ok()).collect();
+    (numbers[0], numbers[1])
+}
+
+#[test]
+fn every_scene_has_the_mean_that_its_readme_promises() {
+    let folders = folders();
+    assert!(folders.len() >= 3, "only {folders:?}");
+    for folder in folders {
+        let scene = small(&folder);
+        let (expected, known) = promised(&folder, "expected image mean");
+        let (mean, error) = green(&render(&scene.frame, [24, 24], 0..6000).0);
+        let z = (mean - expected) / error.hypot(known);
+        assert!(z.abs() < 4.0, "{}: {mean} +- {error} instead of {expected} +- {known}", scene.name);
+        assert!(error < 0.05 * expected, "{}: {mean} +- {error} says nothing", scene.name);
+    }
+}
+
+#[test]
+fn scenes_are_called_after_their_folders() {
+    for folder in folders() {
+        let name = folder.file_name().expect("a folder").to_string_lossy().into_owned();
+        assert_eq!(small(&folder).name, name);
+        assert_eq!(scene::load(&folder.join("scene.toml"), vec![]).expect("loads").name, name);
+    }
+}
+
+#[test]
+fn the_hash_names_what_samples_depend_on_and_nothing_else() {
+    let hash = |changes: &[&str]| {
+        let changes = changes.iter().map(|change| Override::parse(change).expect("has a =")).collect();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-facing");
+        scene::load(&folder, changes).unwrap_or_else(|error| panic!("{error}")).hash()
+    };
+    assert_eq!(hash(&[]), hash(&["render.samples=7"]));
+    assert_eq!(hash(&[]), hash(&["light[0].radiance=[80, 80, 80.0]"]));
+    for change in ["render.seed=2", "medium.phase.g=0.8", "film.size=[8, 8]", "render.technique=nee"] {
+        assert_ne!(hash(&[]), hash(&[change]), "{change}");
+    }
+}

@@ -1,0 +1,389 @@
+//! A pipeline in which every stage checks itself: it runs its kernel and its twin on the same queues of a real frame and
+//! compares what they filled. The frame goes on with what the kernel found.
+//!
+//! Stages are function pointers without state, so what they find is collected per thread; see [`take_log`].
+
+use std::cell::RefCell;
+
+use fogbow_kernels::columns::LANES;
+use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use fogbow_kernels::connect::buckets::DROPPED;
+use fogbow_kernels::connect::light_sample::{self, Reach};
+use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
+use fogbow_kernels::connect::{Techniques, nee};
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::Lights;
+use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{
+    PathLengths, Step, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter,
+};
+
+use crate::compare::{Save, Saved, difference, members};
+use crate::tolerances::{self, Tolerance};
+
+/// What the checked stages found.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    /// Rows compared.
+    pub rows: u64,
+    /// Rows about which kernel and twin decided differently.
+    pub decisions: u64,
+    /// Rows that are further apart than their tolerance.
+    pub failures: Vec<String>,
+}
+
+thread_local! {
+    static LOG: RefCell<Log> = RefCell::new(Log::default());
+}
+
+/// What the checked stages of this thread found since the last call.
+pub fn take_log() -> Log {
+    LOG.take()
+}
+
+fn count_rows(rows: usize) {
+    LOG.with_borrow_mut(|log| log.rows += rows as u64);
+}
+
+fn count_decisions(rows: usize) {
+    LOG.with_borrow_mut(|log| log.decisions += rows as u64);
+}
+
+fn fail(stage: &str, row: usize, text: &str) {
+    LOG.with_borrow_mut(|log| log.failures.push(format!("{stage}, row {row}:\n{text}")));
+}
+
+/// Every stage, checked.
+pub const CHECKED: Pipeline = Pipeline {
+    generate: check_generate,
+    medium_sample: check_medium_sample,
+    extend: check_extend,
+    light_hit: check_light_hit,
+    scatter: check_scatter,
+    light_sample: check_light_sample,
+    mvnee_count: check_mvnee_count,
+    mvnee_build: check_mvnee_build,
+    mis_weight: check_mis_weight,
+    occlusion: check_occlusion,
+    accumulate: check_accumulate,
+};
+
+/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables.
+macro_rules! run_both {
+    ($stage:ident($($arg:expr),*), [$($table:ident),*], $columns:expr) => {{
+        let before = ($($table.save(),)*);
+        (SIMD.$stage)($($arg,)* $columns);
+        let kernel = ($($table.save(),)*);
+        run_both!(@restore before, $($table),*);
+        (REFERENCE.$stage)($($arg,)* $columns);
+        let twin = ($($table.save(),)*);
+        run_both!(@restore kernel, $($table),*);
+        (kernel, twin)
+    }};
+    (@restore $saved:ident, $a:ident) => { $a.restore(&$saved.0) };
+    (@restore $saved:ident, $a:ident, $b:ident) => { $a.restore(&$saved.0); $b.restore(&$saved.1) };
+    (@restore $saved:ident, $a:ident, $b:ident, $c:ident) => {
+        $a.restore(&$saved.0); $b.restore(&$saved.1); $c.restore(&$saved.2)
+    };
+}
+
+type Tolerances<'a> = &'a [(&'a str, Tolerance)];
+
+/// Compares row `row` of table `table`.
+fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+    count_rows(1);
+    if let Some(text) = difference(&kernel.row(table, row), &twin.row(table, row), tolerances) {
+        fail(stage, row, &text);
+    }
+}
+
+/// Compares the rows of two queues that have the same lane; a lane that only one of them lists is another decision.
+fn check_queue(stage: &str, (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+    let (kernel_lanes, twin_lanes) = (kernel.indices("lane"), twin.indices("lane"));
+    for (at, lane) in kernel_lanes.iter().enumerate() {
+        let Some(other) = twin_lanes.iter().position(|other| other == lane) else {
+            count_decisions(1);
+            continue;
+        };
+        count_rows(1);
+        if let Some(text) = difference(&kernel.row(0, at), &twin.row(0, other), tolerances) {
+            fail(stage, at, &text);
+        }
+    }
+    count_decisions(twin_lanes.iter().filter(|lane| !kernel_lanes.contains(lane)).count());
+    if !kernel_lanes.is_sorted() || !twin_lanes.is_sorted() {
+        fail(stage, 0, "    rows are not in lane order");
+    }
+}
+
+fn lanes(paths: &PathTable<'_>) -> core::ops::Range<usize> {
+    0..paths.batches() * LANES
+}
+
+/// The slot of `clock` in a ring of so many.
+fn slot(clock: u32, slots: usize) -> usize {
+    clock as usize % slots
+}
+
+fn check_generate(camera: &Camera, step: Step, columns: generate::Columns<'_, '_>) {
+    let generate::Columns { requests, paths, vertices, rays } = columns;
+    let (kernel, twin) = run_both!(
+        generate(camera, step),
+        [paths, vertices, rays],
+        generate::Columns { requests, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+    );
+    let close = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION)];
+    for lane in lanes(paths) {
+        let allowed = if requests.lanes.contains(lane as u32) { close.as_slice() } else { &[] };
+        check_row("generate", (0, lane), (&kernel.0, &twin.0), &[]);
+        check_row("generate", (slot(step.clock, vertices.slots()), lane), (&kernel.1, &twin.1), allowed);
+        check_row("generate", (slot(step.clock, rays.slots()), lane), (&kernel.2, &twin.2), allowed);
+        if [0, 1].map(|set| kernel.0.contains(set, lane)) != [0, 1].map(|set| twin.0.contains(set, lane)) {
+            fail("generate", lane, "    live or occupied differ");
+        }
+    }
+}
+
+fn check_medium_sample(medium: &Medium, step: Step, columns: medium_sample::Columns<'_, '_>) {
+    let medium_sample::Columns { paths, flights } = columns;
+    let (kernel, twin) =
+        run_both!(medium_sample(medium, step), [flights], medium_sample::Columns { paths, flights: &mut *flights });
+    let allowed = [("flight", tolerances::FLIGHT)];
+    for lane in members(&paths.live) {
+        check_row("medium_sample", (0, lane), (&kernel.0, &twin.0), &allowed);
+    }
+}
+
+fn check_extend(lights: &Lights, step: Step, columns: extend::Columns<'_, '_>) {
+    let extend::Columns { paths, vertices, rays, flights, hits } = columns;
+    let (kernel, twin) =
+        run_both!(extend(lights, step), [hits], extend::Columns { paths, vertices, rays, flights, hits: &mut *hits });
+    check_queue("extend", (&kernel.0, &twin.0), &[("distance", tolerances::DISTANCE)]);
+    count_rows(paths.live.count());
+}
+
+fn check_light_hit(medium: &Medium, lights: &Lights, step: Step, columns: light_hit::Columns<'_, '_>) {
+    let light_hit::Columns { hits, vertices, rays, flights, paths, views, light_hits } = columns;
+    let (kernel, twin) = run_both!(
+        light_hit(medium, lights, step),
+        [paths, views, light_hits],
+        light_hit::Columns {
+            hits,
+            vertices,
+            rays,
+            flights,
+            paths: &mut *paths,
+            views: &mut *views,
+            light_hits: &mut *light_hits,
+        }
+    );
+    let allowed = [("point", tolerances::POSITION), ("weight", tolerances::TRANSMITTANCE)];
+    check_queue("light_hit", (&kernel.1, &twin.1), &allowed);
+    check_queue("light_hit", (&kernel.2, &twin.2), &allowed);
+    for lane in lanes(paths) {
+        if kernel.0.contains(0, lane) != twin.0.contains(0, lane) {
+            fail("light_hit", lane, "    only one of kernel and twin ends the path");
+        }
+    }
+}
+
+fn check_scatter(medium: &Medium, step: Step, columns: scatter::Columns<'_, '_>) {
+    let scatter::Columns { flights, paths, vertices, rays } = columns;
+    let (kernel, twin) = run_both!(
+        scatter(medium, step),
+        [paths, vertices, rays],
+        scatter::Columns { flights, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+    );
+    let allowed = [
+        ("position", tolerances::POSITION),
+        ("direction", tolerances::DIRECTION),
+        ("inverse_density", tolerances::INVERSE_DENSITY),
+        ("throughput", tolerances::CONTRIBUTION),
+    ];
+    let next = step.clock + 1;
+    for lane in members(&paths.live) {
+        check_row("scatter", (slot(next, vertices.slots()), lane), (&kernel.1, &twin.1), &allowed);
+        check_row("scatter", (slot(next, rays.slots()), lane), (&kernel.2, &twin.2), &allowed);
+    }
+    // Paths that have ended keep their throughput to the bit.
+    lanes(paths).for_each(|lane| {
+        let allowed = if paths.live.contains(lane as u32) { allowed.as_slice() } else { &[] };
+        check_row("scatter", (0, lane), (&kernel.0, &twin.0), allowed);
+    });
+}
+
+fn check_light_sample(lights: &Lights, reach: Reach, step: Step, columns: light_sample::Columns<'_, '_>) {
+    let light_sample::Columns { paths, vertices, rays, connections } = columns;
+    let (kernel, mut twin) = run_both!(
+        light_sample(lights, reach, step),
+        [paths, vertices, connections],
+        light_sample::Columns { paths: &mut *paths, vertices: &mut *vertices, rays, connections: &mut *connections }
+    );
+    for lane in members(&paths.live) {
+        let near = |saved: &Saved| saved.row(0, lane)["first_near"].clone();
+        count_rows(1);
+        if near(&kernel.0) != near(&twin.0) {
+            count_decisions(1);
+        }
+        // A lane that no light is near has no light sum; the kernel fills whole batches.
+        let is_near = paths.columns.first_near.rows()[lane] == paths.depth(step.clock, lane);
+        if lights.selection_depends_on_start() && (is_near || reach == nee::REACH) {
+            let at = (slot(step.clock, vertices.slots()), lane);
+            check_row("light_sample", at, (&kernel.1, &twin.1), &[("light_sum", tolerances::LIGHT_SUM)]);
+        }
+    }
+    // Connections have no weight yet.
+    twin.2.forget("weight");
+    let mut kernel = kernel.2;
+    kernel.forget("weight");
+    check_queue("light_sample", (&kernel, &twin.2), &[("point", tolerances::POSITION)]);
+}
+
+fn check_mvnee_count(medium: &Medium, lengths: PathLengths, step: Step, columns: mvnee_sample::CountColumns<'_, '_>) {
+    let mvnee_sample::CountColumns { paths, connections, buckets } = columns;
+    let (kernel, twin) = run_both!(
+        mvnee_count(medium, lengths, step),
+        [buckets],
+        mvnee_sample::CountColumns { paths, connections, buckets: &mut *buckets }
+    );
+    for at in 0..connections.len {
+        count_rows(1);
+        if kernel.0.row(0, at) != twin.0.row(0, at) {
+            count_decisions(1);
+        }
+        let most = lengths.max - 1 - paths.depth(step.clock, connections.lane.rows()[at] as usize);
+        let count = buckets.count.rows()[at];
+        if count != DROPPED && count > most {
+            fail("mvnee_count", at, &format!("    {count} seeds where {most} fit"));
+        }
+    }
+}
+
+fn check_mvnee_build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: mvnee_sample::BuildColumns<'_, '_>) {
+    let mvnee_sample::BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let (kernel, twin) = run_both!(
+        mvnee_build(medium, mvnee, step),
+        [candidates, chains],
+        mvnee_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
+    );
+    let (mut candidates, mut candidates_twin) = (kernel.0, twin.0);
+    candidates.forget("weight");
+    candidates_twin.forget("weight");
+    for bucket in buckets.buckets() {
+        for at in bucket.rows() {
+            check_row("mvnee_build", (0, at), (&candidates, &candidates_twin), &[]);
+            for vertex in 0..bucket.inserted {
+                check_row("mvnee_build", (vertex, at), (&kernel.1, &twin.1), &[("vertex", tolerances::CHAIN)]);
+            }
+        }
+    }
+}
+
+fn check_mis_weight(
+    medium: &Medium,
+    lights: &Lights,
+    techniques: &Techniques,
+    step: Step,
+    columns: mis_weight::Columns<'_, '_>,
+) {
+    let mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix } = columns;
+    let (kernel, twin) = run_both!(
+        mis_weight(medium, lights, techniques, step),
+        [candidates],
+        mis_weight::Columns { bucket, candidates: &mut *candidates, chains, paths, vertices, suffix: &mut *suffix }
+    );
+    let sight = Sight { bucket, candidates, chains, paths, vertices, lights, step };
+    let (kernel_weights, twin_weights) = (kernel.0.reals("weight"), twin.0.reals("weight"));
+    for at in bucket.rows() {
+        count_rows(1);
+        let (weight, weight_twin) = (f64::from(kernel_weights[at]), f64::from(twin_weights[at]));
+        let conditioning = sight.conditioning(f64::from(medium.phase.g), at);
+        let Tolerance { absolute, relative } = tolerances::WEIGHT;
+        let largest = weight.max(weight_twin);
+        if (weight == 0.0) != (weight_twin == 0.0) && largest > absolute {
+            count_decisions(1);
+        } else if (weight - weight_twin).abs() > absolute + (relative + conditioning) * largest {
+            let text = format!(
+                "    weight: kernel {weight:e}  twin {weight_twin:e}, {} inserted, conditioning {conditioning:e}\n    {:?}\n    {:?}",
+                bucket.inserted,
+                kernel.0.row(0, at),
+                sight.path(at),
+            );
+            fail("mis_weight", at, &text);
+        }
+    }
+}
+
+/// The complete paths of candidates.
+struct Sight<'a, 'q> {
+    bucket: Bucket,
+    candidates: &'a CandidateQueue<'q>,
+    chains: &'a ChainTable<'q>,
+    paths: &'a PathTable<'q>,
+    vertices: &'a VertexTable<'q>,
+    lights: &'a Lights,
+    step: Step,
+}
+
+impl Sight<'_, '_> {
+    /// Vertices from the camera, as far as it is remembered, to the light.
+    fn path(&self, at: usize) -> Vec<glam::DVec3> {
+        let lane = self.candidates.lane.rows()[at] as usize;
+        let known = (self.vertices.slots() as u32 - 2).min(self.paths.depth(self.step.clock, lane));
+        let history = (1..=known).rev().map(|back| self.vertices.at(self.step.clock - back).position.row(lane));
+        let inserted = self.chains.vertices[..self.bucket.inserted].iter().map(|vertex| vertex.row(at));
+        let ends = [self.candidates.start.row(at), self.candidates.point.row(at)];
+        let path = history.chain([ends[0]]).chain(inserted).chain([ends[1]]);
+        path.map(|position| glam::DVec3::from(position.map(f64::from))).collect()
+    }
+
+    fn conditioning(&self, g: f64, at: usize) -> f64 {
+        let path = self.path(at);
+        let distance = path.iter().map(|position| position.length()).fold(0.0, f64::max);
+        let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
+        let normal = self.lights.disks()[self.candidates.light.rows()[at] as usize].normal.map(f64::from);
+        let last = path[path.len() - 1] - path[path.len() - 2];
+        let cos_light = -last.normalize_or_zero().dot(glam::DVec3::from(normal));
+        tolerances::weight_conditioning(g, distance, shortest, cos_light)
+    }
+}
+
+fn check_occlusion(lights: &Lights, columns: occlusion::Columns<'_, '_>) {
+    let occlusion::Columns { bucket, candidates, chains } = columns;
+    let before = candidates.weight.rows().to_vec();
+    let (kernel, twin) =
+        run_both!(occlusion(lights), [candidates], occlusion::Columns { bucket, candidates: &mut *candidates, chains });
+    let (kernel, twin) = (kernel.0.reals("weight"), twin.0.reals("weight"));
+    for at in bucket.rows() {
+        count_rows(1);
+        if kernel[at].to_bits() != twin[at].to_bits() {
+            count_decisions(1);
+        }
+        if kernel[at] != 0.0 && kernel[at].to_bits() != before[at].to_bits() {
+            fail("occlusion", at, &format!("    a free connection's weight became {}", kernel[at]));
+        }
+    }
+}
+
+fn check_accumulate(
+    medium: &Medium,
+    lights: &Lights,
+    lengths: PathLengths,
+    step: Step,
+    columns: accumulate::Columns<'_, '_>,
+) {
+    let accumulate::Columns { bucket, candidates, paths, dropped } = columns;
+    let (kernel, twin) = run_both!(
+        accumulate(medium, lights, lengths, step),
+        [paths, dropped],
+        accumulate::Columns { bucket, candidates, paths: &mut *paths, dropped: &mut *dropped }
+    );
+    for lane in lanes(paths) {
+        check_row("accumulate", (0, lane), (&kernel.0, &twin.0), &[("radiance", tolerances::CONTRIBUTION)]);
+    }
+    if kernel.1 != twin.1 {
+        fail("accumulate", 0, &format!("    dropped {:?} and {:?}", kernel.1, twin.1));
+    }
+}

@@ -1,0 +1,114 @@
+//! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
+
+use fogbow::frame::Frame;
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::media::Medium;
+use glam::DVec3;
+
+/// Opening angle whose image plane is 1 x 1 at distance 1.
+pub const UNIT_FOV: f64 = 0.927_295_218_001_612_2;
+
+/// The active techniques by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Active {
+    /// Path tracing alone.
+    Path,
+    /// Next event estimation.
+    Nee,
+    /// Multiple-vertex next event estimation with GGX offsets.
+    Mvnee,
+    /// The same with Gaussian offsets.
+    MvneeGaussian,
+    /// Next event estimation and its multiple-vertex form together.
+    Both,
+}
+
+impl Active {
+    /// Every combination.
+    pub const ALL: [Self; 5] = [Self::Path, Self::Nee, Self::Mvnee, Self::MvneeGaussian, Self::Both];
+
+    /// The settings for `medium` with at most `mesc` expected segments.
+    pub fn techniques(self, medium: &Medium, mesc: f64) -> Techniques {
+        let mvnee = match self {
+            Self::Path | Self::Nee => None,
+            Self::Mvnee | Self::Both => Some(Mvnee::new(medium, mesc, Offset::Ggx)),
+            Self::MvneeGaussian => Some(Mvnee::new(medium, mesc, Offset::Gaussian)),
+        };
+        Techniques { nee: matches!(self, Self::Nee | Self::Both), mvnee }
+    }
+}
+
+/// `frame` with other techniques; MVNEE is limited to `mesc` expected segments.
+pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
+    Frame { techniques: active.techniques(&frame.medium, mesc), ..frame.clone() }
+}
+
+/// `frame` with only paths of `segments` segments.
+pub fn with_length(frame: &Frame, segments: u32) -> Frame {
+    Frame { lengths: PathLengths { min: segments, max: segments }, ..frame.clone() }
+}
+
+/// The fog scenes: a disk at (0, 0, 5) that faces `normal`, seen through fog of mean free path 1/1.7 m, K = 15.
+pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
+    let medium = Medium { extinction: 1.7, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+    let disk = Disk::new(DVec3::new(0.0, 0.0, 5.0), normal, 0.5, [80.0; 3]);
+    let frame = Frame {
+        camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, UNIT_FOV, near, size),
+        medium,
+        lights: Lights::new(vec![disk], Selection::Uniform),
+        techniques: Techniques::default(),
+        lengths: PathLengths { min: 1, max: 15 },
+        seed: 1,
+    };
+    with_techniques(&frame, Active::Mvnee, 4.0)
+}
+
+/// The fog scene whose light faces the camera.
+pub fn fog_facing(near: f64, g: f32, size: [u32; 2]) -> Frame {
+    fog(near, g, DVec3::NEG_Z, size)
+}
+
+/// Three coloured lights of different sizes, one of which hides part of another, in a coloured, absorbing medium.
+pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
+    let medium = Medium { extinction: 1.2, albedo: [0.9, 0.75, 0.5], phase: HenyeyGreenstein { g } };
+    let lights = vec![
+        Disk::new(DVec3::new(0.6, 0.2, 2.5), DVec3::new(-0.3, 0.1, -1.0), 0.4, [10.0, 2.0, 1.0]),
+        Disk::new(DVec3::new(-0.8, -0.3, 2.0), DVec3::new(1.0, 0.2, -0.4), 0.25, [1.0, 20.0, 4.0]),
+        Disk::new(DVec3::new(0.3, 0.1, 1.6), DVec3::new(0.2, 0.0, 1.0), 0.3, [0.5, 1.0, 30.0]),
+    ];
+    let frame = Frame {
+        camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size),
+        medium,
+        lights: Lights::new(lights, selection),
+        techniques: Techniques::default(),
+        lengths: PathLengths { min: 1, max: 8 },
+        seed: 11,
+    };
+    with_techniques(&frame, Active::Both, 3.0)
+}
+
+/// A frame for every branch: each set of techniques on the fog scene, several lights with every selection rule, backward,
+/// isotropic and needle-sharp scattering, short and long limits.
+pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
+    let mut frames = Vec::new();
+    let mut add = |name: String, frame: Frame| frames.push((name, frame));
+    for active in Active::ALL {
+        add(format!("fog-facing, {active:?}"), with_techniques(&fog_facing(0.0, 0.9, size), active, 4.0));
+        let lights = three_lights(0.5, Selection::IntensityDistance, size);
+        add(format!("three lights, {active:?}"), with_techniques(&lights, active, f64::INFINITY));
+    }
+    for g in [-0.9, -0.3, 0.0, 1e-5, 0.3, 0.97] {
+        add(format!("three lights, g {g}"), three_lights(g, Selection::Intensity, size));
+    }
+    add("three lights, uniform".into(), three_lights(0.7, Selection::Uniform, size));
+    let short = PathLengths { min: 1, max: 2 };
+    add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });
+    let only = PathLengths { min: 3, max: 5 };
+    add("3 to 5 segments".into(), Frame { lengths: only, ..three_lights(0.6, Selection::IntensityDistance, size) });
+    frames
+}

@@ -1,0 +1,12 @@
+//! What the tests and benchmarks of fogbow share.
+
+pub mod checked;
+pub mod compare;
+pub mod frames;
+pub mod generated;
+pub mod recorded;
+pub mod render;
+pub mod statistics;
+pub mod tolerances;
+pub mod truths;
+pub mod weighing;

@@ -1,0 +1,59 @@
+//! Queues recorded from a real frame: the state of a wavefront in the middle of its paths.
+
+use bumpalo::Bump;
+use fogbow::film::{Region, Tile, Unit};
+use fogbow::frame::Frame;
+use fogbow::stats::Stats;
+use fogbow::wavefront::Wavefront;
+use fogbow_kernels::columns::LANES;
+use fogbow_kernels::connect::light_sample::{self, Reach};
+use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::{extend, light_hit, medium_sample, scatter};
+
+/// A wavefront of `lanes` paths of `frame` after `bounces` segments, at the moment when its next vertices have been made
+/// and every queue is filled. Image: 256 x 256.
+pub fn wavefront<'q>(arena: &'q Bump, frame: &Frame, lanes: usize, bounces: u32) -> Wavefront<'q> {
+    let mut wavefront = Wavefront::new_in(arena, frame, lanes);
+    let mut tile = Tile::new(Region::whole(256, 256), frame.channels(), Unit::for_radiance(1.0));
+    let mut stats = Stats::new(false);
+    wavefront.advance(frame, &SIMD, 0..1, &mut tile, &mut stats, bounces);
+    let Wavefront { paths, vertices, rays, flights, hits, views, light_hits, step, .. } = &mut wavefront;
+    (SIMD.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+    hits.len = 0;
+    (SIMD.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
+    (views.len, light_hits.len) = (0, 0);
+    let columns = light_hit::Columns { hits, vertices, rays, flights, paths, views, light_hits };
+    (SIMD.light_hit)(&frame.medium, &frame.lights, *step, columns);
+    (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
+    step.clock += 1;
+    wavefront
+}
+
+/// Fills the connections of a technique for the vertices of the clock.
+pub fn connect(wavefront: &mut Wavefront<'_>, frame: &Frame, reach: Reach) {
+    let Wavefront { paths, vertices, rays, connections, step, .. } = wavefront;
+    connections.len = 0;
+    let columns = light_sample::Columns { paths, vertices, rays, connections };
+    (SIMD.light_sample)(&frame.lights, reach, *step, columns);
+}
+
+/// Builds MVNEE's connections, bucket by bucket.
+pub fn bridge(wavefront: &mut Wavefront<'_>, frame: &Frame, mvnee: &Mvnee) {
+    connect(wavefront, frame, mvnee.reach());
+    let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = wavefront;
+    let columns = mvnee_sample::CountColumns { paths, connections, buckets };
+    (SIMD.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
+    bridged.len = buckets.sort(connections.len);
+    let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+    (SIMD.mvnee_build)(&frame.medium, mvnee, *step, columns);
+}
+
+/// Leaves only the first `live` lanes of every batch alive.
+pub fn thin_out(wavefront: &mut Wavefront<'_>, live: usize) {
+    for lane in 0..wavefront.paths.batches() * LANES {
+        if lane % LANES >= live {
+            wavefront.paths.live.remove(lane as u32);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! How far a kernel may be from its twin, and why.
+//!
+//! A kernel computes in f32 (24 bits, half a unit in the last place is 6e-8), the twin in f64 from the same f32 columns.
+
+/// Allowed distance of two numbers or vectors: `absolute + relative * size`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Part that does not depend on the size.
+    pub absolute: f64,
+    /// Part in proportion to the size.
+    pub relative: f64,
+}
+
+const fn tolerance(absolute: f64, relative: f64) -> Tolerance {
+    Tolerance { absolute, relative }
+}
+
+/// What is copied must be equal to the bit.
+pub const EXACT: Tolerance = tolerance(0.0, 0.0);
+
+/// Free flights: three roundings and a polynomial good to 1.5 units in the last place.
+pub const FLIGHT: Tolerance = tolerance(0.0, 4e-7);
+
+/// Positions: one fused product and sum per component, of numbers of the size of the scene.
+pub const POSITION: Tolerance = tolerance(1e-6, 3e-7);
+
+/// Directions: the turn's cosine is good to five roundings of a number up to 2, sine and azimuth to about as much.
+pub const DIRECTION: Tolerance = tolerance(2e-6, 0.0);
+
+/// One over a phase function that was just sampled: a product of eight factors.
+pub const INVERSE_DENSITY: Tolerance = tolerance(0.0, 2e-6);
+
+/// Normalisation of the light selection: a sum of quotients.
+pub const LIGHT_SUM: Tolerance = tolerance(0.0, 1e-6);
+
+/// Distances to disks: the quotient of two scalar products whose terms cancel where a ray grazes the plane.
+pub const DISTANCE: Tolerance = tolerance(1e-5, 1e-5);
+
+/// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
+pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
+
+/// Transmittances of views: `exp` of an f32 whose rounding counts with its size, up to about 20.
+pub const TRANSMITTANCE: Tolerance = tolerance(1e-12, 4e-6);
+
+/// Contributions and products of albedos: a handful of factors.
+pub const CONTRIBUTION: Tolerance = tolerance(1e-12, 2e-6);
+
+/// Weights of well-conditioned candidates: ratios are products of some 10 factors per inserted vertex, among them
+/// differences of projections, which lose digits where an edge stands across the axis. To this comes
+/// what the candidate's shortest segment makes of the rounding of positions, see [`weight_conditioning`].
+pub const WEIGHT: Tolerance = tolerance(1e-30, 1e-4);
+
+/// Relative error of a weight that follows from positions being f32. Rounding turns a segment of length `shortest`, at
+/// `distance` from the origin, by `6e-8 distance / shortest`. A lobe of width 1 - |g| turns that into a relative error of
+/// the phase function three times as large over the width, light that arrives at `cos_light` into one over that cosine; a
+/// candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the directions
+/// that were sampled, the twin from the positions, so nothing cancels.
+pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64) -> f64 {
+    3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))
+}
+
+/// Share of rows in which kernel and twin may decide differently: a ray that grazes the rim of a disk, a seed next to
+/// the light, a start at the limit of reach.
+pub const DIFFERENT_DECISIONS: f64 = 2e-5;
+
+/// Whole paths: share of samples in which rounding may have led to another path. A path of 15 segments makes some 60
+/// decisions; with needle-sharp lobes the error of a direction grows at every turn.
+pub const DIFFERENT_PATHS: f64 = 2e-3;
+
+/// Whole paths that took the same decisions: what is left of f32 after a few dozen operations per segment.
+pub const RADIANCE: Tolerance = tolerance(1e-9, 2e-3);

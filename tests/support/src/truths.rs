@@ -1,0 +1,64 @@
+//! Truths made by independent programs, from `tests/data`.
+
+use std::path::{Path, PathBuf};
+
+use fogbow::image::{Image, exr};
+use serde::Deserialize;
+
+/// A folder of the project's tests.
+fn data(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(file)
+}
+
+/// The image called `name`.
+pub fn image(name: &str) -> Image {
+    exr::read_image(&data(&format!("{name}.exr"))).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Complete paths with density ratios.
+#[derive(Debug, Deserialize)]
+pub struct DensityRatios {
+    /// The paths.
+    pub cases: Vec<Case>,
+}
+
+/// A complete path from the camera to a light.
+#[derive(Debug, Deserialize)]
+pub struct Case {
+    /// Mean cosine of the Henyey-Greenstein medium.
+    pub g: f64,
+    /// Extinction [1/m].
+    pub mu_t: f64,
+    /// Area of the light [m^2].
+    pub light_area: f64,
+    /// Unit normal of the light.
+    pub light_normal: [f64; 3],
+    /// x_0 .. x_n `[m]`.
+    pub vertices: Vec<[f64; 3]>,
+    /// Ratios for every start.
+    pub starts: Vec<Start>,
+}
+
+/// The ratios of one start.
+#[derive(Debug, Deserialize)]
+pub struct Start {
+    /// Index of the vertex.
+    pub start: usize,
+    /// Density of path tracing for the vertices behind it.
+    pub path_tracing_density: f64,
+    /// Next event estimation over path tracing.
+    pub nee: f64,
+    /// Multiple-vertex next event estimation over path tracing, without a limit on its length.
+    pub mvnee: f64,
+}
+
+/// The recorded ratios, and those of the file that the environment variable `FOGBOW_DENSITY_RATIOS` names, if any.
+pub fn density_ratios() -> Vec<Case> {
+    let named = std::env::var_os("FOGBOW_DENSITY_RATIOS").map(PathBuf::from);
+    let files = [Some(data("density_ratios.json")), named];
+    let read = |path: PathBuf| -> DensityRatios {
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    };
+    files.into_iter().flatten().flat_map(|path| read(path).cases).collect()
+}

@@ -1,0 +1,105 @@
+//! Complete paths put into tables and weighed by a mis_weight kernel of choice.
+
+use bumpalo::Bump;
+use fogbow_kernels::Step;
+use fogbow_kernels::columns::LANES;
+use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable};
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::light_sample::reference::light_sum;
+use fogbow_kernels::mis_weight::{self, suffix::Suffix};
+use fogbow_kernels::phase::reference::density;
+use fogbow_kernels::tables::lights::Lights;
+use fogbow_kernels::tables::media::Medium;
+use glam::DVec3;
+
+/// What paths are weighed in.
+#[derive(Clone, Copy)]
+pub struct Weigher<'a> {
+    /// The kernel.
+    pub kernel: mis_weight::Kernel,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The active techniques.
+    pub techniques: &'a Techniques,
+}
+
+/// A complete path, and how it is told to have been made.
+#[derive(Clone, Debug)]
+pub struct Made<'a> {
+    /// x_0 .. x_n.
+    pub vertices: &'a [DVec3],
+    /// Vertices inserted by a connection: 0 to n - 2.
+    pub inserted: usize,
+    /// First eligible start, >= 1.
+    pub first_start: usize,
+    /// Index of the light on which it ends.
+    pub light: usize,
+}
+
+impl Weigher<'_> {
+    /// The weight of a path. It stands in `lane` of two batches; all other lanes are dead and hold NaN.
+    pub fn weight(&self, made: &Made<'_>, lane: usize) -> f64 {
+        let n = made.vertices.len() - 1;
+        let depth = n - 1 - made.inserted;
+        let step = Step { seed: 0, clock: 5000 };
+        let arena = Bump::new();
+        let lanes = 2 * LANES;
+        let mut paths = PathTable::new_in(&arena, lanes, 1);
+        let mut vertices = VertexTable::new_in(&arena, lanes, n);
+        let chains = ChainTable::new_in(&arena, lanes, made.inserted);
+        let mut suffix = Suffix::new_in(&arena, n);
+        let mut candidates = CandidateQueue::new_in(&arena, LANES);
+
+        paths.columns.birth.rows_mut()[lane] = step.clock - depth as u32;
+        paths.columns.last_surface.rows_mut()[lane] = made.first_start as u32;
+        paths.columns.first_near.rows_mut()[lane] = 1;
+        let f32s = |v: DVec3| v.as_vec3().to_array();
+        for slot in 0..vertices.slots() as u32 {
+            vertices.at_mut(slot).position.channels_mut().into_iter().for_each(|c| c.rows_mut().fill(f32::NAN));
+            vertices.at_mut(slot).inverse_density.rows_mut().fill(f32::NAN);
+        }
+        for j in 0..=depth {
+            let vertex = vertices.at_mut(step.clock - (depth - j) as u32);
+            vertex.position.set_row(lane, f32s(made.vertices[j]));
+            vertex.light_sum.rows_mut()[lane] = light_sum(self.lights, made.vertices[j]) as f32;
+            if j > 0 {
+                let turn = direction(made, j - 1).dot(direction(made, j));
+                vertex.inverse_density.rows_mut()[lane] = (1.0 / density(f64::from(self.medium.phase.g), turn)) as f32;
+            }
+        }
+        for (vertex, position) in chains.vertices.iter_mut().zip(&made.vertices[depth + 1..n]) {
+            vertex.channels_mut().into_iter().for_each(|channel| channel.rows_mut().fill(f32::NAN));
+            vertex.set_row(0, f32s(*position));
+        }
+        candidates.push(Candidate {
+            lane: lane as u32,
+            light: made.light as u32,
+            start: f32s(made.vertices[depth]),
+            arriving: f32s(direction(made, depth - 1)),
+            point: f32s(made.vertices[n]),
+            weight: f32::NAN,
+        });
+        let columns = mis_weight::Columns {
+            bucket: Bucket { inserted: made.inserted, start: 0, len: 1 },
+            candidates: &mut candidates,
+            chains: &chains,
+            paths: &paths,
+            vertices: &vertices,
+            suffix: &mut suffix,
+        };
+        (self.kernel)(self.medium, self.lights, self.techniques, step, columns);
+        f64::from(candidates.weight.rows()[0])
+    }
+
+    /// The sum of all ratios: `1 / weight - 1`.
+    pub fn ratios(&self, made: &Made<'_>, lane: usize) -> f64 {
+        1.0 / self.weight(made, lane) - 1.0
+    }
+}
+
+fn direction(made: &Made<'_>, j: usize) -> DVec3 {
+    (made.vertices[j + 1] - made.vertices[j]).normalize_or_zero()
+}
