@@ -1,0 +1,69 @@
+//! Whole frames: fog-facing, 256 x 256, g .9, K 15, per technique; and the bare walk that no renderer can beat.
+//!
+//! ```text
+//! cargo bench --bench frame
+//! ```
+
+#[path = "support/floor.rs"]
+mod floor;
+
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use fogbow::film::{Film, Region, TILE_SIZE};
+use fogbow::frame::Frame;
+use fogbow::render::{Monitor, Renderer, Workers};
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_testing::frames::{self, Active};
+
+const SIZE: [u32; 2] = [256, 256];
+
+fn techniques() -> [(&'static str, Frame); 5] {
+    let base = frames::fog_facing(0.0, 0.9, SIZE);
+    [
+        ("path", frames::with_techniques(&base, Active::Path, 4.0)),
+        ("nee", frames::with_techniques(&base, Active::Nee, 4.0)),
+        ("mvnee-2", frames::with_techniques(&base, Active::Mvnee, 2.0)),
+        ("mvnee-4", frames::with_techniques(&base, Active::Mvnee, 4.0)),
+        ("mvnee-8", frames::with_techniques(&base, Active::Mvnee, 8.0)),
+    ]
+}
+
+fn bench(c: &mut Criterion, group: &str, pipeline: &Pipeline, samples: u32, threads: &[usize]) {
+    let mut group = c.benchmark_group(group);
+    group.sampling_mode(SamplingMode::Flat).sample_size(10);
+    group.throughput(Throughput::Elements(u64::from(SIZE[0] * SIZE[1] * samples)));
+    for (name, frame) in techniques() {
+        for threads in threads {
+            let workers = Workers { threads: *threads, lanes: None, detailed_stats: false };
+            let renderer = Renderer::new(workers).expect("threads start");
+            let film = Film::new(&frame, Region::whole(SIZE[0], SIZE[1]), TILE_SIZE);
+            group.bench_function(BenchmarkId::new(name, format!("{threads} threads")), |b| {
+                b.iter(|| renderer.render(&frame, pipeline, &film, 0..samples, &Monitor::default()));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Elements are camera samples.
+fn frame(c: &mut Criterion) {
+    bench(c, "fog-facing", &SIMD, 16, &[1, 2]);
+    bench(c, "fog-facing, twins", &REFERENCE, 1, &[1]);
+}
+
+/// Elements are walks of 15 segments: random words, flight, one disk, scattering, and nothing else.
+fn floor(c: &mut Criterion) {
+    let mut group = c.benchmark_group("bare walk");
+    let mut walk = floor::Walk::new(512);
+    group.throughput(Throughput::Elements(512));
+    group.bench_function("15 segments", |b| b.iter(|| walk.run(15)));
+    group.finish();
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .warm_up_time(std::time::Duration::from_millis(500))
+        .measurement_time(std::time::Duration::from_secs(4));
+    targets = floor, frame
+}
+criterion_main!(benches);

@@ -1,0 +1,201 @@
+//! Every stage on queues recorded from a real frame: kernel and twin, by live lanes and rows; arithmetic stages also
+//! against the same algorithm as a plain f32 loop with libm.
+//!
+//! ```text
+//! cargo bench --bench stages
+//! ```
+
+#[path = "support/plain.rs"]
+mod plain;
+
+use bumpalo::Bump;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use fogbow::frame::Frame;
+use fogbow::wavefront::Wavefront;
+use fogbow_kernels::columns::queues::{Bucket, Request};
+use fogbow_kernels::connect::{light_sample, mvnee::sample as mvnee_sample, nee};
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::{accumulate, extend, generate, medium_sample, mis_weight, occlusion, scatter};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::recorded::{bridge, connect, thin_out, wavefront};
+
+/// Rows of the recorded tables.
+const ROWS: usize = 512;
+/// Segments after which they are recorded.
+const BOUNCES: u32 = 6;
+
+fn mvnee_frame() -> Frame {
+    frames::fog_facing(0.0, 0.9, [256, 256])
+}
+
+fn nee_frame() -> Frame {
+    frames::with_techniques(&mvnee_frame(), Active::Nee, 4.0)
+}
+
+/// One stage as a function of pipeline and state.
+type Stage = fn(&Pipeline, &Frame, &mut Wavefront<'_>);
+
+/// The stages that work on lanes.
+const LANE_STAGES: [(&str, Stage); 5] = [
+    ("generate", |pipeline, frame, w| {
+        let Wavefront { requests, paths, vertices, rays, step, .. } = w;
+        (pipeline.generate)(&frame.camera, *step, generate::Columns { requests, paths, vertices, rays });
+    }),
+    ("medium_sample", |pipeline, frame, w| {
+        let Wavefront { paths, flights, step, .. } = w;
+        (pipeline.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+    }),
+    ("extend", |pipeline, frame, w| {
+        let Wavefront { paths, vertices, rays, flights, hits, step, .. } = w;
+        hits.len = 0;
+        (pipeline.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
+    }),
+    ("scatter", |pipeline, frame, w| {
+        let Wavefront { flights, paths, vertices, rays, step, .. } = w;
+        (pipeline.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
+    }),
+    ("light_sample", |pipeline, frame, w| {
+        let Wavefront { paths, vertices, rays, connections, step, .. } = w;
+        connections.len = 0;
+        let columns = light_sample::Columns { paths, vertices, rays, connections };
+        (pipeline.light_sample)(&frame.lights, nee::REACH, *step, columns);
+    }),
+];
+
+fn request_all(w: &mut Wavefront<'_>, live: usize) {
+    w.requests.lanes.clear();
+    for lane in (0..ROWS).filter(|lane| lane % 8 < live) {
+        w.requests.columns.set_row(lane, Request { x: lane as u32 % 256, y: 0, sample: 1 });
+        w.requests.lanes.insert(lane as u32);
+    }
+}
+
+fn lane_stages(c: &mut Criterion) {
+    let frame = nee_frame();
+    for (name, stage) in LANE_STAGES {
+        let mut group = c.benchmark_group(name);
+        for live in 1..=8 {
+            let arena = Bump::new();
+            let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+            thin_out(&mut w, live);
+            request_all(&mut w, live);
+            group.throughput(Throughput::Elements((ROWS / 8 * live) as u64));
+            group.bench_function(BenchmarkId::new("simd, live lanes of 8", live), |b| {
+                b.iter(|| stage(&SIMD, &frame, &mut w));
+            });
+        }
+        let arena = Bump::new();
+        let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+        request_all(&mut w, 8);
+        group.bench_function("twin", |b| b.iter(|| stage(&REFERENCE, &frame, &mut w)));
+        group.finish();
+    }
+}
+
+fn plain_loops(c: &mut Criterion) {
+    let frame = nee_frame();
+    let arena = Bump::new();
+    let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+    connect(&mut w, &frame, nee::REACH);
+    let mut state = plain::State::record(&w, &frame);
+    let mut group = c.benchmark_group("plain f32 loops");
+    group.throughput(Throughput::Elements(ROWS as u64));
+    group.bench_function("medium_sample", |b| b.iter(|| state.medium_sample()));
+    group.bench_function("extend", |b| b.iter(|| state.extend()));
+    group.bench_function("scatter", |b| b.iter(|| state.scatter()));
+    group.bench_function("light_sample", |b| b.iter(|| state.light_sample()));
+    group.bench_function("mis_weight, nee", |b| b.iter(|| state.weigh_nee()));
+    group.finish();
+}
+
+/// NEE's candidates, cut to so many rows.
+fn direct_rows(c: &mut Criterion) {
+    let frame = nee_frame();
+    let mut group = c.benchmark_group("mis_weight, nee");
+    for rows in [1, 8, 17, 64, 256, 400] {
+        let arena = Bump::new();
+        let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+        connect(&mut w, &frame, nee::REACH);
+        let rows = rows.min(w.connections.len);
+        let bucket = Bucket { inserted: 0, start: 0, len: rows };
+        group.throughput(Throughput::Elements(rows as u64));
+        for (name, pipeline) in [("simd, rows", SIMD), ("twin, rows", REFERENCE)] {
+            group.bench_function(BenchmarkId::new(name, rows), |b| {
+                b.iter(|| weigh(&pipeline, &frame, &mut w, bucket, false))
+            });
+        }
+    }
+    group.finish();
+}
+
+fn weigh(pipeline: &Pipeline, frame: &Frame, w: &mut Wavefront<'_>, bucket: Bucket, bridged: bool) {
+    let Wavefront { connections, bridged: built, chains, paths, vertices, suffix, step, .. } = w;
+    let candidates = if bridged { built } else { connections };
+    let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
+    (pipeline.mis_weight)(&frame.medium, &frame.lights, &frame.techniques, *step, columns);
+}
+
+/// MVNEE's stages, bucket by bucket.
+fn mvnee_stages(c: &mut Criterion) {
+    let frame = mvnee_frame();
+    let mvnee = frame.techniques.mvnee.expect("an MVNEE frame");
+    let arena = Bump::new();
+    // More paths than a worker has, so that every bucket is filled.
+    let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
+    bridge(&mut w, &frame, &mvnee);
+    let mut group = c.benchmark_group("mvnee");
+    group.throughput(Throughput::Elements(w.connections.len as u64));
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        group.bench_function(BenchmarkId::new("count", name), |b| {
+            let Wavefront { paths, connections, buckets, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = mvnee_sample::CountColumns { paths, connections, buckets };
+                (pipeline.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
+            });
+        });
+        bridge(&mut w, &frame, &mvnee);
+        group.bench_function(BenchmarkId::new("build", name), |b| {
+            let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+                (pipeline.mvnee_build)(&frame.medium, &mvnee, *step, columns);
+            });
+        });
+    }
+    group.finish();
+
+    for inserted in [0, 1, 2, 4, 6] {
+        let bucket = w.buckets.buckets()[inserted];
+        let mut group = c.benchmark_group(format!("mvnee, {inserted} inserted"));
+        group.throughput(Throughput::Elements(bucket.len as u64));
+        for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+            group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
+                b.iter(|| weigh(&pipeline, &frame, &mut w, bucket, true));
+            });
+            group.bench_function(BenchmarkId::new("occlusion", name), |b| {
+                let Wavefront { bridged, chains, .. } = &mut w;
+                b.iter(|| {
+                    (pipeline.occlusion)(&frame.lights, occlusion::Columns { bucket, candidates: bridged, chains })
+                });
+            });
+            group.bench_function(BenchmarkId::new("accumulate", name), |b| {
+                let Wavefront { bridged, paths, step, .. } = &mut w;
+                let mut dropped = accumulate::Dropped::default();
+                b.iter(|| {
+                    let columns = accumulate::Columns { bucket, candidates: bridged, paths, dropped: &mut dropped };
+                    (pipeline.accumulate)(&frame.medium, &frame.lights, frame.lengths, *step, columns);
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .warm_up_time(std::time::Duration::from_millis(200))
+        .measurement_time(std::time::Duration::from_millis(600));
+    targets = lane_stages, plain_loops, direct_rows, mvnee_stages
+}
+criterion_main!(benches);
