@@ -84,8 +84,7 @@ impl Stats {
         }
         self.nee.add(other.nee);
         self.mvnee.add(other.mvnee);
-        self.dropped.count += other.dropped.count;
-        self.dropped.first = self.dropped.first.or(other.dropped.first);
+        self.dropped.merge(&other.dropped);
     }
 
     /// (rows, batches with a row) of a set of lanes; not counted unless statistics are detailed.

@@ -26,7 +26,7 @@ pub struct Columns<'a, 'q> {
 pub struct Dropped {
     /// How many.
     pub count: u64,
-    /// Pixel index and sample number of the first.
+    /// Smallest pixel index, and smallest sample number in it: the same for any order of work.
     pub first: Option<(u32, u32)>,
 }
 
@@ -34,11 +34,35 @@ impl Dropped {
     /// Notes one more, of `sample` of `pixel`.
     #[cold]
     pub fn note(&mut self, pixel: u32, sample: u32) {
-        self.count += 1;
-        self.first.get_or_insert((pixel, sample));
+        self.merge(&Self { count: 1, first: Some((pixel, sample)) });
+    }
+
+    /// Adds those that others noted.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.first = self.first.into_iter().chain(other.first).min();
     }
 }
 
 /// Adds `weight * Le * throughput * albedo^inserted` (transport: C) of every candidate to its path, unless the number
 /// of its segments, `depth + inserted + 1`, is outside `lengths`.
 pub type Kernel = fn(&Medium, &Lights, PathLengths, Step, Columns<'_, '_>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_dropped_sample_does_not_depend_on_the_order_of_work() {
+        let noted = [(7, 3), (2, 9), (2, 5), (8, 0)];
+        let of = |samples: &[(u32, u32)]| {
+            let mut dropped = Dropped::default();
+            samples.iter().for_each(|(pixel, sample)| dropped.note(*pixel, *sample));
+            dropped
+        };
+        let mut halves = of(&noted[2..]);
+        halves.merge(&of(&noted[..2]));
+        assert_eq!(halves, of(&noted));
+        assert_eq!(halves, Dropped { count: 4, first: Some((2, 5)) });
+    }
+}
