@@ -8,7 +8,7 @@ use fogbow_kernels::pipeline::SIMD;
 use super::figures::{duration, number, rate};
 use super::{InfoArgs, say};
 use crate::error::{Error, Result};
-use crate::film::{Film, Region, TILE_SIZE};
+use crate::film::{self, Film, Region};
 use crate::frame::Frame;
 use crate::image;
 use crate::render::{Monitor, Renderer, Workers};
@@ -103,7 +103,8 @@ fn measure(loaded: &LoadedScene) -> Result<f64> {
     let columns = width.min(PILOT_PIXELS);
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
-    let film = Film::new(&loaded.frame, Region { x0: left, y0: top, x1: left + columns, y1: top + rows }, TILE_SIZE);
+    let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
+    let film = Film::new(&loaded.frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {
         let next = (2 * done).clamp(1, done + 16);

@@ -10,7 +10,7 @@ use super::progress::Reporter;
 use super::values::Reference;
 use super::{RenderArgs, say};
 use crate::error::{Error, Result};
-use crate::film::{Film, Region, TILE_SIZE};
+use crate::film::{self, Film, Region};
 use crate::image::{self, check_writable};
 use crate::render::{Renderer, Workers};
 use crate::scene::document::Override;
@@ -39,7 +39,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let renderer = Renderer::new(workers).map_err(|error| {
         Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
     })?;
-    let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { TILE_SIZE };
+    let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { film::tile_size(region) };
     let film = Film::new(&scene.frame, region, tile_size);
     let job = Job { scene: &scene, renderer, pipeline: pipeline(args), film };
     let mut reporter = Reporter::new(args.progress, &scene.name);

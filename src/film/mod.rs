@@ -12,6 +12,19 @@ pub use tile::{Region, Tile};
 /// Side of a tile in pixels: a tile is what one worker fills at a time.
 pub const TILE_SIZE: u32 = 32;
 
+/// Smallest side of a tile: one that is worth a worker's while.
+const SMALLEST_TILE: u32 = 8;
+
+/// Tiles that an image should have, so that all workers have something to do.
+const ENOUGH_TILES: usize = 32;
+
+/// Side of the tiles for an image of `region`: smaller ones where the image is small.
+pub fn tile_size(region: Region) -> u32 {
+    let enough = |size: &u32| region.tiles(*size).count() >= ENOUGH_TILES;
+    let sizes = core::iter::successors(Some(TILE_SIZE), |size| Some(size / 2)).take_while(|size| *size > SMALLEST_TILE);
+    sizes.into_iter().find(enough).unwrap_or(SMALLEST_TILE)
+}
+
 /// What is known of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
@@ -126,5 +139,22 @@ impl Film {
         }
         let count = self.region.pixels() as f64;
         (sum.map(|sum| sum / count), variance.map(|variance| variance.sqrt() / count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_images_have_tiles_for_several_workers() {
+        let tiles = |width: u32, height: u32| {
+            let region = Region::whole(width, height);
+            (tile_size(region), region.tiles(tile_size(region)).count())
+        };
+        assert_eq!(tiles(1920, 1080), (32, 2040));
+        assert_eq!(tiles(100, 100), (16, 49));
+        assert_eq!(tiles(32, 32), (8, 16));
+        assert_eq!(tiles(1, 1), (8, 1));
     }
 }
