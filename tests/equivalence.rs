@@ -7,9 +7,11 @@ use fogbow::reference;
 use fogbow::stats::Stats;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
+use fogbow_kernels::tables::lights::Selection;
+use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::checked::{CHECKED, Log, take_log};
 use fogbow_testing::frames;
-use fogbow_testing::render::render_here;
+use fogbow_testing::render::{render, render_here};
 use fogbow_testing::tolerances;
 
 /// Runs a frame through the checked pipeline and returns what it found.
@@ -87,6 +89,26 @@ fn whole_paths_agree_with_the_scalar_integrator_pixel_by_pixel() {
 }
 
 #[test]
+fn media_of_any_density_leave_the_range_of_numbers_nowhere() {
+    let size = [48, 48];
+    for extinction in [1e-9, 1e-6, 1e6, 1e9] {
+        let base = frames::three_lights(0.6, Selection::IntensityDistance, size);
+        let medium = Medium { extinction, ..base.medium };
+        for active in frames::Active::ALL {
+            let techniques = active.techniques(&medium, f64::INFINITY);
+            let frame = Frame { medium, techniques, ..base.clone() };
+            let (film, stats) = render(&frame, size, 0..1);
+            assert_eq!(stats.dropped.count, 0, "extinction {extinction}, {active:?}: {:?}", stats.dropped.first);
+            for (pixel, found) in (0..).zip(film.pixels()) {
+                let twin = reference::radiance(&frame, pixel, 0)[1];
+                let apart = (found.mean[1] - twin).abs();
+                assert!(apart <= 1e-6 + 1e-2 * twin, "extinction {extinction}, {active:?}, pixel {pixel}: {twin}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_pipeline_of_twins_alone_renders_the_same_paths() {
     let size = [16, 16];
     for (name, frame) in frames::variety(size).into_iter().step_by(3) {
@@ -100,7 +122,7 @@ fn a_pipeline_of_twins_alone_renders_the_same_paths() {
 #[test]
 fn any_single_stage_can_be_replaced_by_its_twin() {
     let size = [16, 16];
-    let frame = frames::three_lights(0.6, fogbow_kernels::tables::lights::Selection::IntensityDistance, size);
+    let frame = frames::three_lights(0.6, Selection::IntensityDistance, size);
     let kernels = first_samples(&frame, &SIMD, 64, size);
     for stage in Stage::ALL {
         let mixed = first_samples(&frame, &SIMD.with_reference(*stage), 64, size);

@@ -14,9 +14,10 @@ use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Techniq
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 
-/// Largest length, coordinate and coefficient: their fourth powers, which occlusion forms, are still f32.
+/// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
+/// thinnest medium, are still f32.
 const LARGEST: f64 = 1e9;
-/// Smallest radius, for the same reason.
+/// Smallest radius: one over its area is still f32, and so is that times the square of the largest distance.
 const SMALLEST_RADIUS: f64 = 1e-9;
 /// Largest radiance: sums over paths stay far inside f32.
 const LARGEST_RADIANCE: f64 = 1e30;

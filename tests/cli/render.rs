@@ -108,7 +108,7 @@ fn a_scene_may_leave_out_what_has_a_default() {
 #[test]
 fn twins_agree_with_the_stages() {
     let folder = Folder::with_scene();
-    for technique in ["path", "nee", "mvnee"] {
+    for technique in ["path", "nee", "mvnee", "nee,mvnee"] {
         let flags = ["--samples", "16", "--technique", technique];
         let simd = mean(&rendered(&folder, &flags), "R");
         for reference in [&["--reference"][..], &["--reference", "all"], &["--reference", "mis_weight"]] {
