@@ -36,6 +36,18 @@ pub fn as_mask(mask: u32x8) -> f32x8 {
     bytemuck::cast(mask)
 }
 
+/// A mask of real lanes as one of integers.
+#[inline(always)]
+pub fn as_integer_mask(mask: f32x8) -> u32x8 {
+    bytemuck::cast(mask)
+}
+
+/// Counts, below 2^24, as real numbers.
+#[inline(always)]
+pub fn to_f32(counts: u32x8) -> f32x8 {
+    f32x8::from_i32x8(bytemuck::cast(counts))
+}
+
 /// The indices of the set bits, ascending.
 #[inline(always)]
 pub fn each(mut bits: u32) -> impl Iterator<Item = usize> {

@@ -9,11 +9,16 @@
 //! | purpose | words |
 //! |---|---|
 //! | [`CAMERA`] | film x, film y, -, - |
-//! | [`SEGMENT`] | free flight, cosine and azimuth of the scattering at its end, - |
-//! | [`NEE_LIGHT`] | light, radius and azimuth of the point on it, - |
+//! | [`SEGMENT`] | free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves |
+//! | [`NEE_LIGHT`] | light, radius and azimuth of the point on it, roulette |
 //! | [`MVNEE_LIGHT`] | the same for MVNEE |
+//! | [`OMNEE_LIGHT`] | the same for OMNEE |
+//! | [`BRIDGE_LIGHT`] | the same for bridges |
+//! | [`OMNEE_VERTEX`] | turn, first angle and azimuth of the inserted vertex, - |
+//! | [`BRIDGE_COUNT`] | uniform or Poisson count, the count, roll, - |
 //! | [`MVNEE_FLIGHTS`]` + k` | free flights of the seeds 4 k .. 4 k + 4 |
 //! | [`MVNEE_OFFSETS`]` + k` | radius and azimuth of the perturbation of seeds 2 k and 2 k + 1 |
+//! | [`BRIDGE_WALK`]` + k` | length of edge k, cosine and azimuth of the turn at its end, - |
 
 use wide::{f32x8, i32x8, u32x8};
 
@@ -25,10 +30,20 @@ pub const SEGMENT: u32 = 1;
 pub const NEE_LIGHT: u32 = 2;
 /// The light point of multiple-vertex next event estimation.
 pub const MVNEE_LIGHT: u32 = 3;
+/// The light point of once-more next event estimation.
+pub const OMNEE_LIGHT: u32 = 4;
+/// The light point of a bridge.
+pub const BRIDGE_LIGHT: u32 = 5;
+/// The inserted vertex of once-more next event estimation.
+pub const OMNEE_VERTEX: u32 = 6;
+/// How many edges a bridge has, and how it is rolled.
+pub const BRIDGE_COUNT: u32 = 7;
 /// First block of the seeds' free flights; room for 1024 seeds.
 pub const MVNEE_FLIGHTS: u32 = 0x100;
 /// First block of the seeds' perturbations; room for 1024 seeds.
 pub const MVNEE_OFFSETS: u32 = 0x200;
+/// First block of a bridge's free walk; room for 1024 edges.
+pub const BRIDGE_WALK: u32 = 0x400;
 
 /// Number of the block that the vertex at `depth` uses for `purpose`.
 #[inline(always)]

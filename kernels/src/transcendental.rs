@@ -54,15 +54,20 @@ pub fn exp(x: f32x8) -> f32x8 {
     bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(power) + scale)
 }
 
-/// `(sin, cos)` of `2 pi u` for `u` in [0, 1].
-///
-/// With `x = u - 1/2`, `s = sin(pi x)` and `c = cos(pi x)`: `sin 2 pi u = -2 s c`, `cos 2 pi u = s^2 - c^2`.
+/// `(sin, cos)` of `pi (u - 1/2)` for `u` in [0, 1].
 #[inline(always)]
-pub fn sin_cos_turn(u: f32x8) -> (f32x8, f32x8) {
+pub fn sin_cos_half_turn(u: f32x8) -> (f32x8, f32x8) {
     let x = u - f32x8::splat(0.5);
     let x2 = x * x;
-    let s = x * polynomial(x2, [core::f32::consts::PI, -5.167_71, 2.550_069_8, -0.598_242_1, 0.077_560_39]);
-    let c = polynomial(x2, [1.0, -4.934_795_4, 4.058_451, -1.332_093_8, 0.220_080_66]);
+    let sin = x * polynomial(x2, [core::f32::consts::PI, -5.167_71, 2.550_069_8, -0.598_242_1, 0.077_560_39]);
+    let cos = polynomial(x2, [1.0, -4.934_795_4, 4.058_451, -1.332_093_8, 0.220_080_66]);
+    (sin, cos)
+}
+
+/// `(sin, cos)` of `2 pi u` for `u` in [0, 1]: with s and c of half the turn, `-2 s c` and `s^2 - c^2`.
+#[inline(always)]
+pub fn sin_cos_turn(u: f32x8) -> (f32x8, f32x8) {
+    let (s, c) = sin_cos_half_turn(u);
     (s * c * f32x8::splat(-2.0), s.mul_sub(s, c * c))
 }
 

@@ -6,7 +6,14 @@
 pub mod reference;
 mod simd;
 
-pub use simd::{Deflection, HenyeyGreensteinX8};
+pub use simd::{Deflection, HenyeyGreensteinX8, PlaneAngle};
+
+/// Share of the phase function in the forward hemisphere:
+/// `(1 - g^2) / (2 g) [1 / (1 - g) - 1 / sqrt(1 + g^2)]`, without its cancellation at g = 0.
+pub fn forward_share(g: f64) -> f64 {
+    let root = (1.0 + g * g).sqrt();
+    (1.0 + g) / (root * (root + 1.0 - g))
+}
 
 /// A Henyey-Greenstein phase function.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -47,6 +47,15 @@ pub struct HenyeyGreensteinX8 {
     inverse_scale: f32x8,
 }
 
+/// An angle to an axis, in [0, pi].
+#[derive(Clone, Copy)]
+pub struct PlaneAngle {
+    /// Its cosine.
+    pub cosine: f32x8,
+    /// Its sine, >= 0.
+    pub sine: f32x8,
+}
+
 /// How a scattering event turns a direction.
 #[derive(Clone, Copy)]
 pub struct Deflection {
@@ -99,6 +108,23 @@ impl HenyeyGreensteinX8 {
     pub fn h(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8 {
         let chord = incoming.mul_neg_add(self.sign, outgoing);
         self.g.mul_add(chord.length_squared(), self.smallest_h)
+    }
+
+    /// `h` of the turns between a direction and two others: those in one plane with it and the axis from which all angles
+    /// are counted, at the same angle to the axis on either side, h_- and h_+.
+    #[inline(always)]
+    pub fn h_in_plane(&self, incoming: PlaneAngle, outgoing: PlaneAngle) -> (f32x8, f32x8) {
+        let along = self.sign.mul_neg_add(incoming.cosine, outgoing.cosine);
+        let (near, far) =
+            (self.sign.mul_neg_add(incoming.sine, outgoing.sine), self.sign.mul_add(incoming.sine, outgoing.sine));
+        let h = |across: f32x8| self.g.mul_add(along.mul_add(along, across * across), self.smallest_h);
+        (h(near), h(far))
+    }
+
+    /// One over the phase function, over `h^{3/2}` `[sr]`.
+    #[inline(always)]
+    pub fn inverse_scale(&self) -> f32x8 {
+        self.inverse_scale
     }
 
     /// One over the phase function `[sr]` for a given `h`.

@@ -1,0 +1,254 @@
+//! The full density of bridges, in f64 (Schuessler, Hanika, Dachsbacher, EGSR 2024; the aligned roll is our own).
+//!
+//! A chain x_i .. x_n of N edges of lengths l_j, L in all, whose ends are at distance s along the axis w, is made with
+//!
+//! ```text
+//! p = p_A P_l P(N) * s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)   (volume, area measure)
+//! P(N) = (1 - e) exp(-lambda) lambda^{N-1} / (N-1)! + e / room,      1 <= N <= room
+//! ```
+//!
+//! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first edge,
+//! at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of a wrapped Cauchy
+//! distribution,
+//!
+//! ```text
+//! a = 1 + g^2 - 2 g cos beta cos gamma,   b = 2 g sin beta sin gamma
+//! 2 pi p(psi) = sqrt(a^2 - b^2) / (a - b cos psi)
+//! ```
+
+use glam::DVec3;
+
+use super::{Bridge, LARGEST_MEAN, Roll};
+use crate::mis_weight::reference::Density;
+use crate::phase::reference as phase;
+
+/// Largest number of edges of a bridge from a start at `depth`, where paths have at most `longest` segments.
+pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
+    if depth >= longest {
+        return 0;
+    }
+    let limit = if bridge.max_inserted == u32::MAX { u32::MAX } else { bridge.max_inserted + 1 };
+    limit.min(longest - depth)
+}
+
+/// lambda: the mean of the Poisson part of the number of inserted vertices.
+pub fn mean_inserted(extinction: f64, distance: f64) -> f64 {
+    (extinction * distance).min(LARGEST_MEAN)
+}
+
+/// P(N): the probability of `edges` edges between a start at `depth` and a point at `distance` `[m]`.
+pub fn count_probability(bridge: &Bridge, extinction: f64, longest: u32, depth: u32, distance: f64, edges: u32) -> f64 {
+    let room = room(bridge, longest, depth);
+    if edges == 0 || edges > room {
+        return 0.0;
+    }
+    let (mean, inserted) = (mean_inserted(extinction, distance), edges - 1);
+    // Nothing to the power of nothing is one: without a mean nothing is inserted.
+    let log_power = if inserted == 0 { 0.0 } else { f64::from(inserted) * mean.ln() };
+    let poisson = (log_power - mean - log_factorial(inserted)).exp();
+    let defensive = f64::from(bridge.defensive);
+    (1.0 - defensive) * poisson + defensive / f64::from(room)
+}
+
+/// ln k!
+fn log_factorial(k: u32) -> f64 {
+    (2..=k).map(|factor| f64::from(factor).ln()).sum()
+}
+
+/// The coefficients a and b of `h(arriving . first) = a - b cos psi`, for unit vectors.
+pub fn roll_coefficients(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> (f64, f64) {
+    let (cos_gamma, cos_beta) = (arriving.dot(axis), first.dot(axis));
+    let (sin_gamma, sin_beta) = (arriving.cross(axis).length(), first.cross(axis).length());
+    (1.0 + g * g - 2.0 * g * cos_beta * cos_gamma, 2.0 * g * sin_beta * sin_gamma)
+}
+
+/// 2 pi p(psi) of the aligned roll that takes the first edge to `first`; all three are unit vectors. 1 if one of the two
+/// directions lies on the axis.
+pub fn roll_density(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
+    let across = |v: DVec3| (v - v.dot(axis) * axis).try_normalize();
+    let (Some(arriving_side), Some(first_side)) = (across(arriving), across(first)) else {
+        return 1.0;
+    };
+    let (a, b) = roll_coefficients(g, arriving, axis, first);
+    (a * a - b * b).sqrt() / (a - b * arriving_side.dot(first_side))
+}
+
+/// Density of making `chain`, the vertices from the start to the point on the light.
+///
+/// The start is at `depth` in a path of at most `longest` segments, which arrives there in direction `arriving`;
+/// `light_density` is p_A P_l at the start. Zero if the chain is longer than the reach or has an edge without length.
+#[expect(clippy::too_many_arguments, reason = "a density of the whole connection, from its settings to its light")]
+pub fn density(
+    bridge: &Bridge,
+    extinction: f64,
+    g: f64,
+    longest: u32,
+    depth: u32,
+    arriving: DVec3,
+    chain: &[DVec3],
+    light_density: f64,
+) -> Density {
+    let [start, .., point] = chain else {
+        return Density::ZERO;
+    };
+    let edges: Vec<DVec3> = chain.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let distance = (*point - *start).length();
+    if distance == 0.0 || distance > f64::from(bridge.max_distance) || edges.iter().any(|edge| edge.length() == 0.0) {
+        return Density::ZERO;
+    }
+    let count = edges.len() as u32;
+    let counted =
+        Density::new(light_density).times(count_probability(bridge, extinction, longest, depth, distance, count));
+    if count == 1 {
+        return counted;
+    }
+    let length: f64 = edges.iter().map(|edge| edge.length()).sum();
+    let mut density =
+        counted.times_exp(3.0 * distance.ln() + log_factorial(count - 1) - f64::from(count) * length.ln());
+    for pair in edges.windows(2) {
+        density = density.times(phase::density(g, pair[0].normalize().dot(pair[1].normalize())));
+    }
+    for edge in &edges {
+        density = density.times(1.0 / edge.length_squared());
+    }
+    match bridge.roll {
+        Roll::Uniform => density,
+        Roll::Aligned => density.times(roll_density(g, arriving, (*point - *start) / distance, edges[0].normalize())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{PI, TAU};
+
+    const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
+    const DEFENSIVE: f64 = super::super::DEFENSIVE as f64;
+    const UNIFORM: Bridge = Bridge { roll: Roll::Uniform, ..ALIGNED };
+
+    #[test]
+    fn count_probabilities_add_up_to_one_with_room_and_to_less_without() {
+        let sum = |bridge: &Bridge, longest: u32, distance: f64| -> f64 {
+            (0..=longest + 2).map(|edges| count_probability(bridge, 2.0, longest, 1, distance, edges)).sum()
+        };
+        for distance in [0.0, 1e-3, 0.5, 4.0, 30.0, 1e6] {
+            assert!((sum(&ALIGNED, 1024, distance) - 1.0).abs() < 1e-12, "{distance}");
+            let few = sum(&ALIGNED, 4, distance);
+            assert!((DEFENSIVE..=1.0 + 1e-12).contains(&few), "{distance}: {few}");
+        }
+        // 2.2 is far below mu_t s = 60: the defensive part alone is left, and the counts beyond are dropped.
+        assert!((sum(&ALIGNED, 4, 30.0) - DEFENSIVE).abs() < 1e-12);
+    }
+
+    #[test]
+    fn counts_are_a_mixture_of_poisson_and_uniform_within_the_room() {
+        let limited = Bridge { max_inserted: 2, ..ALIGNED };
+        // mu_t s = 1.5, two inserted vertices; room min(9 - 4, 3).
+        let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 3.0;
+        assert!((count_probability(&limited, 0.5, 9, 4, 3.0, 3) - expected).abs() < 1e-15);
+        let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 5.0;
+        assert!((count_probability(&ALIGNED, 0.5, 9, 4, 3.0, 3) - expected).abs() < 1e-15);
+        assert_eq!([0, 4].map(|edges| count_probability(&limited, 0.5, 9, 4, 3.0, edges)), [0.0; 2]);
+        assert_eq!([9, 12].map(|depth| count_probability(&ALIGNED, 0.5, 9, depth, 3.0, 1)), [0.0; 2]);
+        let most = count_probability(&ALIGNED, 1e9, 2000, 1, 1.0, 65);
+        let mode = (64.0 * 64.0_f64.ln() - 64.0 - (2..=64).map(|k| f64::from(k).ln()).sum::<f64>()).exp();
+        assert!((most / ((1.0 - DEFENSIVE) * mode + DEFENSIVE / 1999.0) - 1.0).abs() < 1e-12, "{most}");
+    }
+
+    /// A unit vector at `angle` to the z axis.
+    fn tilted(angle: f64, azimuth: f64) -> DVec3 {
+        DVec3::new(angle.sin() * azimuth.cos(), angle.sin() * azimuth.sin(), angle.cos())
+    }
+
+    #[test]
+    fn the_roll_integrates_to_a_full_turn() {
+        for (g, gamma, beta) in [(0.9, 1.0, 0.4), (0.5, 2.5, 1.4), (-0.8, 0.7, 2.0), (0.97, 0.3, 0.3), (0.0, 1.0, 1.0)]
+        {
+            let steps = 4096;
+            let width = TAU / f64::from(steps);
+            let density = |k: i32| roll_density(g, tilted(gamma, 0.3), DVec3::Z, tilted(beta, f64::from(k) * width));
+            let sum: f64 = (0..steps).map(density).sum();
+            assert!((sum * width / TAU - 1.0).abs() < 1e-9, "g = {g}: {}", sum * width);
+        }
+        assert_eq!(roll_density(0.9, DVec3::X, DVec3::Z, DVec3::Z), 1.0);
+        assert_eq!(roll_density(0.9, DVec3::Z, DVec3::Z, DVec3::X), 1.0);
+    }
+
+    #[test]
+    fn the_roll_is_proportional_to_the_phase_function_to_the_power_two_thirds() {
+        let (g, arriving) = (0.7, tilted(0.8, 2.0));
+        let constant = |azimuth: f64| {
+            let first = tilted(1.1, azimuth);
+            roll_density(g, arriving, DVec3::Z, first) / phase::density(g, arriving.dot(first)).powf(2.0 / 3.0)
+        };
+        for azimuth in [0.5, 1.9, 3.0, 6.0] {
+            assert!((constant(azimuth) / constant(0.0) - 1.0).abs() < 1e-12, "{azimuth}");
+        }
+    }
+
+    /// Bipolar coordinates: with angles alpha and beta at the ends and turn theta = alpha + beta, the edges are
+    /// s sin(beta) / sin(theta) and s sin(alpha) / sin(theta), and dV = l_1^2 l_2^2 / s dalpha dbeta dphi.
+    #[test]
+    fn the_density_of_one_inserted_vertex_integrates_to_its_probability() {
+        let (distance, arriving) = (1.3, tilted(1.1, 0.4));
+        let point = DVec3::new(0.0, 0.0, distance);
+        for (bridge, g) in [(UNIFORM, 0.0), (UNIFORM, 0.6), (ALIGNED, 0.6), (ALIGNED, -0.5)] {
+            let (turns, shares, azimuths) = (400, 200, 24);
+            let mut sum = 0.0;
+            for (i, j) in (0..turns).flat_map(|i| (0..shares).map(move |j| (i, j))) {
+                let theta = PI * (f64::from(i) + 0.5) / f64::from(turns);
+                let alpha = theta * (f64::from(j) + 0.5) / f64::from(shares);
+                let [l1, l2] = [theta - alpha, alpha].map(|angle| distance * angle.sin() / theta.sin());
+                let volume = l1 * l1 * l2 * l2 / distance * theta;
+                for k in 0..azimuths {
+                    let vertex = l1 * tilted(alpha, TAU * f64::from(k) / f64::from(azimuths));
+                    let chain = [DVec3::ZERO, vertex, point];
+                    sum += density(&bridge, 0.7, g, 9, 2, arriving, &chain, 2.0).value() * volume;
+                }
+            }
+            sum *= PI * TAU / f64::from(turns * shares * azimuths);
+            let expected = 2.0 * count_probability(&bridge, 0.7, 9, 2, distance, 2);
+            assert!((sum / expected - 1.0).abs() < 1e-3, "{bridge:?}, g = {g}: {sum}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn a_single_edge_obeys_the_formula_of_many() {
+        let (start, point) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 4.0));
+        let s = (point - start).length();
+        for bridge in [ALIGNED, UNIFORM] {
+            let p = density(&bridge, 0.8, 0.9, 9, 1, DVec3::X, &[start, point], 3.0).value();
+            let many = 3.0 * count_probability(&bridge, 0.8, 9, 1, s, 1) * s.powi(3) / s / (s * s);
+            assert!((p / many - 1.0).abs() < 1e-14, "{p} and {many}");
+        }
+    }
+
+    #[test]
+    fn a_thousand_vertices_in_any_unit_of_length_have_a_density() {
+        let zigzag = |k: i32| DVec3::new(0.3 * f64::from(k % 3), 0.2 * f64::from(k % 2), 0.5 * f64::from(k));
+        let ratios = [1e-6, 1.0, 1e6].map(|unit| {
+            let path: Vec<_> = (0..1025).map(|k| unit * zigzag(k)).collect();
+            let p = density(&ALIGNED, 1.0 / unit, 0.9, 2048, 1, DVec3::Z, &path[1..], 1.0 / (unit * unit));
+            let traced =
+                crate::mis_weight::reference::path_tracing_density(1.0 / unit, 0.9, &path, 1, -DVec3::Z).expect("one");
+            p.over(traced)
+        });
+        assert!(ratios[1].is_finite() && ratios[1] > 0.0, "{ratios:?}");
+        assert!(ratios.iter().all(|ratio| (ratio / ratios[1] - 1.0).abs() < 1e-8), "{ratios:?}");
+    }
+
+    #[test]
+    fn chains_beyond_the_reach_or_with_an_empty_edge_are_never_made() {
+        let made =
+            |bridge: &Bridge, chain: &[DVec3]| density(bridge, 1.0, 0.5, 4, 1, DVec3::X, chain, 1.0).value() > 0.0;
+        let chain = [DVec3::ZERO, DVec3::Y, DVec3::ONE, DVec3::Z, 2.0 * DVec3::Z];
+        assert!(made(&ALIGNED, &chain[..4]) && made(&ALIGNED, &[DVec3::ZERO, DVec3::Z]));
+        assert!(!made(&ALIGNED, &chain), "more edges than there is room");
+        assert!(!made(&Bridge { max_inserted: 1, ..ALIGNED }, &chain[..4]));
+        assert!(made(&Bridge { max_distance: 1.0, ..ALIGNED }, &chain[..4]));
+        assert!(!made(&Bridge { max_distance: 0.99, ..ALIGNED }, &chain[..4]));
+        assert!(!made(&ALIGNED, &[DVec3::ZERO, DVec3::Y, DVec3::Y, DVec3::Z]));
+        assert!(!made(&ALIGNED, &[DVec3::ZERO, DVec3::Y, DVec3::ZERO]));
+        assert!(!made(&ALIGNED, &[DVec3::ZERO]));
+    }
+}

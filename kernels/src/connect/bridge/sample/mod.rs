@@ -1,0 +1,55 @@
+//! Making bridges: first how many edges each has, then, bucket by bucket, where their vertices are.
+
+pub mod reference;
+pub mod simd;
+
+use super::Bridge;
+use crate::columns::paths::PathTable;
+use crate::columns::queues::{CandidateQueue, ChainTable};
+use crate::connect::buckets::BucketTable;
+use crate::tables::media::Medium;
+use crate::{PathLengths, Step};
+
+/// What counting may touch.
+pub struct CountColumns<'a, 'q> {
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathTable<'q>,
+    /// Read: lane, start and point of the connections.
+    pub connections: &'a CandidateQueue<'q>,
+    /// Filled: `count` of every connection, its number of inserted vertices N - 1.
+    pub buckets: &'a mut BucketTable<'q>,
+}
+
+/// Draws the number of edges N of every bridge.
+///
+/// With u and v the first two uniforms of block `BRIDGE_COUNT` at the depth of the start, and `room` and `lambda` as in
+/// [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`; else N - 1 is the smallest m whose cumulative Poisson
+/// probability `sum_{k <= m} e^-lambda lambda^k / k!` exceeds v. A bridge of more than `room` edges is marked as dropped.
+pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, '_>);
+
+/// What building may touch.
+pub struct BuildColumns<'a, 'q> {
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathTable<'q>,
+    /// Read: every column of the connections but the weight.
+    pub connections: &'a CandidateQueue<'q>,
+    /// Read: order and buckets.
+    pub buckets: &'a BucketTable<'q>,
+    /// Filled at the buckets' rows: every column but the weight.
+    pub candidates: &'a mut CandidateQueue<'q>,
+    /// Filled at the buckets' rows: the inserted vertices.
+    pub chains: &'a mut ChainTable<'q>,
+}
+
+/// Places the inserted vertices of every bridge.
+///
+/// The free walk starts at its own origin along z. Edge `k` (0 .. N) takes block `BRIDGE_WALK + k` at the depth of the
+/// start: its length is `-ln(1 - u)` of the first word; unless it is the last, the next two words are cosine (the inverse
+/// of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted in the
+/// [frame](crate::vec3x8::Vec3x8::frame) of its direction.
+///
+/// With e the unit vector to the end of the walk, p the unit part of z perpendicular to e, and q = e x p, a walk vertex v
+/// becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit vectors
+/// across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the azimuth of the arriving direction (0 if
+/// that lies on the axis), and psi the roll of [`bridge`](super) for u, the third word of block `BRIDGE_COUNT`.
+pub type BuildKernel = fn(&Medium, &Bridge, Step, BuildColumns<'_, '_>);

@@ -1,0 +1,325 @@
+//! Making bridges, in f64 (Schuessler, Hanika, Dachsbacher, EGSR 2024; the aligned roll is our own).
+//!
+//! ```text
+//! count:  u < e:  N = 1 + floor(v room);      else  N - 1 = min { m : sum_{k <= m} e^-lambda lambda^k / k! > v }
+//! walk:   y_0 = 0,  d_0 = z;      y_{k+1} = y_k - ln(1 - u) d_k,    d_{k+1} = d_k turned by the phase function
+//! bridge: x_k = x + s / |y_N| * ((y_k . e) w + (y_k . p) a + (y_k . q) b)
+//! roll:   tan(psi / 2) = sqrt((a - b) / (a + b)) tan(pi (u - 1/2)),       a = 1 + g^2 - 2 g cos beta cos gamma,
+//!                                                                         b = 2 g sin beta sin gamma
+//! ```
+//!
+//! where e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p.
+
+use core::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{BuildColumns, CountColumns};
+use crate::connect::bridge::reference::{mean_inserted, roll_coefficients, room};
+use crate::connect::bridge::{Bridge, Roll};
+use crate::connect::buckets;
+use crate::medium_sample::reference::flight;
+use crate::phase::reference::{frame, sample_cosine, turn};
+use crate::tables::media::Medium;
+use crate::{PathLengths, Step, random};
+
+/// The twin; see [`CountKernel`](super::CountKernel).
+pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
+    let CountColumns { paths, connections, buckets } = columns;
+    for row in 0..connections.len {
+        let connection = connections.row(row);
+        let lane = connection.lane as usize;
+        let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+        let draws = Draws {
+            pixel: paths.columns.pixel.rows()[lane],
+            sample: paths.columns.sample.rows()[lane],
+            depth: paths.depth(step.clock, lane),
+            seed: step.seed,
+        };
+        let inserted = count_edges(bridge, f64::from(medium.extinction), (point - start).length(), lengths, &draws);
+        buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
+    }
+}
+
+/// The twin; see [`BuildKernel`](super::BuildKernel).
+pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let mut inserted = Vec::new();
+    for bucket in buckets.buckets() {
+        for row in bucket.rows() {
+            let connection = connections.row(buckets.order.rows()[row] as usize);
+            let lane = connection.lane as usize;
+            let [start, arriving, point] =
+                [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+            let draws = Draws {
+                pixel: paths.columns.pixel.rows()[lane],
+                sample: paths.columns.sample.rows()[lane],
+                depth: paths.depth(step.clock, lane),
+                seed: step.seed,
+            };
+            inserted.clear();
+            inserted.resize(bucket.inserted, DVec3::ZERO);
+            place(bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
+
+            candidates.lane.rows_mut()[row] = connection.lane;
+            candidates.light.rows_mut()[row] = connection.light;
+            candidates.start.set_row(row, connection.start);
+            candidates.arriving.set_row(row, connection.arriving);
+            candidates.point.set_row(row, connection.point);
+            for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
+                vertex.set_row(row, position.as_vec3().to_array());
+            }
+        }
+    }
+}
+
+/// The random numbers of one bridge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draws {
+    /// Index of the pixel in the whole image.
+    pub pixel: u32,
+    /// Number of the sample in its pixel.
+    pub sample: u32,
+    /// Depth of the start.
+    pub depth: u32,
+    /// Seed of the frame.
+    pub seed: u32,
+}
+
+impl Draws {
+    fn block(&self, purpose: u32) -> [f64; 4] {
+        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
+    }
+
+    /// The numbers that choose between the two distributions of the count, and from the chosen one.
+    pub fn count(&self) -> [f64; 2] {
+        let [which, count, _, _] = self.block(random::BRIDGE_COUNT);
+        [which, count]
+    }
+
+    /// The number behind the roll about the axis.
+    pub fn roll(&self) -> f64 {
+        self.block(random::BRIDGE_COUNT)[2]
+    }
+
+    /// The numbers behind the length of edge `k`, counted from 0, and behind cosine and azimuth of the turn at its end.
+    pub fn edge(&self, k: usize) -> [f64; 3] {
+        let [length, cosine, azimuth, _] = self.block(random::BRIDGE_WALK + k as u32);
+        [length, cosine, azimuth]
+    }
+}
+
+/// Number of vertices to insert, one less than edges; None if that exceeds the room.
+pub fn count_edges(
+    bridge: &Bridge,
+    extinction: f64,
+    distance: f64,
+    lengths: PathLengths,
+    draws: &Draws,
+) -> Option<u32> {
+    let room = room(bridge, lengths.max, draws.depth);
+    let [which, count] = draws.count();
+    if room == 0 {
+        return None;
+    }
+    if which < f64::from(bridge.defensive) {
+        return Some((count * f64::from(room)).floor() as u32);
+    }
+    let mean = mean_inserted(extinction, distance);
+    let mut probability = (-mean).exp();
+    let mut cumulative = probability;
+    for inserted in 0..room {
+        if cumulative > count {
+            return Some(inserted);
+        }
+        probability *= mean / f64::from(inserted + 1);
+        cumulative += probability;
+    }
+    None
+}
+
+/// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`, to
+/// `point` `[m]`.
+pub fn place(
+    bridge: &Bridge,
+    g: f64,
+    start: DVec3,
+    arriving: DVec3,
+    point: DVec3,
+    draws: &Draws,
+    inserted: &mut [DVec3],
+) {
+    let walk = free_walk(g, inserted.len() + 1, draws);
+    let reached = walk[inserted.len()];
+    let end = reached.normalize();
+    let across_end = (DVec3::Z - DVec3::Z.dot(end) * end).try_normalize().unwrap_or_else(|| frame(end).0);
+    let third = end.cross(across_end);
+
+    let axis = (point - start).normalize_or_zero();
+    let (tangent, bitangent) = frame(axis);
+    let arriving_azimuth = arriving.dot(bitangent).atan2(arriving.dot(tangent));
+    // Any roll will do to measure the angle between first edge and axis, which is that between z and the walk's end.
+    let unrolled = DVec3::Z.dot(end) * axis + DVec3::Z.dot(across_end) * tangent;
+    let azimuth = arriving_azimuth + roll(bridge.roll, g, arriving, axis, unrolled, draws.roll());
+    let side = azimuth.cos() * tangent + azimuth.sin() * bitangent;
+    let other_side = axis.cross(side);
+
+    let scale = (point - start).length() / reached.length();
+    for (vertex, free) in inserted.iter_mut().zip(&walk) {
+        *vertex = start + scale * (free.dot(end) * axis + free.dot(across_end) * side + free.dot(third) * other_side);
+    }
+}
+
+/// The ends of `edges` edges of a walk that starts at the origin along z, with flights of unit rate.
+fn free_walk(g: f64, edges: usize, draws: &Draws) -> Vec<DVec3> {
+    let (mut position, mut direction) = (DVec3::ZERO, DVec3::Z);
+    let mut ends = Vec::with_capacity(edges);
+    for k in 0..edges {
+        let [length, cosine, azimuth] = draws.edge(k);
+        position += flight(1.0, length) * direction;
+        ends.push(position);
+        direction = turn(direction, sample_cosine(g, cosine), azimuth);
+    }
+    ends
+}
+
+/// psi: the angle about the axis from the direction of arrival to the first edge, in (-pi, pi), for a number in (0, 1).
+/// `first` is a unit vector at the first edge's angle to the axis, however it is rolled.
+pub fn roll(roll: Roll, g: f64, arriving: DVec3, axis: DVec3, first: DVec3, u: f64) -> f64 {
+    let half_turn = PI * (u - 0.5);
+    match roll {
+        Roll::Uniform => 2.0 * half_turn,
+        Roll::Aligned => {
+            let (a, b) = roll_coefficients(g, arriving, axis, first);
+            2.0 * (((a - b) / (a + b)).sqrt() * half_turn.tan()).atan()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connect::bridge::reference::{count_probability, density, roll_density};
+    use core::f64::consts::TAU;
+
+    const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
+    const UNIFORM: Bridge = Bridge { roll: Roll::Uniform, ..ALIGNED };
+
+    fn draws(pixel: u32) -> Draws {
+        Draws { pixel, sample: 3, depth: 2, seed: 1 }
+    }
+
+    #[test]
+    fn counts_follow_their_probabilities() {
+        let samples = 40_000;
+        for (bridge, distance, max) in
+            [(ALIGNED, 1.6, 30), (ALIGNED, 9.0, 8), (Bridge { max_inserted: 2, ..ALIGNED }, 1.6, 30)]
+        {
+            let mut made = [0; 31];
+            for pixel in 0..samples {
+                let lengths = PathLengths { min: 1, max };
+                if let Some(inserted) = count_edges(&bridge, 1.5, distance, lengths, &draws(pixel)) {
+                    made[inserted as usize + 1] += 1;
+                }
+            }
+            for (edges, made) in made.into_iter().enumerate() {
+                let p = count_probability(&bridge, 1.5, max, 2, distance, edges as u32);
+                let (expected, deviation) = (p * f64::from(samples), (p * f64::from(samples)).sqrt());
+                assert!((f64::from(made) - expected).abs() <= 4.5 * deviation, "{edges} edges: {made}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_room_bridges_are_dropped() {
+        let count = |max: u32| count_edges(&ALIGNED, 0.0, 1.0, PathLengths { min: 1, max }, &draws(0));
+        assert_eq!([1, 2, 3].map(count), [None, None, Some(0)]);
+    }
+
+    /// What a share u of all rolls does not exceed, against the integral of the density.
+    #[test]
+    fn rolls_follow_their_density() {
+        let (g, arriving, axis) = (0.8, DVec3::new(0.6, 0.0, 0.8), DVec3::Z);
+        let first = |psi: f64| DVec3::new(0.9_f64.sin() * psi.cos(), 0.9_f64.sin() * psi.sin(), 0.9_f64.cos());
+        let width = TAU / 8192.0;
+        let mut share = 0.0;
+        for k in 0..8191 {
+            let psi = -PI + (f64::from(k) + 0.5) * width;
+            share += roll_density(g, arriving, axis, first(psi)) * width / TAU;
+            if k % 512 == 511 {
+                let found = roll(Roll::Aligned, g, arriving, axis, first(0.0), share);
+                assert!((found - (psi + 0.5 * width)).abs() < 1e-4, "{found} at {psi}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_edge_is_rolled_away_from_the_direction_of_arrival() {
+        let (start, point) = (DVec3::new(0.3, -1.0, 2.0), DVec3::new(1.1, 0.5, -0.7));
+        let (axis, arriving) = ((point - start).normalize(), DVec3::new(0.4, 0.5, -0.6).normalize());
+        for (pixel, bridge) in (0..50).flat_map(|pixel| [(pixel, ALIGNED), (pixel, UNIFORM)]) {
+            let draws = draws(pixel);
+            let mut inserted = [DVec3::ZERO; 3];
+            place(&bridge, 0.6, start, arriving, point, &draws, &mut inserted);
+            let first = (inserted[0] - start).normalize();
+            let across = |v: DVec3| (v - v.dot(axis) * axis).normalize();
+            let (from, to) = (across(arriving), across(first));
+            let found = from.cross(to).dot(axis).atan2(from.dot(to));
+            let psi = roll(bridge.roll, 0.6, arriving, axis, first, draws.roll());
+            assert!((found - psi).abs() < 1e-9, "{found}, not {psi}");
+        }
+    }
+
+    #[test]
+    fn bridges_keep_the_shape_of_their_walk() {
+        let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
+        for pixel in 0..50 {
+            let mut chain = [start; 6];
+            place(&ALIGNED, 0.5, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
+            chain[5] = point;
+            let walk = [vec![DVec3::ZERO], free_walk(0.5, 5, &draws(pixel))].concat();
+            let scale = (point - start).length() / walk[5].length();
+            for (i, j) in (0..6).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                let (found, free) = ((chain[i] - chain[j]).length(), (walk[i] - walk[j]).length());
+                assert!((found - scale * free).abs() < 1e-9 * scale * free.max(1.0), "{found} from {i} to {j}");
+            }
+            // Handedness: a mirror image has the same distances.
+            let volume = |v: &[DVec3]| (v[1] - v[0]).cross(v[2] - v[1]).dot(v[3] - v[2]);
+            assert!(volume(&chain) * volume(&walk) > 0.0);
+        }
+    }
+
+    /// E[h / p] = 1 for a density h of the inserted vertices: each uniform in a ball between the ends, small enough for
+    /// the ratio to vary little.
+    #[test]
+    fn bridges_follow_their_density() {
+        let (start, point) = (DVec3::ZERO, DVec3::new(0.0, 0.6, 0.8));
+        let arriving = DVec3::new(0.8, 0.0, 0.6);
+        let (center, radius) = (0.5 * (start + point), 0.5_f64);
+        let h = 1.0 / (4.0 / 3.0 * PI * radius.powi(3));
+        for (bridge, g, inserted) in [(UNIFORM, 0.3, 1), (ALIGNED, 0.5, 1), (ALIGNED, -0.4, 1), (ALIGNED, 0.25, 2)] {
+            // Pairs of vertices are rarely both in the ball.
+            let samples = if inserted == 1 { 100_000 } else { 1_000_000 };
+            let (mut sum, mut squares) = (0.0, 0.0);
+            // Given the number of edges, so without its probability.
+            let probability = count_probability(&bridge, 1.0, 9, 2, 1.0, inserted as u32 + 1);
+            for pixel in 0..samples {
+                let mut chain = vec![start; inserted + 2];
+                place(&bridge, g, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
+                chain[inserted + 1] = point;
+                if chain[1..=inserted].iter().any(|vertex| (*vertex - center).length() > radius) {
+                    continue;
+                }
+                let p = density(&bridge, 1.0, g, 9, 2, arriving, &chain, 1.0 / probability).value();
+                let ratio = h.powi(inserted as i32) / p;
+                sum += ratio;
+                squares += ratio * ratio;
+            }
+            let samples = f64::from(samples);
+            let mean = sum / samples;
+            let error = ((squares / samples - mean * mean) / samples).sqrt();
+            let case = format!("{:?}, g = {g}, {inserted} inserted: {mean} +- {error}", bridge.roll);
+            assert!((mean - 1.0).abs() < 4.0 * error && error < 0.03, "{case}");
+        }
+    }
+}

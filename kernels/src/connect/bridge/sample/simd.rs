@@ -1,0 +1,213 @@
+//! ```text
+//! count: u < e ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
+//! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
+//!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
+//!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
+//! roll:  tan(psi / 2) = sqrt(h_- / h_+) tan(pi (u - 1/2))
+//! ```
+//!
+//! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits.
+//! 2. The walk's vertices wait in the chain's own columns for the rotation, which is known only at its end.
+//! 3. p and q have closed forms because the walk leaves along z: `p = (-x z, -y z, r^2) / r`, `q = (y, -x, 0) / r` for
+//!    `e = (x, y, z)`, `r^2 = x^2 + y^2`.
+//! 4. Rotation, scale and roll are one matrix, multiplied once per vertex.
+//! 5. No arc tangent: `cos psi = (h_+ c^2 - h_- s^2) / n`, `sin psi = 2 sqrt(h_+ h_-) s c / n` with
+//!    `n = h_+ c^2 + h_- s^2` and s, c of `pi (u - 1/2)`.
+
+use wide::{f32x8, u32x8};
+
+use super::{BuildColumns, CountColumns};
+use crate::columns::paths::PathTable;
+use crate::columns::queues::CandidateBatch;
+use crate::columns::{Column3, LANES};
+use crate::connect::bridge::{Bridge, LARGEST_MEAN, Roll};
+use crate::connect::buckets::DROPPED;
+use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
+use crate::random::{self, uniform_x8};
+use crate::tables::media::Medium;
+use crate::transcendental::{exp, neg_ln, sin_cos_half_turn};
+use crate::vec3x8::Vec3x8;
+use crate::{PathLengths, Step, lanes};
+
+/// Shortest length by which a direction is normalised.
+const LEAST: f32 = 1e-30;
+
+/// The random sequence of eight bridges.
+struct Sequence {
+    pixel: u32x8,
+    sample: u32x8,
+    depth: u32x8,
+    seed: u32,
+}
+
+impl Sequence {
+    #[inline(always)]
+    fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
+        let path = &paths.columns;
+        Self {
+            pixel: path.pixel.gather(lane_of),
+            sample: path.sample.gather(lane_of),
+            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
+            seed: step.seed,
+        }
+    }
+
+    /// Four uniform numbers of block `purpose`.
+    #[inline(always)]
+    fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
+        let block = self.depth << 16_u32 | u32x8::splat(purpose);
+        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
+    }
+}
+
+/// The SIMD kernel; see [`CountKernel`](super::CountKernel).
+pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
+    let CountColumns { paths, connections, buckets } = columns;
+    let most = bridge.max_inserted.saturating_add(1);
+    for b in 0..connections.len.div_ceil(LANES) {
+        let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
+        let [choice, number, ..] = sequence.uniforms(random::BRIDGE_COUNT);
+        let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
+        let distance = (connections.point.batch(b) - connections.start.batch(b)).length_squared().sqrt();
+        let mean = (f32x8::splat(medium.extinction) * distance).fast_min(f32x8::splat(LARGEST_MEAN as f32));
+
+        let live = lanes::mask(lanes::first(connections.len - b * LANES));
+        let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
+        let spread = floor(number * lanes::to_f32(room)).min(room - u32x8::splat(1));
+        let poisson = poisson(number, mean, room, live & !uniform);
+        let inserted = lanes::as_integer_mask(uniform).select(spread, poisson);
+        let fits = inserted.simd_lt(room);
+        buckets.count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
+    }
+}
+
+/// Poisson numbers of the given means by inversion of the distribution at `number`; `room` or more where they exceed it.
+#[inline(always)]
+fn poisson(number: f32x8, mean: f32x8, room: u32x8, rows: f32x8) -> u32x8 {
+    let mut probability = exp(-mean);
+    let mut sum = probability;
+    let mut count = u32x8::splat(0);
+    let mut beyond = rows & number.simd_ge(sum);
+    for k in 1.. {
+        if !beyond.any() {
+            break;
+        }
+        count -= lanes::as_integer_mask(beyond); // a mask of all ones is -1
+        probability *= mean * f32x8::splat(1.0 / k as f32);
+        sum += probability;
+        beyond &= number.simd_ge(sum) & lanes::as_mask(count.simd_lt(room));
+    }
+    count
+}
+
+/// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
+pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let phase = HenyeyGreensteinX8::new(medium.phase);
+    for bucket in buckets.buckets() {
+        for (b, _) in bucket.batches() {
+            let candidate = connections.gather(&buckets.order.batch(b).to_array());
+            candidates.set_batch(b, candidate);
+            if bucket.inserted > 0 {
+                let sequence = Sequence::new(step, paths, &candidate.lane.to_array());
+                let chain = &mut chains.vertices[..bucket.inserted];
+                let end = walk(&sequence, &phase, chain, b);
+                let [.., roll, _] = sequence.uniforms(random::BRIDGE_COUNT);
+                place(&Placement::new(&phase, bridge.roll, &candidate, end, roll), candidate.start, chain, b);
+            }
+        }
+    }
+}
+
+/// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
+#[inline(always)]
+fn walk(sequence: &Sequence, phase: &HenyeyGreensteinX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
+    let (mut position, mut direction) = (Vec3x8::ZERO, Vec3x8::splat([0.0, 0.0, 1.0]));
+    let mut block = random::BRIDGE_WALK;
+    for vertex in chain {
+        let [length, cosine, azimuth, _] = sequence.uniforms(block);
+        position = direction.mul_add(neg_ln(f32x8::ONE - length), position);
+        vertex.set_batch(b, position);
+        direction = phase.sample(cosine).apply(direction, azimuth);
+        block += 1;
+    }
+    let [length, ..] = sequence.uniforms(block);
+    direction.mul_add(neg_ln(f32x8::ONE - length), position)
+}
+
+/// Moves the vertices of a walk to their places.
+#[inline(always)]
+fn place(placement: &Placement, start: Vec3x8, chain: &mut [Column3<'_>], b: usize) {
+    for vertex in chain {
+        let Vec3x8 { x, y, z } = vertex.batch(b);
+        vertex.set_batch(b, placement.x.mul_add(x, placement.y.mul_add(y, placement.z.mul_add(z, start))));
+    }
+}
+
+/// Rotation, scale and roll of a walk: where its unit vectors go.
+struct Placement {
+    x: Vec3x8,
+    y: Vec3x8,
+    z: Vec3x8,
+}
+
+impl Placement {
+    /// The one that takes a walk to `end` along z from the candidate's start to its light point.
+    #[inline(always)]
+    fn new(phase: &HenyeyGreensteinX8, roll: Roll, candidate: &CandidateBatch, end: Vec3x8, u: f32x8) -> Self {
+        let least = f32x8::splat(LEAST);
+        let normalise = |v: Vec3x8, length: f32x8| v * (f32x8::ONE / length.fast_max(least));
+        let to_light = candidate.point - candidate.start;
+        let distance = to_light.length_squared().sqrt();
+        let axis = normalise(to_light, distance);
+        let (tangent, bitangent) = axis.frame();
+        let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
+        let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
+
+        let reach = end.length_squared().sqrt();
+        let along = normalise(end, reach);
+        let leaving = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
+        let inverse_sine = f32x8::ONE / leaving.sine.fast_max(least);
+        let (px, py) = (along.x * inverse_sine, along.y * inverse_sine);
+
+        // Azimuth of the first edge in the frame of the axis: that of the arriving direction plus the roll.
+        let (sin, cos) = match roll {
+            Roll::Aligned => {
+                let (near, far) = phase.h_in_plane(arriving, leaving);
+                roll_by(near, far, u)
+            }
+            Roll::Uniform => roll_by(f32x8::ONE, f32x8::ONE, u),
+        };
+        let on_axis = arriving.sine.simd_le(least);
+        let inverse_sine = f32x8::ONE / arriving.sine.fast_max(least);
+        let (cos_phi, sin_phi) = (on_axis.select(f32x8::ONE, x * inverse_sine), y * inverse_sine);
+        let cos_azimuth = cos_phi.mul_sub(cos, sin_phi * sin);
+        let sin_azimuth = sin_phi.mul_add(cos, cos_phi * sin);
+        let a = tangent.mul_add(cos_azimuth, bitangent * sin_azimuth);
+        let b = bitangent.mul_add(cos_azimuth, -(tangent * sin_azimuth));
+
+        let scale = distance / reach.fast_max(least);
+        let (axis, a, b) = (axis * scale, a * scale, b * scale);
+        Self {
+            x: axis.mul_add(along.x, b.mul_add(py, -(a * (px * along.z)))),
+            y: axis.mul_add(along.y, b.mul_neg_add(px, -(a * (py * along.z)))),
+            z: axis.mul_add(along.z, a * leaving.sine),
+        }
+    }
+}
+
+/// `(sin, cos)` of the roll for the uniform number `u`.
+#[inline(always)]
+fn roll_by(near: f32x8, far: f32x8, u: f32x8) -> (f32x8, f32x8) {
+    let (s, c) = sin_cos_half_turn(u);
+    let (s2, c2) = (near * s * s, far * c * c);
+    let inverse = f32x8::ONE / (s2 + c2);
+    let two = f32x8::splat(2.0);
+    (two * (near * far).sqrt() * s * c * inverse, (c2 - s2) * inverse)
+}
+
+/// The whole part of a number >= 0.
+#[inline(always)]
+fn floor(x: f32x8) -> u32x8 {
+    bytemuck::cast(x.fast_trunc_int())
+}
