@@ -1,0 +1,47 @@
+//! ```text
+//! theta from the phase function, forward part:   cosine(1 - F (1 - u))
+//! alpha = u theta,    d = s sin(theta - alpha) / sin theta
+//! vertex = start + d (cos alpha w + sin alpha (cos(2 pi u) tangent + sin(2 pi u) bitangent))
+//! ```
+//!
+//! 1. `sin(theta - alpha) / sin theta = cos alpha - sin alpha cot theta`, which is 1 - u where theta vanishes.
+
+use wide::{f32x8, u32x8};
+
+use super::BuildColumns;
+use crate::Step;
+use crate::columns::LANES;
+use crate::phase::{HenyeyGreensteinX8, forward_share};
+use crate::random::{self, uniform_x8};
+use crate::tables::media::Medium;
+use crate::transcendental::sin_cos_turn;
+
+/// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
+pub fn build(medium: &Medium, step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { paths, connections, chains } = columns;
+    let phase = HenyeyGreensteinX8::new(medium.phase);
+    let share = f32x8::splat(forward_share(f64::from(medium.phase.g)) as f32);
+    for b in 0..connections.len.div_ceil(LANES) {
+        let lane_of = connections.lane.batch(b).to_array();
+        let depth = u32x8::splat(step.clock) - paths.columns.birth.gather(&lane_of);
+        let block = depth << 16_u32 | u32x8::splat(random::OMNEE_VERTEX);
+        let (pixel, sample) = (paths.columns.pixel.gather(&lane_of), paths.columns.sample.gather(&lane_of));
+        let [turn, first, azimuth, _] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
+
+        let start = connections.start.batch(b);
+        let to_light = connections.point.batch(b) - start;
+        let distance = to_light.length_squared().sqrt();
+        let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(1e-30)));
+        let deflection = phase.sample((f32x8::ONE - turn).mul_neg_add(share, f32x8::ONE));
+        let alpha = first * deflection.sine.atan2(deflection.cosine);
+        let (sin, cos) = alpha.sin_cos();
+        let straight = deflection.sine.simd_le(f32x8::splat(1e-6));
+        let part = straight
+            .select(f32x8::ONE - first, (sin * deflection.cosine / deflection.sine).mul_neg_add(f32x8::ONE, cos));
+        let (sin_azimuth, cos_azimuth) = sin_cos_turn(azimuth);
+        let (tangent, bitangent) = axis.frame();
+        let across = tangent.mul_add(cos_azimuth, bitangent * sin_azimuth);
+        let direction = axis.mul_add(cos, across * sin);
+        chains.vertices[0].set_batch(b, direction.mul_add(distance * part, start));
+    }
+}
