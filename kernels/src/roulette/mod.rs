@@ -1,0 +1,35 @@
+//! Roulette on the contribution: faint candidates are dropped before their segments are traced.
+
+pub mod reference;
+pub mod simd;
+
+use crate::Step;
+use crate::columns::paths::PathTable;
+use crate::columns::queues::{Bucket, CandidateQueue};
+use crate::tables::lights::Lights;
+use crate::tables::media::Medium;
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// Rows to judge: those of this bucket.
+    pub bucket: Bucket,
+    /// Read: lane and light. The weight is divided by the probability of survival, or becomes 0.
+    pub candidates: &'a mut CandidateQueue<'q>,
+    /// Read: pixel, sample, birth and throughput, in the channels in use.
+    pub paths: &'a PathTable<'q>,
+}
+
+/// What survives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// Contribution from which on a candidate certainly survives [W/(m^2 sr)], > 0: a constant of the frame, for a
+    /// threshold that depended on the sample would bias it.
+    pub contribution: f32,
+    /// The random block of the technique's light point, whose fourth word decides.
+    pub purpose: u32,
+}
+
+/// Keeps a candidate with probability `min(1, C / threshold)`, where C is the largest channel of
+/// `weight Le T albedo^inserted`, and divides its weight by that. It survives if u, the fourth uniform of block `purpose`
+/// at the depth of the start, is below the probability. A weight that is not a number stays, to be counted.
+pub type Kernel = fn(&Medium, &Lights, Threshold, Step, Columns<'_, '_>);

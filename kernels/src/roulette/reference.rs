@@ -1,0 +1,117 @@
+//! Roulette on the contribution, in f64.
+//!
+//! ```text
+//! q = min(1, C / threshold),      C = max over channels of weight Le T albedo^inserted
+//! weight' = weight / q  if u < q,  else 0
+//! ```
+//!
+//! so that the expectation of what is added stays C.
+
+use super::{Columns, Threshold};
+use crate::accumulate::reference::contribution;
+use crate::tables::lights::Lights;
+use crate::tables::media::Medium;
+use crate::{Step, random};
+
+/// The twin; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, columns: Columns<'_, '_>) {
+    let Columns { bucket, candidates, paths } = columns;
+    for row in bucket.rows() {
+        let lane = candidates.lane.rows()[row] as usize;
+        let weight = f64::from(candidates.weight.rows()[row]);
+        let channels = contribution(
+            weight,
+            lights.disks()[candidates.light.rows()[row] as usize].radiance.map(f64::from),
+            paths.columns.throughput.row(lane).map(f64::from),
+            medium.albedo.map(f64::from),
+            bucket.inserted,
+        );
+        let survival = survival(f64::from(threshold.contribution), largest(&channels[..paths.channels]));
+        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+        let u = uniform(pixel, sample, paths.depth(step.clock, lane), threshold.purpose, step.seed);
+        candidates.weight.rows_mut()[row] = if u < survival { (weight / survival) as f32 } else { 0.0 };
+    }
+}
+
+/// The number that decides: the fourth of the block in which a technique draws its light point.
+pub fn uniform(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> f64 {
+    let [_, _, _, word] = random::words(pixel, sample, random::block(depth, purpose), seed);
+    random::uniform(word)
+}
+
+/// The largest of `channels`; not a number if one of them is none, so that such a candidate is kept and counted.
+pub fn largest(channels: &[f64]) -> f64 {
+    channels.iter().copied().fold(0.0, |largest, channel| if channel <= largest { largest } else { channel })
+}
+
+/// Probability with which a candidate of this contribution is kept. All are if the threshold is 0.
+pub fn survival(threshold: f64, contribution: f64) -> f64 {
+    if contribution < threshold {
+        return contribution / threshold;
+    }
+    1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::paths::PathTable;
+    use crate::columns::queues::{Bucket, Candidate, CandidateQueue};
+    use crate::phase::HenyeyGreenstein;
+    use crate::tables::lights::{Disk, Selection};
+    use bumpalo::Bump;
+    use glam::DVec3;
+
+    #[test]
+    fn the_expectation_is_the_contribution() {
+        for contribution in [1e-30, 0.003, 0.0999, 0.1, 7.0] {
+            let q = survival(0.1, contribution);
+            let kept = contribution / q;
+            assert!(q > 0.0 && q <= 1.0 && (kept / contribution.max(0.1) - 1.0).abs() < 1e-15, "{contribution}: {q}");
+        }
+        assert_eq!([0.0, 1e-9, 5.0].map(|contribution| survival(0.0, contribution)), [1.0; 3]);
+        assert_eq!(survival(0.1, 0.0), 0.0);
+    }
+
+    #[test]
+    fn the_brightest_channel_in_use_decides() {
+        assert_eq!(largest(&[0.25, 1.0, 0.5]), 1.0);
+        assert_eq!(largest(&[0.0; 3]), 0.0);
+        assert!(largest(&[0.5, f64::NAN]).is_nan());
+        assert_eq!(survival(0.1, f64::NAN), 1.0);
+    }
+
+    #[test]
+    fn faint_candidates_survive_as_often_as_they_should() {
+        let arena = Bump::new();
+        let medium = Medium { extinction: 1.0, albedo: [0.5, 0.25, 1.0], phase: HenyeyGreenstein { g: 0.0 } };
+        let disk = Disk::new(DVec3::Z, -DVec3::Z, 1.0, [2.0, 1.0, 9.0]);
+        let lights = Lights::new(vec![disk], Selection::Uniform);
+        let (rows, inserted) = (4000, 2);
+        // One channel is in use: C = 0.5 * 2 * 0.8 * 0.25 = 0.2.
+        let mut paths = PathTable::new_in(&arena, rows, 1);
+        let mut candidates = CandidateQueue::new_in(&arena, rows);
+        for lane in 0..rows {
+            paths.columns.pixel.rows_mut()[lane] = lane as u32;
+            paths.columns.throughput.set_row(lane, [0.8, 1.0, 1.0]);
+            let nowhere = [0.0; 3];
+            let lane = lane as u32;
+            candidates.push(Candidate {
+                lane,
+                light: 0,
+                start: nowhere,
+                arriving: nowhere,
+                point: nowhere,
+                weight: 0.5,
+            });
+        }
+        let bucket = Bucket { inserted, start: 0, len: rows };
+        let threshold = Threshold { contribution: 0.8, purpose: random::BRIDGE_LIGHT };
+        let columns = Columns { bucket, candidates: &mut candidates, paths: &paths };
+        run(&medium, &lights, threshold, Step { seed: 3, clock: 2 }, columns);
+        let kept: Vec<_> = candidates.weight.rows()[..rows].iter().filter(|weight| **weight > 0.0).collect();
+        assert!(kept.iter().all(|weight| (**weight - 2.0).abs() < 1e-6), "{:?}", kept[0]);
+        // Five standard deviations of a binomial count.
+        assert!((kept.len() as f64 - 1000.0).abs() < 137.0, "{} of {rows}", kept.len());
+    }
+}

@@ -1,0 +1,42 @@
+//! ```text
+//! survival = min(1, C / threshold),   C = weight * max over channels of Le T albedo^inserted
+//! weight   = u < survival ? weight / survival : 0
+//! ```
+//!
+//! 1. Batches in which nothing is faint need no random numbers.
+
+use wide::{f32x8, u32x8};
+
+use super::{Columns, Threshold};
+use crate::random::{self, uniform_x8};
+use crate::tables::lights::Lights;
+use crate::tables::media::Medium;
+use crate::{Step, lanes};
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, columns: Columns<'_, '_>) {
+    let Columns { bucket, candidates, paths } = columns;
+    let inserted = medium.albedo.map(|albedo| albedo.powi(bucket.inserted as i32));
+    let inverse_threshold = f32x8::splat(1.0 / threshold.contribution);
+    for (b, rows) in bucket.batches() {
+        let (lane_of, light_of) = (candidates.lane.batch(b).to_array(), candidates.light.batch(b).to_array());
+        let weight = candidates.weight.batch(b);
+        let mut brightest = f32x8::ZERO;
+        for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
+            let emitted = lights.gather(&light_of, |disk| disk.radiance[channel]);
+            let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
+            brightest = brightest.fast_max(emitted * throughput * f32x8::splat(inserted));
+        }
+        let survival = weight * brightest * inverse_threshold;
+        let faint = survival.simd_lt(f32x8::ONE);
+        if lanes::bits(faint) & rows == 0 {
+            continue;
+        }
+        let depth = u32x8::splat(step.clock) - paths.columns.birth.gather(&lane_of);
+        let block = depth << 16_u32 | u32x8::splat(threshold.purpose);
+        let (pixel, sample) = (paths.columns.pixel.gather(&lane_of), paths.columns.sample.gather(&lane_of));
+        let [.., u] = random::words_x8(pixel, sample, block, step.seed);
+        let kept = uniform_x8(u).simd_lt(survival).select(weight / survival, f32x8::ZERO);
+        candidates.weight.set_batch(b, faint.select(kept, weight));
+    }
+}
