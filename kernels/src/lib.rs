@@ -17,6 +17,7 @@ pub mod occlusion;
 pub mod phase;
 pub mod pipeline;
 pub mod random;
+pub mod roulette;
 pub mod scatter;
 pub mod tables;
 pub mod transcendental;
@@ -29,6 +30,23 @@ pub struct Step {
     pub seed: u32,
     /// Bounce clock: names the slot of the current vertices, and is the depth of a path plus its birth.
     pub clock: u32,
+}
+
+/// How far walks go, and where they connect from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walk {
+    /// Segments after which walks end: more than the depth of the last start, so that every start is reached. Lights
+    /// farther along are found by connections alone.
+    pub segments: u32,
+    /// Vertices that connect: the first ones after the camera or the last surface, >= 1; `u32::MAX` for all.
+    pub starts: u32,
+    /// Probability with which a walk goes on from a medium vertex, (0, 1].
+    pub survival: f32,
+}
+
+impl Walk {
+    /// Walks that go on, and connect from every vertex.
+    pub const ALL: Self = Self { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 }
 
 /// Which path lengths count, in segments, camera and light segment included.

@@ -1,7 +1,7 @@
 //! The table of stages: one function pointer each.
 
-use crate::connect::{light_sample, mvnee};
-use crate::{accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter};
+use crate::connect::{bridge, light_sample, mvnee, omnee};
+use crate::{accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter};
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
 macro_rules! pipeline {
@@ -57,8 +57,16 @@ pipeline! {
     mvnee_count (MvneeCount): mvnee::sample::CountKernel = mvnee::sample::simd::count, mvnee::sample::reference::count;
     /// Where MVNEE's inserted vertices are.
     mvnee_build (MvneeBuild): mvnee::sample::BuildKernel = mvnee::sample::simd::build, mvnee::sample::reference::build;
+    /// Where OMNEE's inserted vertex is.
+    omnee_build (OmneeBuild): omnee::sample::BuildKernel = omnee::sample::simd::build, omnee::sample::reference::build;
+    /// How many edges each bridge has.
+    bridge_count (BridgeCount): bridge::sample::CountKernel = bridge::sample::simd::count, bridge::sample::reference::count;
+    /// Where the inserted vertices of bridges are.
+    bridge_build (BridgeBuild): bridge::sample::BuildKernel = bridge::sample::simd::build, bridge::sample::reference::build;
     /// One weight per candidate.
     mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
+    /// Faint connections are dropped before they are traced.
+    roulette (Roulette): roulette::Kernel = roulette::simd::run, roulette::reference::run;
     /// Blocked connections lose their weight.
     occlusion (Occlusion): occlusion::Kernel = occlusion::simd::run, occlusion::reference::run;
     /// Contributions reach their paths.

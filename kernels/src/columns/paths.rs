@@ -24,8 +24,8 @@ columns! {
         /// Depth of the last surface vertex, 0 if there is none: starts before it are not eligible, because connections
         /// insert medium vertices only. Between it and the current vertex all vertices lie in the medium.
         last_surface: u32,
-        /// Depth of the first vertex from which a light is within the distance limit of MVNEE; `u32::MAX` if none is, or
-        /// if there is no limit. Conservative: starts before it are certainly out of reach.
+        /// Depth of the first vertex from which a light is within the distance limit of a technique that has one;
+        /// `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited technique.
         first_near: u32,
         /// Product of `f / p` over all vertices before the current ray, per channel, [0, 1] (transport: T).
         throughput: [f32; 3],

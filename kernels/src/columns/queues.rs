@@ -84,8 +84,8 @@ columns! {
         arriving: [f32; 3],
         /// Point on the light `[m]`.
         point: [f32; 3],
-        /// What the candidate counts: 1 / (1 + sum of ratios), 0 once it is found occluded, or the transmittance of a
-        /// directly seen light; in [0, 1].
+        /// What the candidate counts, >= 0: one over the sum of the densities with which all techniques make it, relative
+        /// to path tracing's; 0 once it is found faint or occluded; the transmittance of a directly seen light.
         weight: f32,
     }
 }
@@ -102,6 +102,19 @@ pub struct Bucket {
 }
 
 impl CandidateQueue<'_> {
+    /// The rows that `row_of` names, as a batch.
+    #[inline(always)]
+    pub fn gather(&self, row_of: &[u32; super::LANES]) -> CandidateBatch {
+        CandidateBatch {
+            lane: self.lane.gather(row_of),
+            light: self.light.gather(row_of),
+            start: self.start.gather(row_of),
+            arriving: self.arriving.gather(row_of),
+            point: self.point.gather(row_of),
+            weight: self.weight.gather(row_of),
+        }
+    }
+
     /// All rows as one bucket of candidates without inserted vertices.
     pub fn direct(&self) -> Bucket {
         Bucket { inserted: 0, start: 0, len: self.len }

@@ -4,11 +4,14 @@
 //! given suffix from start `i`, over the density of path tracing doing so; [`mis_weight`](crate::mis_weight) adds up
 //! the ratios of all active techniques.
 
+pub mod bridge;
 pub mod buckets;
 pub mod light_sample;
 pub mod mvnee;
 pub mod nee;
+pub mod omnee;
 
+use bridge::Bridge;
 use mvnee::Mvnee;
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
@@ -18,4 +21,15 @@ pub struct Techniques {
     pub nee: bool,
     /// Multiple-vertex next event estimation.
     pub mvnee: Option<Mvnee>,
+    /// Once-more next event estimation: exactly one inserted vertex.
+    pub omnee: bool,
+    /// Bridges.
+    pub bridge: Option<Bridge>,
+}
+
+impl Techniques {
+    /// Whether any vertex connects.
+    pub fn any(&self) -> bool {
+        *self != Self::default()
+    }
 }

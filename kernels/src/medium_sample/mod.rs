@@ -3,19 +3,20 @@
 pub mod reference;
 pub mod simd;
 
-use crate::Step;
 use crate::columns::paths::PathTable;
 use crate::columns::queues::FlightTable;
 use crate::tables::media::Medium;
+use crate::{Step, Walk};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: pixel, sample and birth of live lanes.
-    pub paths: &'a PathTable<'q>,
+    /// Read: pixel, sample and birth of live lanes. Paths that do not survive the vertex they are at end.
+    pub paths: &'a mut PathTable<'q>,
     /// Filled for live lanes.
     pub flights: &'a mut FlightTable<'q>,
 }
 
 /// Draws the random block of the current segment; turns its first word into a free flight, `-ln(1 - u) / mu_t`, or an
-/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter).
-pub type Kernel = fn(&Medium, Step, Columns<'_, '_>);
+/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter). A path at a medium vertex, depth > 0,
+/// ends unless the fourth uniform is below `survival`.
+pub type Kernel = fn(&Medium, &Walk, Step, Columns<'_, '_>);

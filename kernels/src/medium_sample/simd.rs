@@ -1,19 +1,21 @@
 //! ```text
-//! flight = -ln(1 - u) / mu_t          u: first word of the SEGMENT block at the path's depth
+//! flight = -ln(1 - u) / mu_t          u, v: first and last word of the SEGMENT block at the path's depth
+//! end the path if depth > 0 and v >= survival
 //! ```
 //!
-//! The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is small.
+//! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is small.
+//! 2. Flights are drawn for whole batches, dying paths included.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::Step;
 use crate::random::{self, uniform_x8};
 use crate::tables::media::Medium;
 use crate::transcendental::neg_ln;
+use crate::{Step, Walk, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
+pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
     let Columns { paths, flights } = columns;
     if medium.extinction == 0.0 {
         flights.flight.view_mut(paths.batches()).fill(f32x8::splat(f32::INFINITY));
@@ -25,11 +27,19 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
         [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
     let flight = flights.flight.view_mut(n);
     let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
-    for (b, _) in paths.live.each_batch() {
+    let survival = f32x8::splat(walk.survival);
+    for b in 0..n {
+        if paths.live.batch(b) == 0 {
+            continue;
+        }
         let depth = u32x8::splat(step.clock) - birth[b];
         let block = depth << 16_u32 | u32x8::splat(random::SEGMENT);
         let words = random::words_x8(pixel[b], sample[b], block, step.seed);
         flight[b] = neg_ln(f32x8::ONE - uniform_x8(words[0])) * mean_free_path;
         (cosine[b], azimuth[b]) = (words[1], words[2]);
+        if walk.survival < 1.0 {
+            let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
+            paths.live.remove_batch(b, lanes::bits(ends));
+        }
     }
 }

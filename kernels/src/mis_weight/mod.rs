@@ -1,8 +1,17 @@
 //! One weight for every candidate, whichever technique made it.
 //!
-//! With the balance heuristic a complete path counts `1 / (1 + sum over starts i of r_i)`, where `r_i` is the density of
-//! making its suffix by a connection from vertex `i`, over the density of path tracing doing so. Each active technique
-//! adds its own ratios; the formulas stand in [`connect`](crate::connect).
+//! With the balance heuristic a complete path of n segments counts
+//!
+//! ```text
+//! weight = 1 / (reach(n) + sum over starts i of reach(i) r_i)
+//! ```
+//!
+//! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing doing
+//! so, and `reach(i) = survival^(i - 1)` the probability that a walk gets to vertex `i` if it does not stop by itself;
+//! `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible vertex, over at
+//! most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
+//! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0 where none
+//! does.
 
 pub mod reference;
 pub mod simd;
@@ -10,12 +19,12 @@ pub mod suffix;
 
 use suffix::Suffix;
 
-use crate::Step;
 use crate::columns::paths::{PathTable, VertexTable};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use crate::connect::Techniques;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
+use crate::{PathLengths, Step, Walk};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
@@ -35,4 +44,4 @@ pub struct Columns<'a, 'q> {
 
 /// Weighs candidates of two segments or more; one that arrives at the back of its light weighs nothing. Visibility plays
 /// no part.
-pub type Kernel = fn(&Medium, &Lights, &Techniques, Step, Columns<'_, '_>);
+pub type Kernel = fn(&Medium, &Lights, &Techniques, &Walk, PathLengths, Step, Columns<'_, '_>);

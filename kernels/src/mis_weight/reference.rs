@@ -11,23 +11,33 @@
 //! made the path,
 //!
 //! ```text
-//! weight = 1 / (1 + sum over starts i and techniques k of p_k(i) / p_PT(i))
+//! weight = 1 / (reach(n) + sum over starts i of reach(i) * sum over techniques k of p_k(i) / p_PT(i))
+//! reach(i) = survival^{i-1};      reach(n) = 0 if walks end before they have n segments
 //! ```
 //!
-//! Starts run from the first eligible vertex to x_{n-1}.
+//! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
+//! makes weighs nothing.
 
 use glam::DVec3;
 
 use super::Columns;
-use crate::Step;
 use crate::connect::light_sample::reference::light_density;
-use crate::connect::{Techniques, mvnee, nee};
+use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::reference as phase;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
+use crate::{PathLengths, Step, Walk};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, techniques: &Techniques, step: Step, columns: Columns<'_, '_>) {
+pub fn run(
+    medium: &Medium,
+    lights: &Lights,
+    techniques: &Techniques,
+    walk: &Walk,
+    lengths: PathLengths,
+    step: Step,
+    columns: Columns<'_, '_>,
+) {
     let Columns { bucket, candidates, chains, paths, vertices, suffix: _ } = columns;
     let mut path = Vec::new();
     for row in bucket.rows() {
@@ -42,16 +52,20 @@ pub fn run(medium: &Medium, lights: &Lights, techniques: &Techniques, step: Step
         }
         path.push(DVec3::from(candidates.point.row(row).map(f64::from)));
         let light = candidates.light.rows()[row] as usize;
-        let weight = weight(medium, lights, techniques, &path, paths.first_start(lane) as usize, light);
+        let first_start = paths.first_start(lane) as usize;
+        let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, light);
         candidates.weight.rows_mut()[row] = weight as f32;
     }
 }
 
 /// The weight of `path`, from the camera vertex to a point on `light`, with starts from `first_start` on.
+#[expect(clippy::too_many_arguments, reason = "a weight depends on everything that competes for the path")]
 pub fn weight(
     medium: &Medium,
     lights: &Lights,
     techniques: &Techniques,
+    walk: &Walk,
+    lengths: PathLengths,
     path: &[DVec3],
     first_start: usize,
     light: usize,
@@ -63,22 +77,56 @@ pub fn weight(
     if (*point - *before).dot(normal) >= 0.0 {
         return 0.0;
     }
-    let extinction = f64::from(medium.extinction);
-    let mut sum = 0.0;
-    for start in first_start..path.len() - 1 {
-        let Some(traced) = path_tracing_density(extinction, f64::from(medium.phase.g), path, start, normal) else {
-            continue;
-        };
-        let chain = &path[start..];
-        let light_density = light_density(lights, light, path[start]);
-        if techniques.nee {
-            sum += nee::reference::density(chain, normal, light_density).over(traced);
-        }
-        if let Some(mvnee) = &techniques.mvnee {
-            sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
-        }
+    let segments = path.len() - 1;
+    let mut sum = if segments <= walk.segments as usize { reach(walk, segments) } else { 0.0 };
+    for start in first_start..segments.min(first_start.saturating_add(walk.starts as usize)) {
+        sum += reach(walk, start) * ratios(medium, lights, techniques, lengths, path, start, light);
     }
-    1.0 / (1.0 + sum)
+    if sum == 0.0 {
+        return 0.0;
+    }
+    1.0 / sum
+}
+
+/// Probability that a walk survives all vertices between the camera and vertex `i`.
+pub fn reach(walk: &Walk, i: usize) -> f64 {
+    f64::from(walk.survival).powi(i as i32 - 1)
+}
+
+/// The sum of all techniques' ratios r_i for the vertex `start` of `path`, which ends on `light`.
+fn ratios(
+    medium: &Medium,
+    lights: &Lights,
+    techniques: &Techniques,
+    lengths: PathLengths,
+    path: &[DVec3],
+    start: usize,
+    light: usize,
+) -> f64 {
+    let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
+    let normal = DVec3::from(lights.disks()[light].normal.map(f64::from));
+    let Some(traced) = path_tracing_density(extinction, g, path, start, normal) else {
+        return 0.0;
+    };
+    let (chain, depth) = (&path[start..], start as u32);
+    let light_density = light_density(lights, light, path[start]);
+    let mut sum = 0.0;
+    if techniques.nee {
+        sum += nee::reference::density(chain, normal, light_density).over(traced);
+    }
+    if let Some(mvnee) = &techniques.mvnee {
+        sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
+    }
+    if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
+        sum += omnee::reference::density(g, chain, light_density).over(traced);
+    }
+    if let Some(bridge) = &techniques.bridge {
+        let arriving = (path[start] - path[start - 1]).normalize();
+        let longest = lengths.max;
+        let density = bridge::reference::density(bridge, extinction, g, longest, depth, arriving, chain, light_density);
+        sum += density.over(traced);
+    }
+    sum
 }
 
 /// Density with which path tracing, at vertex `start`, makes the rest of `path`, which ends on a light that faces
@@ -152,6 +200,7 @@ impl Density {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::connect::bridge::{Bridge, Roll};
     use crate::connect::mvnee::{Mvnee, Offset};
     use crate::phase::HenyeyGreenstein;
     use crate::tables::lights::{Disk, Selection};
@@ -166,8 +215,12 @@ mod tests {
     }
 
     fn both(medium: &Medium) -> Techniques {
-        Techniques { nee: true, mvnee: Some(Mvnee::new(medium, f64::INFINITY, Offset::Ggx)) }
+        let mvnee = Some(Mvnee::new(medium, f64::INFINITY, Offset::Ggx));
+        Techniques { nee: true, mvnee, ..Techniques::default() }
     }
+
+    const FREE: Walk = Walk { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+    const LENGTHS: PathLengths = PathLengths { min: 1, max: 1000 };
 
     #[test]
     fn a_straight_connection_has_the_ratios_of_the_closed_form() {
@@ -175,9 +228,9 @@ mod tests {
         let path = [DVec3::ZERO, DVec3::new(0.0, 1.0, 1.0), DVec3::new(0.0, 1.0, 3.0)];
         // p_A s^2 / (p_w cos_light), with and without the probability of a flight past the light.
         let ratio = 1.0 / (0.25 * PI) * 4.0 * 4.0 * PI;
-        let weight = |techniques: &Techniques| weight(&medium, &lights, techniques, &path, 1, 0);
+        let weight = |techniques: &Techniques| weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, 0);
         assert_eq!(weight(&Techniques::default()), 1.0);
-        let nee = weight(&Techniques { nee: true, mvnee: None });
+        let nee = weight(&Techniques { nee: true, ..Techniques::default() });
         assert!((nee - 1.0 / (1.0 + ratio * 1.0_f64.exp())).abs() < 1e-12, "{nee}");
         let mvnee = weight(&Techniques { nee: false, ..both(&medium) });
         assert!((mvnee - 1.0 / (1.0 + ratio)).abs() < 1e-12, "{mvnee}");
@@ -188,7 +241,10 @@ mod tests {
     #[test]
     fn backs_and_paths_without_a_last_segment_weigh_nothing() {
         let (medium, lights) = (medium(0.5, 0.3), light(DVec3::ZERO));
-        let weight = |before: DVec3| weight(&medium, &lights, &both(&medium), &[DVec3::X, before, DVec3::ZERO], 1, 0);
+        let weight = |before: DVec3| {
+            let path = [DVec3::X, before, DVec3::ZERO];
+            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, 0)
+        };
         assert!(weight(-DVec3::Z) > 0.0);
         assert_eq!([DVec3::Z, DVec3::Y, DVec3::ZERO].map(weight), [0.0; 3]);
     }
@@ -197,7 +253,7 @@ mod tests {
     fn starts_whose_suffix_has_an_empty_segment_have_no_ratio() {
         let (medium, lights) = (medium(0.5, 0.3), light(DVec3::new(0.0, 0.0, 2.0)));
         let path = [-DVec3::Z, DVec3::X, DVec3::X, DVec3::ZERO, DVec3::new(0.0, 0.1, 2.0)];
-        let weight = |first: usize| weight(&medium, &lights, &both(&medium), &path, first, 0);
+        let weight = |first: usize| weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, first, 0);
         assert_eq!(weight(1), weight(3));
         assert!(weight(3) < 1.0);
     }
@@ -211,9 +267,97 @@ mod tests {
             let disk = Disk::new(path[200], -DVec3::Z, 20.0 * mfp, [1.0; 3]);
             let lights = Lights::new(vec![disk], Selection::Uniform);
             let medium = medium((1.0 / mfp) as f32, 0.6);
-            weight(&medium, &lights, &both(&medium), &path, 1, 0)
+            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, 0)
         });
         assert!(weights[1] > 0.0 && weights[1] < 1.0, "{weights:?}");
         assert!(weights.iter().all(|weight| (weight / weights[1] - 1.0).abs() < 1e-4), "{weights:?}");
+    }
+
+    /// A path of five segments through open space, and the light at its end.
+    fn bent() -> (Medium, Lights, [DVec3; 6]) {
+        let at = |x: f64, z: f64| DVec3::new(x, 0.1 * z * z, z);
+        let path = [at(0.0, 0.0), at(0.3, 0.8), at(0.1, 1.5), at(0.6, 2.1), at(0.5, 2.9), at(0.2, 4.0)];
+        (medium(1.2, 0.4), light(path[5]), path)
+    }
+
+    /// The one-line ratios of section 5 and 6 of the derivation, which know of no full density.
+    #[test]
+    fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
+        let (medium, lights, path) = bent();
+        let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
+        let direction = |j: usize| (path[j + 1] - path[j]).normalize();
+        let area = PI * 0.25;
+        let lengths = PathLengths { min: 1, max: 9 };
+        let sum =
+            |techniques: &Techniques, start: usize| ratios(&medium, &lights, techniques, lengths, &path, start, 0);
+        for start in 1..5 {
+            let n = 5 - start as i32;
+            let length: f64 = (start..5).map(|j| (path[j + 1] - path[j]).length()).sum();
+            let s = (path[5] - path[start]).length();
+            let cos_light = direction(4).z;
+            let common = 1.0 / (area * phase::density(g, direction(start - 1).dot(direction(start))) * cos_light);
+            let factorial: f64 = (1..n).map(f64::from).product();
+            let mean = extinction * s;
+            let count = 0.95 * (-mean).exp() * mean.powi(n - 1) / factorial + 0.05 / f64::from(9 - start as i32);
+            let uniform =
+                common * count * factorial * mean * s * s * (extinction * length).exp() / (extinction * length).powi(n);
+            let axis = (path[5] - path[start]) / s;
+            let roll = bridge::reference::roll_density(g, direction(start - 1), axis, direction(start));
+            for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll)] {
+                let found = sum(&Techniques { bridge: Some(Bridge::new(kind)), ..Techniques::default() }, start);
+                assert!((found / expected - 1.0).abs() < 1e-6, "{kind:?} from {start}: {found}, expected {expected}");
+            }
+            let found = sum(&Techniques { omnee: true, ..Techniques::default() }, start);
+            if start != 3 {
+                assert_eq!(found, 0.0, "from {start}");
+                continue;
+            }
+            let theta = direction(3).angle_between(direction(4));
+            let share = omnee::reference::forward_share(g);
+            let expected = common * s * theta.sin() / theta * (extinction * length).exp() / (share * extinction);
+            assert!((found / expected - 1.0).abs() < 1e-6, "{found}, expected {expected}");
+        }
+    }
+
+    #[test]
+    fn walks_that_end_stop_or_rarely_start_compete_less() {
+        let (medium, lights, path) = bent();
+        let techniques =
+            Techniques { nee: true, omnee: true, bridge: Some(Bridge::new(Roll::Aligned)), ..both(&medium) };
+        let ratio = |start: usize| ratios(&medium, &lights, &techniques, LENGTHS, &path, start, 0);
+        let weight = |walk: Walk, first: usize| weight(&medium, &lights, &techniques, &walk, LENGTHS, &path, first, 0);
+        let close =
+            |found: f64, sum: f64| assert!((found * sum - 1.0).abs() < 1e-12, "{found}, expected {}", 1.0 / sum);
+        close(weight(FREE, 1), 1.0 + (1..5).map(ratio).sum::<f64>());
+        close(weight(FREE, 3), 1.0 + ratio(3) + ratio(4));
+        close(weight(Walk { starts: 2, ..FREE }, 1), 1.0 + ratio(1) + ratio(2));
+        close(weight(Walk { starts: 1, ..FREE }, 4), 1.0 + ratio(4));
+        close(weight(Walk { segments: 5, ..FREE }, 4), 1.0 + ratio(4));
+        close(weight(Walk { segments: 4, ..FREE }, 4), ratio(4));
+        let q: f64 = 0.5;
+        let survived: f64 = (1..5).map(|start| q.powi(start as i32 - 1) * ratio(start)).sum();
+        close(weight(Walk { survival: 0.5, ..FREE }, 1), q.powi(4) + survived);
+    }
+
+    #[test]
+    fn a_path_that_nothing_makes_weighs_nothing() {
+        let (medium, lights, path) = bent();
+        let short = Walk { segments: 4, ..FREE };
+        for techniques in [Techniques::default(), Techniques { omnee: true, ..Techniques::default() }] {
+            assert_eq!(weight(&medium, &lights, &techniques, &short, LENGTHS, &path, 4, 0), 0.0);
+        }
+    }
+
+    #[test]
+    fn the_depth_of_the_start_limits_what_it_can_make() {
+        let (medium, lights, path) = bent();
+        let sum = |techniques: &Techniques, max: u32, start: usize| {
+            ratios(&medium, &lights, techniques, PathLengths { min: 1, max }, &path, start, 0) > 0.0
+        };
+        let omnee = Techniques { omnee: true, ..Techniques::default() };
+        assert!(sum(&omnee, 5, 3) && !sum(&omnee, 4, 3));
+        let limited = Bridge { max_inserted: 2, ..Bridge::new(Roll::Uniform) };
+        let bridge = Techniques { bridge: Some(limited), ..Techniques::default() };
+        assert!(sum(&bridge, 5, 2) && !sum(&bridge, 5, 1) && !sum(&bridge, 4, 2));
     }
 }

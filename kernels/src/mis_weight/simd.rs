@@ -1,12 +1,13 @@
 //! ```text
-//! walk from the light towards the camera and collect, per vertex, arc length, p_w, l^2 / p_w
-//! weight = 1 / (1 + sum over active techniques and starts of r)
+//! walk from the light towards the camera and collect, per vertex, arc length, direction, p_w, l^2 / p_w
+//! weight = 1 / (reach(n) + sum over active techniques and starts i of reach(i) r_i),    reach(i) = survival^(i - 1)
 //! ```
 //!
 //! 1. A bucket's rows have the same number of inserted vertices, so the walk meets the start at the same index in all
-//!    lanes; what differs is only how many starts of the history are eligible.
-//! 2. Inserted vertices and start are read as batches, history is gathered: position and inverse density, no more.
-//! 3. Nothing is computed beyond the last start that an active technique can use.
+//!    lanes; what differs is only which starts are eligible.
+//! 2. Inserted vertices and start are read as batches, history is gathered.
+//! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase functions
+//!    only for the techniques that ask for them: bridges do not.
 //! 4. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
 use wide::{f32x8, u32x8};
@@ -17,20 +18,30 @@ use crate::columns::LANES;
 use crate::columns::paths::{PathTable, VertexTable};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::connect::light_sample::selection;
-use crate::connect::{Techniques, mvnee, nee};
-use crate::phase::HenyeyGreensteinX8;
+use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
+use crate::phase::{HenyeyGreensteinX8, forward_share};
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
+use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes};
+use crate::{PathLengths, Step, Walk, lanes};
 
 /// Shortest length by which a segment's direction is normalised `[m]`.
 const LEAST_LENGTH: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, techniques: &Techniques, step: Step, columns: Columns<'_, '_>) {
+pub fn run(
+    medium: &Medium,
+    lights: &Lights,
+    techniques: &Techniques,
+    walk: &Walk,
+    lengths: PathLengths,
+    step: Step,
+    columns: Columns<'_, '_>,
+) {
     let Columns { bucket, candidates, chains, paths, vertices, suffix } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
+    let share = forward_share(f64::from(medium.phase.g)) as f32;
     for (b, rows) in bucket.batches() {
         let batch = Batch {
             inserted: bucket.inserted,
@@ -38,26 +49,76 @@ pub fn run(medium: &Medium, lights: &Lights, techniques: &Techniques, step: Step
             light_of: candidates.light.batch(b).to_array(),
             lights,
             phase,
+            densities: techniques.nee || techniques.omnee || techniques.mvnee.is_some(),
+            log_survival: walk.survival.ln(),
         };
+        let starts = batch.starts(paths, walk, step, rows);
+        let (nearest, farthest) = (starts.nearest(), starts.farthest());
+        let farthest_near = techniques.mvnee.map_or(0, |mvnee| batch.farthest_near(&mvnee, paths, &starts));
+        let needed = farthest.min(techniques.bridge.map_or(if techniques.omnee { 2 } else { 1 }, |_| farthest));
+        let needed = needed.max(farthest_near);
+
         let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
-        let mut sum = f32x8::ZERO;
-        if techniques.nee {
-            suffix.vertices[1].selection = batch.selection(vertices, step, suffix, 1);
-            sum += nee::simd::ratio(&arrival, &suffix.vertices[1]);
+        batch.walk_history(vertices, step, suffix, needed);
+        for a in nearest..=needed {
+            suffix.vertices[a].eligible = starts.eligible(a);
+            suffix.vertices[a].attempt = batch.selection(vertices, step, suffix, a) * batch.reach(&starts, a);
+        }
+        let mut sum = batch.reach_of_walk(&starts, walk);
+        if techniques.nee && nearest == 1 {
+            sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
+        }
+        if techniques.omnee && nearest <= 2 && needed >= 2 {
+            sum += omnee::simd::ratio(&arrival, suffix, share);
         }
         if let Some(mvnee) = &techniques.mvnee {
-            let starts = batch.starts(paths, step, rows, mvnee.max_distance.is_finite());
-            let longest = starts.reduce_max() as usize;
-            batch.walk_history(vertices, step, suffix, longest);
-            for a in 1..=longest {
-                suffix.vertices[a].selection = batch.selection(vertices, step, suffix, a);
-                suffix.vertices[a].eligible = lanes::as_mask(starts.simd_ge(u32x8::splat(a as u32)));
-            }
-            sum += mvnee::simd::ratios(mvnee, &arrival, suffix, longest);
+            sum += mvnee::simd::ratios(mvnee, &arrival, suffix, nearest..=farthest_near);
         }
-        let front = arrival.cos_light.simd_gt(f32x8::ZERO);
-        let weight = f32x8::ONE / (f32x8::ONE + sum);
-        candidates.weight.set_batch(b, front.select(weight, f32x8::ZERO));
+        if let Some(bridge) = &techniques.bridge {
+            let most = f32x8::splat(bridge.max_inserted.saturating_add(1) as f32);
+            let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
+            sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, nearest..=needed, room);
+        }
+        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO);
+        candidates.weight.set_batch(b, weighs.select(f32x8::ONE / sum, f32x8::ZERO));
+    }
+}
+
+/// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth `i` of
+/// a path of `n` segments is start `n - i`.
+struct Starts {
+    /// Segments of each path.
+    segments: u32x8,
+    /// First start, counted from the light, that is not too far along the walk.
+    nearest: u32x8,
+    /// Last start, counted from the light; 0 in dead rows.
+    farthest: u32x8,
+    /// Rows in use.
+    live: f32x8,
+}
+
+impl Starts {
+    #[inline(always)]
+    fn nearest(&self) -> usize {
+        lanes::as_integer_mask(self.live).select(self.nearest, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
+    }
+
+    #[inline(always)]
+    fn farthest(&self) -> usize {
+        self.farthest.reduce_max() as usize
+    }
+
+    /// Rows of which vertex `a` may start a connection.
+    #[inline(always)]
+    fn eligible(&self, a: usize) -> f32x8 {
+        let a = u32x8::splat(a as u32);
+        lanes::as_mask(self.farthest.simd_ge(a) & self.nearest.simd_le(a))
+    }
+
+    /// Depth of vertex `a`.
+    #[inline(always)]
+    fn depth(&self, a: usize) -> u32x8 {
+        self.segments - u32x8::splat(a as u32)
     }
 }
 
@@ -68,6 +129,9 @@ struct Batch<'a> {
     light_of: [u32; LANES],
     lights: &'a Lights,
     phase: HenyeyGreensteinX8,
+    /// Whether phase functions are asked for.
+    densities: bool,
+    log_survival: f32,
 }
 
 /// Length and unit direction of the segment from `from` to `to`.
@@ -102,17 +166,18 @@ impl Batch<'_> {
             if a == 1 {
                 let normal = self.lights.gather3(&self.light_of, |disk| disk.normal);
                 (last, cos_light) = (length, -direction.dot(normal));
-            } else {
+            } else if self.densities {
                 self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
             }
             arc += length;
-            suffix.vertices[a].position = position;
-            suffix.vertices[a].arc = arc;
+            let vertex = &mut suffix.vertices[a];
+            (vertex.position, vertex.arc, vertex.leaving) = (position, arc, direction);
             (next, leaving) = (position, direction);
         }
+        let arriving = candidates.arriving.batch(b);
+        suffix.vertices[self.inserted + 2].leaving = arriving;
         let start = &mut suffix.vertices[self.inserted + 1];
-        let h = self.phase.h(candidates.arriving.batch(b), leaving);
-        start.inverse_density = self.phase.inverse_density(h);
+        start.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
 
         let inverse_area = |radius: f32| core::f32::consts::FRAC_1_PI / (radius * radius);
         Arrival {
@@ -130,33 +195,75 @@ impl Batch<'_> {
         vertex.spread = length_squared * vertex.inverse_density;
     }
 
-    /// Number of eligible starts of each row, 0 in dead rows: those behind the last surface and, where the reach is
-    /// limited, not before the first vertex near a light.
+    /// The eligible starts: those behind the last surface, as many as connect.
     #[inline(always)]
-    fn starts(&self, paths: &PathTable<'_>, step: Step, rows: u32, limited: bool) -> u32x8 {
+    fn starts(&self, paths: &PathTable<'_>, walk: &Walk, step: Step, rows: u32) -> Starts {
         let path = &paths.columns;
         let segments = u32x8::splat(step.clock + self.inserted as u32 + 1) - path.birth.gather(&self.lane_of);
-        let mut first = path.last_surface.gather(&self.lane_of).max(u32x8::splat(1));
-        if limited {
-            first = first.max(path.first_near.gather(&self.lane_of));
-        }
-        let live: u32x8 = bytemuck::cast(lanes::mask(rows));
-        segments.saturating_sub(first) & live
+        let first = path.last_surface.gather(&self.lane_of).max(u32x8::splat(1));
+        let live = lanes::mask(rows);
+        let farthest = segments.saturating_sub(first) & lanes::as_integer_mask(live);
+        let nearest = farthest.saturating_sub(u32x8::splat(walk.starts - 1)).max(u32x8::splat(1));
+        Starts { segments, nearest, farthest, live }
     }
 
-    /// Extends the suffix beyond the start, along the history, to `longest` segments.
+    /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted vertex,
+    /// or one of the walk from the first near one on.
     #[inline(always)]
-    fn walk_history(&self, vertices: &VertexTable<'_>, step: Step, suffix: &mut Suffix<'_>, longest: usize) {
-        for a in self.inserted + 2..=longest {
+    fn farthest_near(&self, mvnee: &mvnee::Mvnee, paths: &PathTable<'_>, starts: &Starts) -> usize {
+        if mvnee.max_distance.is_infinite() {
+            return starts.farthest();
+        }
+        let first_near = paths.columns.first_near.gather(&self.lane_of);
+        let near = starts.segments.saturating_sub(first_near) & lanes::as_integer_mask(starts.live);
+        near.max(u32x8::splat(self.inserted as u32)).min(starts.farthest).reduce_max() as usize
+    }
+
+    /// Probability that a walk gets to start `a`.
+    #[inline(always)]
+    fn reach(&self, starts: &Starts, a: usize) -> f32x8 {
+        self.survival_of(starts.depth(a))
+    }
+
+    /// Probability that a walk gets to the light by itself: 0 where it ends before.
+    #[inline(always)]
+    fn reach_of_walk(&self, starts: &Starts, walk: &Walk) -> f32x8 {
+        let walks = lanes::as_mask(starts.segments.simd_le(u32x8::splat(walk.segments)));
+        walks.select(self.survival_of(starts.segments), f32x8::ZERO)
+    }
+
+    /// `survival^(depth - 1)`.
+    #[inline(always)]
+    fn survival_of(&self, depth: u32x8) -> f32x8 {
+        if self.log_survival == 0.0 {
+            return f32x8::ONE;
+        }
+        exp(lanes::to_f32(depth.saturating_sub(u32x8::splat(1))) * f32x8::splat(self.log_survival))
+    }
+
+    /// Extends the suffix beyond the start, along the history, to `farthest` segments, and notes how the path arrives there.
+    #[inline(always)]
+    fn walk_history(&self, vertices: &VertexTable<'_>, step: Step, suffix: &mut Suffix<'_>, farthest: usize) {
+        for a in self.inserted + 2..=farthest {
             let slot = vertices.at(self.clock_of(step, a));
             let position = slot.position.gather(&self.lane_of);
-            let inverse_density = slot.inverse_density.gather(&self.lane_of);
-            let after = &mut suffix.vertices[a - 1];
-            let length_squared = (after.position - position).length_squared();
-            after.spread = length_squared * after.inverse_density;
-            let arc = after.arc + length_squared.sqrt();
+            let (length, direction) = segment(position, suffix.vertices[a - 1].position);
+            if self.densities {
+                let after = &mut suffix.vertices[a - 1];
+                after.spread = length * length * after.inverse_density;
+                suffix.vertices[a].inverse_density = slot.inverse_density.gather(&self.lane_of);
+            }
+            let arc = suffix.vertices[a - 1].arc + length;
             let vertex = &mut suffix.vertices[a];
-            (vertex.position, vertex.inverse_density, vertex.arc) = (position, inverse_density, arc);
+            (vertex.position, vertex.arc) = (position, arc);
+            // The vertex before the start keeps the direction that was sampled.
+            if a > self.inserted + 2 {
+                vertex.leaving = direction;
+            }
+        }
+        if farthest > self.inserted + 1 {
+            let before = vertices.at(self.clock_of(step, farthest + 1)).position.gather(&self.lane_of);
+            suffix.vertices[farthest + 1].leaving = segment(before, suffix.vertices[farthest].position).1;
         }
     }
 

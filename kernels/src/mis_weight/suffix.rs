@@ -3,6 +3,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
+use crate::connect::bridge;
 use crate::vec3x8::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
@@ -16,8 +17,10 @@ pub struct SuffixVertex {
     pub inverse_density: f32x8,
     /// Squared length of the segment that arrives here, over p_w [m^2 sr].
     pub spread: f32x8,
-    /// Probability of selecting the candidate's light from here.
-    pub selection: f32x8,
+    /// Unit direction in which the path leaves.
+    pub leaving: Vec3x8,
+    /// Probability that a walk gets here and selects the candidate's light.
+    pub attempt: f32x8,
     /// Whether a connection may start here.
     pub eligible: f32x8,
 }
@@ -40,6 +43,8 @@ pub struct Suffix<'q> {
     pub vertices: &'q mut [SuffixVertex],
     /// Scratch for one start at a time.
     pub projections: &'q mut [Projection],
+    /// What the weight of a bridge knows of its number of edges alone, by that number.
+    pub count_terms: &'q [f32],
 }
 
 impl<'q> Suffix<'q> {
@@ -51,13 +56,16 @@ impl<'q> Suffix<'q> {
             arc: zero,
             inverse_density: zero,
             spread: zero,
-            selection: zero,
+            leaving: Vec3x8::ZERO,
+            attempt: zero,
             eligible: zero,
         };
         let projection = Projection { step_squared: zero, before: zero, offset_squared: zero };
         Self {
-            vertices: arena.alloc_slice_fill_copy(longest + 1, vertex),
+            // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
+            vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
+            count_terms: arena.alloc_slice_fill_with(longest + 1, |edges| bridge::simd::count_term(edges.max(1))),
         }
     }
 }

@@ -54,4 +54,10 @@ impl Camera {
             width: size[0],
         }
     }
+
+    /// The same view of `from` pixels across and down with `to` pixels.
+    pub fn at_size(&self, from: [u32; 2], to: [u32; 2]) -> Self {
+        let step = |step: [f32; 3], axis: usize| step.map(|x| x * (from[axis] as f32 / to[axis] as f32));
+        Self { step_x: step(self.step_x, 0), step_y: step(self.step_y, 1), width: to[0], ..*self }
+    }
 }

@@ -18,11 +18,27 @@ pub struct Reach {
     pub max_distance: f32,
     /// Whether the start must lie in front of the light: true of a technique that connects in a straight line.
     pub facing: bool,
+    /// Vertices that connect, counted from the camera or the last surface, >= 1; `u32::MAX` for all.
+    pub starts: u32,
+    /// Largest depth of a start; `u32::MAX` for no limit.
+    pub max_depth: u32,
+}
+
+impl Reach {
+    /// Every start and every light point, with `purpose` as the random dimension.
+    pub const fn new(purpose: u32) -> Self {
+        Self { purpose, max_distance: f32::INFINITY, facing: false, starts: u32::MAX, max_depth: u32::MAX }
+    }
+
+    /// The same for the first `starts` vertices only.
+    pub fn from_first(self, starts: u32) -> Self {
+        Self { starts, ..self }
+    }
 }
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: pixel, sample and birth of live lanes. Filled where the reach is limited: the first vertex near a light.
+    /// Read: pixel, sample, birth and last surface vertex of live lanes. Filled where the reach is limited: the first vertex near a light.
     pub paths: &'a mut PathTable<'q>,
     /// Read: position of the vertex of the clock. Filled where the selection depends on the start: its light sum.
     pub vertices: &'a mut VertexTable<'q>,
@@ -32,7 +48,9 @@ pub struct Columns<'a, 'q> {
     pub connections: &'a mut CandidateQueue<'q>,
 }
 
-/// Draws a light for the current vertex of every live path and a point on it, uniform in area.
+/// Draws a light for the current vertex of every live path that may start a connection and a point on it, uniform in
+/// area. A vertex may if `depth <= max_depth` and `depth - first < starts`, where `first` is the depth of the last surface
+/// vertex, or 1.
 ///
 /// The first word of the block picks the light, the second the squared radius `r^2 = R^2 u`, the third the azimuth
 /// `2 pi u` from the tangent towards the bitangent. The light sum, where it is defined, is filled for every live lane

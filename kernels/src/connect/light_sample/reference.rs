@@ -30,6 +30,9 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             continue;
         }
         let depth = paths.depth(step.clock, lane);
+        if !may_start(reach, depth, paths.first_start(lane)) {
+            continue;
+        }
         let position = vertices.at(step.clock).position.row(lane);
         let start = DVec3::from(position.map(f64::from));
         if !is_near_a_light(lights, reach, start) {
@@ -55,6 +58,11 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             });
         }
     }
+}
+
+/// Whether the vertex at `depth` connects, of a path whose first eligible vertex is at depth `first` <= `depth`.
+pub fn may_start(reach: Reach, depth: u32, first: u32) -> bool {
+    depth <= reach.max_depth && depth - first < reach.starts
 }
 
 /// The numbers that decide on light, radius and azimuth.
@@ -154,6 +162,9 @@ pub fn is_near_a_light(lights: &Lights, reach: Reach, start: DVec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::paths::{PathTable, RayTable, VertexTable};
+    use crate::columns::queues::CandidateQueue;
+    use bumpalo::Bump;
 
     fn lights(selection: Selection) -> Lights {
         let disk = |z: f64, radius: f64, radiance: f64| {
@@ -204,5 +215,41 @@ mod tests {
             assert!((offset.length_squared() - 0.0625 * radius_u).abs() < 1e-7);
             assert!(offset.dot(DVec3::from(disk.normal.map(f64::from))).abs() < 1e-7);
         }
+    }
+
+    #[test]
+    fn starts_are_counted_from_the_first_eligible_vertex() {
+        let starts =
+            |reach: Reach, first: u32| (first..20).filter(|depth| may_start(reach, *depth, first)).collect::<Vec<_>>();
+        let all = Reach::new(random::BRIDGE_LIGHT);
+        assert_eq!(starts(all, 1).len(), 19);
+        assert_eq!(starts(all.from_first(1), 1), [1]);
+        assert_eq!(starts(all.from_first(3), 4), [4, 5, 6]);
+        assert_eq!(starts(Reach { max_depth: 5, ..all }, 4), [4, 5]);
+        assert_eq!(starts(Reach { max_depth: 5, ..all.from_first(1) }, 6), []);
+    }
+
+    #[test]
+    fn vertices_that_may_not_start_leave_no_trace() {
+        let arena = Bump::new();
+        let lights = lights(Selection::IntensityDistance);
+        let mut paths = PathTable::new_in(&arena, 3, 1);
+        let mut vertices = VertexTable::new_in(&arena, 3, 4);
+        let rays = RayTable::new_in(&arena, 3);
+        let mut connections = CandidateQueue::new_in(&arena, 3);
+        // Depths 1, 2 and 3.
+        for lane in 0..3 {
+            paths.columns.birth.rows_mut()[lane] = 49 - lane as u32;
+            paths.columns.first_near.rows_mut()[lane] = u32::MAX;
+            paths.live.insert(lane as u32);
+        }
+        let reach = Reach { max_distance: 50.0, ..Reach::new(random::BRIDGE_LIGHT) }.from_first(2);
+        let columns =
+            Columns { paths: &mut paths, vertices: &mut vertices, rays: &rays, connections: &mut connections };
+        run(&lights, reach, Step { seed: 5, clock: 50 }, columns);
+        assert_eq!(connections.lane.rows()[..connections.len], [0, 1]);
+        assert_eq!(paths.columns.first_near.rows()[..3], [1, 2, u32::MAX]);
+        let light_sums = vertices.at(50).light_sum.rows();
+        assert!(light_sums[0] > 0.0 && light_sums[1] > 0.0 && light_sums[2] == 0.0, "{:?}", &light_sums[..3]);
     }
 }

@@ -1,7 +1,7 @@
 //! ```text
 //! l = light chosen by the first uniform
 //! y = c_l + R_l sqrt(u) (cos(2 pi v) tangent + sin(2 pi v) bitangent)
-//! keep if |y - x| <= max_distance, and (x - y) . n > 0 where the technique needs a facing light
+//! keep if depth <= max_depth and depth - first < starts, |y - x| <= max_distance, and (x - y) . n > 0 where the technique needs a facing light
 //! ```
 //!
 //! 1. Where the distance is limited, rows farther than the limit plus the radius from every light are out of reach
@@ -24,14 +24,25 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
     let Columns { paths, vertices, rays, connections } = columns;
     let vertex = vertices.at_mut(step.clock);
     let n = paths.batches();
-    let [pixel, sample, birth] =
-        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
+    let [pixel, sample, birth, last_surface] =
+        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth, &paths.columns.last_surface]
+            .map(|column| column.view(n));
+    let limited = reach.starts < u32::MAX || reach.max_depth < u32::MAX;
     let first_near = paths.columns.first_near.view_mut(n);
     let (starts, arriving) = (vertex.position.view(n), rays.at(step.clock - 1).direction.view(n));
     let light_sum = vertex.light_sum.view_mut(n);
     for (b, live) in paths.live.each_batch() {
         let start = starts.at(b);
         let depth = u32x8::splat(step.clock) - birth[b];
+        let mut live = live;
+        if limited {
+            let nth = depth - last_surface[b].max(u32x8::splat(1));
+            let may = nth.simd_lt(u32x8::splat(reach.starts)) & depth.simd_le(u32x8::splat(reach.max_depth));
+            live &= lanes::bits(lanes::as_mask(may));
+            if live == 0 {
+                continue;
+            }
+        }
         if reach.max_distance.is_finite() {
             let near = near_any(lights, reach, start);
             if lanes::bits(near) & live == 0 {

@@ -59,6 +59,6 @@ impl Mvnee {
 
     /// Every start within the distance limit connects, whichever way the light faces.
     pub fn reach(&self) -> Reach {
-        Reach { purpose: random::MVNEE_LIGHT, max_distance: self.max_distance, facing: false }
+        Reach { max_distance: self.max_distance, ..Reach::new(random::MVNEE_LIGHT) }
     }
 }

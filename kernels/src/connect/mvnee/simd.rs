@@ -24,9 +24,14 @@ use crate::mis_weight::suffix::{Arrival, Projection, Suffix};
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 
-/// Sum of the ratios of all starts; `starts` is the largest number of starts of any lane.
+/// Sum of the ratios of all `starts`, counted from the light.
 #[inline(always)]
-pub fn ratios(mvnee: &Mvnee, arrival: &Arrival, suffix: &mut Suffix<'_>, starts: usize) -> f32x8 {
+pub fn ratios(
+    mvnee: &Mvnee,
+    arrival: &Arrival,
+    suffix: &mut Suffix<'_>,
+    starts: core::ops::RangeInclusive<usize>,
+) -> f32x8 {
     match mvnee.offset {
         Offset::Ggx => sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32 * mvnee.slope, |width, offset, spread| {
             let inverse = f32x8::ONE / (width + offset);
@@ -47,7 +52,7 @@ fn sum(
     mvnee: &Mvnee,
     arrival: &Arrival,
     suffix: &mut Suffix<'_>,
-    starts: usize,
+    starts: core::ops::RangeInclusive<usize>,
     slope: f32,
     factor: impl Fn(f32x8, f32x8, f32x8) -> f32x8,
 ) -> f32x8 {
@@ -55,7 +60,7 @@ fn sum(
     let slope_squared = f32x8::splat(slope * slope);
     let scale = arrival.inverse_area * arrival.last_squared / arrival.cos_light;
     let mut sum = f32x8::ZERO;
-    for a in 1..=starts {
+    for a in starts {
         let start = suffix.vertices[a];
         let to_light = suffix.vertices[0].position - start.position;
         let distance_squared = to_light.length_squared();
@@ -77,7 +82,7 @@ fn sum(
             after += projection.step_squared;
         }
         let detour = exp(arrival.extinction * (start.arc - distance));
-        sum += axial.possible.select(scale * start.selection * detour * product, f32x8::ZERO);
+        sum += axial.possible.select(scale * start.attempt * detour * product, f32x8::ZERO);
     }
     sum
 }

@@ -15,4 +15,4 @@ use super::light_sample::Reach;
 use crate::random;
 
 /// Every start in front of the light connects, at any distance.
-pub const REACH: Reach = Reach { purpose: random::NEE_LIGHT, max_distance: f32::INFINITY, facing: true };
+pub const REACH: Reach = Reach { facing: true, ..Reach::new(random::NEE_LIGHT) };

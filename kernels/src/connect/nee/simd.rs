@@ -11,6 +11,6 @@ use crate::transcendental::exp;
 #[inline(always)]
 pub fn ratio(arrival: &Arrival, start: &SuffixVertex) -> f32x8 {
     let Arrival { extinction, inverse_area, last_squared, cos_light } = *arrival;
-    let geometry = inverse_area * start.selection * last_squared / cos_light;
+    let geometry = inverse_area * start.attempt * last_squared / cos_light;
     geometry * start.inverse_density * exp(extinction * start.arc)
 }

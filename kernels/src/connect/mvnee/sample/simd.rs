@@ -92,15 +92,7 @@ pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'
     let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {
-            let row_of = buckets.order.batch(b).to_array();
-            let candidate = CandidateBatch {
-                lane: connections.lane.gather(&row_of),
-                light: connections.light.gather(&row_of),
-                start: connections.start.gather(&row_of),
-                arriving: connections.arriving.gather(&row_of),
-                point: connections.point.gather(&row_of),
-                weight: f32x8::ZERO,
-            };
+            let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
             if bucket.inserted > 0 {
                 let sequence = Sequence::new(medium, step, paths, &candidate.lane.to_array());
