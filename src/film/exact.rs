@@ -4,13 +4,13 @@
 //! integer addition, and addition that would overflow saturates, which for non-negative terms is associative too. Any
 //! number of threads, any tiling and any split of the samples therefore give the same bits.
 //!
-//! The unit follows from the brightest light. A contribution is at most its radiance (weights and throughputs are at
-//! most one), and with `2^e` the power of two above it:
+//! The unit follows from the brightest light. A contribution is at most its radiance where all walks go on, and rarely
+//! more than a thousand times that where few do; with `2^e` the power of two above the radiance:
 //!
 //! | | unit | smallest | largest sample | sum |
 //! |---|---|---|---|---|
-//! | value | 2^(e-48) | 4e-15 of the brightest light | 2^15 times that light | 96 bits |
-//! | square | the value on 2^(e-40), squared | 1e-12 of it | the same | 128 bits |
+//! | value | 2^(e-48) | 4e-15 of the brightest light | 2^48 times that light | 96 bits |
+//! | square | the value on 2^(e-40), squared | 1e-12 of it | 2^24 times | 128 bits |
 
 /// The unit of a film's sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,9 @@ impl Unit {
     }
 }
 
+/// The first number that does not fit into 64 bits.
+const U64_END: f64 = 18_446_744_073_709_551_616.0;
+
 /// Sum and sum of squares of one channel of one pixel, in 28 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExactSum {
@@ -44,9 +47,11 @@ impl ExactSum {
     #[inline]
     pub fn add(&mut self, unit: Unit, radiance: f32) {
         let radiance = f64::from(radiance);
-        let value = (radiance * unit.values).round_ties_even() as u64;
+        let value = (radiance * unit.values).round_ties_even();
         let coarse = (radiance * unit.roots).round_ties_even() as u64;
-        self.add_raw(u128::from(value), u128::from(coarse) * u128::from(coarse));
+        // Nearly all samples fit into 64 bits, and converting to those is many times faster.
+        let value = if value < U64_END { u128::from(value as u64) } else { value as u128 };
+        self.add_raw(value, u128::from(coarse) * u128::from(coarse));
     }
 
     /// Adds the sums of other samples.
@@ -56,7 +61,7 @@ impl ExactSum {
 
     fn add_raw(&mut self, sum: u128, squares: u128) {
         const LARGEST_SUM: u128 = (1 << 96) - 1;
-        let sum = (self.raw_sum() + sum).min(LARGEST_SUM);
+        let sum = self.raw_sum().saturating_add(sum).min(LARGEST_SUM);
         self.sum = [sum as u32, (sum >> 32) as u32, (sum >> 64) as u32];
         let squares = self.raw_squares().saturating_add(squares);
         self.squares = [squares, squares >> 32, squares >> 64, squares >> 96].map(|limb| limb as u32);
@@ -132,6 +137,17 @@ mod tests {
             let sum = sum_of(unit, [0.25 * scale, 1e-9 * scale].iter());
             let relative = sum.mean(unit, 2) / (f64::from(0.125 * scale) + f64::from(0.5e-9 * scale));
             assert!((relative - 1.0).abs() < 1e-7, "scale {scale:e}: {relative}");
+        }
+    }
+
+    #[test]
+    fn samples_far_brighter_than_the_light_count_in_full() {
+        let unit = Unit::for_radiance(1.0);
+        for radiance in [3e4_f32, 1e5, 1e7] {
+            let sum = sum_of(unit, [radiance, 0.5].iter());
+            assert_eq!(sum.mean(unit, 2), (f64::from(radiance) + 0.5) / 2.0);
+            let deviation = (f64::from(radiance) - 0.5) / 2.0;
+            assert!((sum.standard_error(unit, 2) / deviation - 1.0).abs() < 1e-9, "{radiance}");
         }
     }
 
