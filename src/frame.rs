@@ -1,10 +1,10 @@
 //! A scene as the stages read it.
 
-use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{PathLengths, Walk};
 
 /// Everything that the value of a sample depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,10 @@ pub struct Frame {
     pub lights: Lights,
     /// The active connection techniques.
     pub techniques: Techniques,
+    /// How far walks go, and where they connect from.
+    pub walk: Walk,
+    /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all are.
+    pub roulette: f32,
     /// The path lengths that count.
     pub lengths: PathLengths,
     /// Seed of all random bits.
@@ -26,7 +30,17 @@ pub struct Frame {
 impl Frame {
     /// Longest walk, in segments: 1 where light is never scattered.
     pub fn walk_segments(&self) -> u32 {
-        if self.medium.never_scatters() { 1 } else { self.lengths.max }
+        if self.medium.never_scatters() { 1 } else { self.walk.segments.min(self.lengths.max) }
+    }
+
+    /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
+    ///
+    /// Where a bridge from the first vertex can make every path, walks end with the segment after the last start: it meets
+    /// the light that bridges from that vertex hardly find, the one right in front of it.
+    pub fn with_walk(self, starts: u32, survival: f32) -> Self {
+        let suffices = self.techniques.bridge.is_some_and(|bridge| bridge.reaches_everything());
+        let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
+        Self { walk: Walk { segments, starts, survival }, ..self }
     }
 
     /// Channels that differ: 1 where lights and medium are grey, 3 otherwise.

@@ -7,6 +7,7 @@ pub mod error;
 pub mod film;
 pub mod frame;
 pub mod image;
+pub mod pilot;
 pub mod reference;
 pub mod render;
 pub mod scene;

@@ -3,17 +3,24 @@
 //! It draws the same random bits as the wavefront, so the two agree sample by sample, but for rounding. A walk of
 //! segments j = 0, 1, .. tries, in this order, at each of them
 //!
-//! 1. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments;
-//! 2. to scatter, unless the flight ended on a disk;
-//! 3. to connect the new vertex x_{j+1} with a light, once per active technique.
+//! 1. to survive the medium vertex it leaves, x_j with j > 0;
+//! 2. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments;
+//! 3. to scatter, unless the flight ended on a disk or the walk is over;
+//! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
 //!
-//! Whatever made it, a candidate path X counts `C(X) = Le T / (1 + sum of ratios)`.
+//! Whatever made it, a candidate path X of n segments counts `C(X) = Le T / (reach(n) + sum of reach(i) r_i)`. Connections
+//! play roulette on it before they are tested for occlusion.
 
+use fogbow_kernels::connect::bridge::Bridge;
+use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
 use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
-use fogbow_kernels::connect::nee;
-use fogbow_kernels::{accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, random, scatter};
+use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
+use fogbow_kernels::connect::{nee, omnee};
+use fogbow_kernels::{
+    accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette, scatter,
+};
 use glam::DVec3;
 
 use crate::frame::Frame;
@@ -27,6 +34,10 @@ pub enum Technique {
     Nee,
     /// Multiple-vertex next event estimation.
     Mvnee,
+    /// Once-more next event estimation.
+    Omnee,
+    /// A bridge.
+    Bridge,
 }
 
 /// What one complete path adds to its pixel.
@@ -54,6 +65,9 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         Walk { frame, pixel, sample, path: vec![origin], direction, throughput: [1.0; 3], found: Vec::new() };
     for segment in 0..frame.walk_segments() {
         let words = medium_sample::reference::words(pixel, sample, segment, frame.seed);
+        if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
+            break;
+        }
         let flight = medium_sample::reference::flight(walk.extinction(), random::uniform(words[0]));
         if walk.meet_light(segment, flight) || segment + 1 == frame.walk_segments() {
             break;
@@ -64,6 +78,12 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         }
         if let Some(mvnee) = &frame.techniques.mvnee {
             walk.connect_through_medium(mvnee);
+        }
+        if frame.techniques.omnee {
+            walk.connect_once_more();
+        }
+        if let Some(bridge) = &frame.techniques.bridge {
+            walk.connect_by_bridge(bridge);
         }
     }
     walk.found
@@ -129,7 +149,7 @@ impl Walk<'_> {
     /// Connects the last vertex by next event estimation.
     fn connect_straight(&mut self) {
         if let Some((light, point)) = self.light_point(nee::REACH) {
-            self.try_connection(Technique::Nee, light, &[point]);
+            self.try_connection(Technique::Nee, random::NEE_LIGHT, light, &[point]);
         }
     }
 
@@ -147,18 +167,59 @@ impl Walk<'_> {
         };
         let mut rest = vec![point; inserted as usize + 1];
         mvnee_sample::place(&mvnee.into(), extinction, start, point, &draws, &mut rest[..inserted as usize]);
-        self.try_connection(Technique::Mvnee, light, &rest);
+        self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, light, &rest);
     }
 
-    /// The light, and the point on it, that a technique connects the last vertex with.
+    /// Connects the last vertex through one inserted vertex.
+    fn connect_once_more(&mut self) {
+        let Some((light, point)) = self.light_point(omnee::reach(self.frame.lengths)) else {
+            return;
+        };
+        let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
+        let vertex = omnee_sample::place(f64::from(self.frame.medium.phase.g), self.last(), point, u);
+        self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, light, &[vertex, point]);
+    }
+
+    /// Connects the last vertex by a bridge.
+    fn connect_by_bridge(&mut self, bridge: &Bridge) {
+        let Some((light, point)) = self.light_point(bridge.reach()) else {
+            return;
+        };
+        let (start, g) = (self.last(), f64::from(self.frame.medium.phase.g));
+        let draws =
+            bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
+        let distance = (point - start).length();
+        let lengths = self.frame.lengths;
+        let Some(inserted) = bridge_sample::count_edges(bridge, self.extinction(), distance, lengths, &draws) else {
+            return;
+        };
+        let arriving = (start - self.path[self.path.len() - 2]).normalize();
+        let mut rest = vec![point; inserted as usize + 1];
+        bridge_sample::place(bridge, g, start, arriving, point, &draws, &mut rest[..inserted as usize]);
+        self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, light, &rest);
+    }
+
+    /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
     fn light_point(&self, reach: Reach) -> Option<(usize, DVec3)> {
+        // Without surfaces starts are counted from the vertex after the camera.
+        if !light_sample::may_start(reach.from_first(self.frame.walk.starts), self.depth(), 1) {
+            return None;
+        }
         let u = light_sample::uniforms(self.pixel, self.sample, self.depth(), reach.purpose, self.frame.seed);
         light_sample::connect(&self.frame.lights, reach, self.last(), u)
     }
 
-    /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it is free.
-    fn try_connection(&mut self, technique: Technique, light: usize, rest: &[DVec3]) {
-        let weight = self.weigh(light, rest);
+    /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
+    /// the roulette and is free. `purpose` is the random dimension of the technique's light point.
+    fn try_connection(&mut self, technique: Technique, purpose: u32, light: usize, rest: &[DVec3]) {
+        let mut weight = self.weigh(light, rest);
+        let contribution = roulette::reference::largest(&self.contribution(light, weight, rest.len() - 1));
+        let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);
+        let (pixel, sample, seed) = (self.pixel, self.sample, self.frame.seed);
+        if roulette::reference::uniform(pixel, sample, self.depth(), purpose, seed) >= survival {
+            return;
+        }
+        weight /= survival;
         let mut chain = vec![self.last()];
         chain.extend_from_slice(rest);
         if !occlusion::reference::is_occluded(&self.frame.lights, light, &chain) {
@@ -168,21 +229,26 @@ impl Walk<'_> {
 
     /// The weight of the path that goes on from the last vertex through `rest`.
     fn weigh(&self, light: usize, rest: &[DVec3]) -> f64 {
-        let Frame { medium, lights, techniques, .. } = self.frame;
+        let Frame { medium, lights, techniques, walk, lengths, .. } = self.frame;
         let path = [self.path.as_slice(), rest].concat();
         // Without surfaces every vertex but the camera may start a connection.
-        mis_weight::reference::weight(medium, lights, techniques, &path, 1, light)
+        mis_weight::reference::weight(medium, lights, techniques, walk, *lengths, &path, 1, light)
+    }
+
+    /// What a candidate of this weight, with `inserted` vertices after the last one, adds to the pixel.
+    fn contribution(&self, light: usize, weight: f64, inserted: usize) -> [f64; 3] {
+        let Frame { medium, lights, .. } = self.frame;
+        let emitted = lights.disks()[light].radiance.map(f64::from);
+        let albedo = medium.albedo.map(f64::from);
+        accumulate::reference::contribution(weight, emitted, self.throughput, albedo, inserted)
     }
 
     /// Adds a candidate with `inserted` vertices after the last one.
     fn add(&mut self, technique: Technique, light: usize, weight: f64, inserted: usize) {
-        let Frame { medium, lights, lengths, .. } = self.frame;
-        if weight == 0.0 || !accumulate::reference::counts(*lengths, self.depth(), inserted) {
+        if weight == 0.0 || !accumulate::reference::counts(self.frame.lengths, self.depth(), inserted) {
             return;
         }
-        let emitted = lights.disks()[light].radiance.map(f64::from);
-        let albedo = medium.albedo.map(f64::from);
-        let radiance = accumulate::reference::contribution(weight, emitted, self.throughput, albedo, inserted);
+        let radiance = self.contribution(light, weight, inserted);
         if radiance.iter().all(|channel| channel.is_finite()) {
             self.found.push(Contribution { segments: self.depth() + inserted as u32 + 1, technique, radiance });
         }
@@ -192,13 +258,16 @@ impl Walk<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fogbow_kernels::PathLengths;
     use fogbow_kernels::connect::Techniques;
+    use fogbow_kernels::connect::bridge::Roll;
     use fogbow_kernels::connect::mvnee::Offset;
     use fogbow_kernels::phase::HenyeyGreenstein;
     use fogbow_kernels::tables::camera::Camera;
     use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
     use fogbow_kernels::tables::media::Medium;
+    use fogbow_kernels::{PathLengths, Walk as Limits};
+
+    const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 
     fn frame(albedo: f32, lengths: PathLengths) -> Frame {
         let medium = Medium { extinction: 0.5, albedo: [albedo; 3], phase: HenyeyGreenstein { g: 0.5 } };
@@ -207,8 +276,15 @@ mod tests {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
             medium,
             lights: Lights::new(vec![disk(3.0, -DVec3::Z), disk(4.0, DVec3::Z)], Selection::IntensityDistance),
-            techniques: Techniques { nee: true, mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)) },
+            techniques: Techniques {
+                nee: true,
+                mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),
+                omnee: true,
+                bridge: Some(Bridge::new(Roll::Aligned)),
+            },
             lengths,
+            walk: FREE,
+            roulette: 0.0,
             seed: 7,
         }
     }
@@ -227,10 +303,79 @@ mod tests {
         let frame = frame(1.0, PathLengths { min: 2, max: 5 });
         let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
         assert!(found.iter().all(|contribution| (2..=5).contains(&contribution.segments)));
-        for technique in [Technique::Path, Technique::Nee, Technique::Mvnee] {
-            for segments in 2..=5 {
+        for technique in [Technique::Path, Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge] {
+            // A path of one inserted vertex has three segments or more.
+            let shortest = if technique == Technique::Omnee { 3 } else { 2 };
+            for segments in shortest..=5 {
                 let made = |c: &&Contribution| c.technique == technique && c.segments == segments;
                 assert!(found.iter().filter(made).count() > 0, "{technique:?} makes no path of {segments} segments");
+            }
+        }
+    }
+
+    #[test]
+    fn walks_end_and_connect_where_they_are_told_to() {
+        let lengths = PathLengths { min: 1, max: 6 };
+        let frame = Frame { walk: Limits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
+        let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
+        let longest = |technique: Technique| {
+            found.iter().filter(|c| c.technique == technique).map(|c| c.segments).max().expect("makes some path")
+        };
+        // From the first vertex alone: straight on, through one vertex, and as far as paths go.
+        assert_eq!([Technique::Path, Technique::Nee, Technique::Omnee].map(longest), [3, 2, 3]);
+        assert_eq!(longest(Technique::Bridge), 6);
+    }
+
+    /// Mean over pixels and samples, and its standard error, of the first channel of paths of each number of segments.
+    fn means(frame: &Frame) -> Vec<(f64, f64)> {
+        let (pixels, samples) = (16, 3000);
+        let mut sums = vec![(0.0, 0.0); frame.lengths.max as usize + 1];
+        for (pixel, sample) in (0..pixels).flat_map(|pixel| (0..samples).map(move |sample| (pixel, sample))) {
+            let mut values = vec![0.0; sums.len()];
+            for contribution in contributions(frame, pixel, sample) {
+                values[contribution.segments as usize] += contribution.radiance[0];
+            }
+            for ((sum, squares), value) in sums.iter_mut().zip(values) {
+                *sum += value;
+                *squares += value * value;
+            }
+        }
+        let count = f64::from(pixels * samples);
+        let estimate = |(sum, squares): (f64, f64)| {
+            let mean = sum / count;
+            (mean, ((squares / count - mean * mean) / count).sqrt())
+        };
+        // Views of a light are expectations and have no technique.
+        sums.into_iter().skip(2).map(estimate).collect()
+    }
+
+    #[test]
+    fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
+        let all = frame(0.9, PathLengths { min: 1, max: 5 });
+        let only = |techniques: Techniques| Frame { techniques, ..all.clone() };
+        let bridge = |roll: Roll| Techniques { bridge: Some(Bridge::new(roll)), ..Techniques::default() };
+        let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
+        let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
+        let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..Bridge::new(Roll::Aligned) };
+        for (name, frame) in [
+            ("path", only(Techniques::default())),
+            ("omnee", only(Techniques { omnee: true, ..Techniques::default() })),
+            ("aligned bridge", only(bridge(Roll::Aligned))),
+            ("uniform bridge", only(bridge(Roll::Uniform))),
+            ("limited bridge", only(Techniques { bridge: Some(limited), ..Techniques::default() })),
+            ("all", all.clone()),
+            ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
+            ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),
+            ("all, roulette", Frame { roulette: 0.3, ..all.clone() }),
+            ("bridge, one start", Frame { walk: brief, ..only(bridge(Roll::Aligned)) }),
+            (
+                "all, two starts, survival, roulette",
+                Frame { walk: Limits { segments: 3, starts: 2, survival: 0.8 }, roulette: 0.2, ..all.clone() },
+            ),
+        ] {
+            for (n, (found, expected)) in means(&frame).into_iter().zip(&truth).enumerate() {
+                let z = (found.0 - expected.0) / (found.1.powi(2) + expected.1.powi(2)).sqrt();
+                assert!(z.abs() < 4.0, "{name}, {} segments: {found:?}, expected {expected:?}, z = {z}", n + 2);
             }
         }
     }

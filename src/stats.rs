@@ -3,8 +3,10 @@
 use std::time::Instant;
 
 use fogbow_kernels::accumulate::Dropped;
+use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
+use fogbow_kernels::random;
 
 /// Work of one stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +21,54 @@ pub struct StageStats {
     pub seconds: f64,
 }
 
+/// What makes connections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connector {
+    /// Next event estimation.
+    Nee,
+    /// Multiple-vertex next event estimation.
+    Mvnee,
+    /// Once-more next event estimation.
+    Omnee,
+    /// Bridges.
+    Bridge,
+}
+
+impl Connector {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Nee, Self::Mvnee, Self::Omnee, Self::Bridge];
+
+    /// The technique's name in scenes, flags and statistics.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nee => "nee",
+            Self::Mvnee => "mvnee",
+            Self::Omnee => "omnee",
+            Self::Bridge => "bridge",
+        }
+    }
+
+    /// Whether it is one of `techniques`.
+    pub fn is_active(self, techniques: &Techniques) -> bool {
+        match self {
+            Self::Nee => techniques.nee,
+            Self::Mvnee => techniques.mvnee.is_some(),
+            Self::Omnee => techniques.omnee,
+            Self::Bridge => techniques.bridge.is_some(),
+        }
+    }
+
+    /// The random dimension of its light points.
+    pub fn light_purpose(self) -> u32 {
+        match self {
+            Self::Nee => random::NEE_LIGHT,
+            Self::Mvnee => random::MVNEE_LIGHT,
+            Self::Omnee => random::OMNEE_LIGHT,
+            Self::Bridge => random::BRIDGE_LIGHT,
+        }
+    }
+}
+
 /// Connections of one technique.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConnectionStats {
@@ -26,7 +76,9 @@ pub struct ConnectionStats {
     pub tried: u64,
     /// Connections that were built and weighed: not longer than the length limit.
     pub weighted: u64,
-    /// Of these, connections that a disk blocked.
+    /// Of these, connections that the roulette dropped before they were traced.
+    pub faint: u64,
+    /// Of the rest, connections that a disk blocked.
     pub occluded: u64,
 }
 
@@ -35,8 +87,20 @@ impl ConnectionStats {
     pub fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.weighted += other.weighted;
+        self.faint += other.faint;
         self.occluded += other.occluded;
     }
+}
+
+/// What connections cost, counted: the same on every machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Connections that were built.
+    pub connections: u64,
+    /// Their edges.
+    pub edges: u64,
+    /// Starts over which their weights were summed.
+    pub terms: u64,
 }
 
 /// Counters of one worker, or of all.
@@ -50,10 +114,10 @@ pub struct Stats {
     pub segments: u64,
     /// One entry for each of [`Stage::ALL`]; only filled if detailed.
     pub stages: Vec<StageStats>,
-    /// Next event estimation; only filled if detailed.
-    pub nee: ConnectionStats,
-    /// Multiple-vertex next event estimation; only filled if detailed.
-    pub mvnee: ConnectionStats,
+    /// One entry for each of [`Connector::ALL`]; all but `tried` only filled if detailed.
+    pub connections: [ConnectionStats; 4],
+    /// What connections cost.
+    pub work: Work,
     /// Contributions that were not finite.
     pub dropped: Dropped,
 }
@@ -66,8 +130,8 @@ impl Stats {
             samples: 0,
             segments: 0,
             stages: vec![StageStats::default(); Stage::ALL.len()],
-            nee: ConnectionStats::default(),
-            mvnee: ConnectionStats::default(),
+            connections: [ConnectionStats::default(); 4],
+            work: Work::default(),
             dropped: Dropped::default(),
         }
     }
@@ -82,9 +146,18 @@ impl Stats {
             stage.batches += other.batches;
             stage.seconds += other.seconds;
         }
-        self.nee.add(other.nee);
-        self.mvnee.add(other.mvnee);
+        for (stats, other) in self.connections.iter_mut().zip(other.connections) {
+            stats.add(other);
+        }
+        self.work.connections += other.work.connections;
+        self.work.edges += other.work.edges;
+        self.work.terms += other.work.terms;
         self.dropped.merge(&other.dropped);
+    }
+
+    /// The counters of one technique's connections.
+    pub fn connections(&mut self, connector: Connector) -> &mut ConnectionStats {
+        &mut self.connections[connector as usize]
     }
 
     /// (rows, batches with a row) of a set of lanes; not counted unless statistics are detailed.

@@ -6,18 +6,22 @@ use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
 use fogbow_kernels::columns::queues::{
     Bucket, CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable,
 };
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::nee;
+use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
 use fogbow_kernels::lanes;
 use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::{Pipeline, Stage};
+use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::{Step, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter};
 
 use crate::film::{Region, Tile};
 use crate::frame::Frame;
-use crate::stats::{ConnectionStats, Stats};
+use crate::stats::{Connector, Stats};
 
 /// Paths in flight per worker, if the length limit does not make their histories too large. Measured with the columns
 /// as they are: 256 to 1024 are equally fast, fewer pay for calls, more for cache misses.
@@ -42,8 +46,7 @@ pub fn default_lanes(frame: &Frame) -> usize {
 
 /// Vertices before the current one that some stage may read.
 fn remembered(frame: &Frame) -> usize {
-    let connects = frame.techniques.nee || frame.techniques.mvnee.is_some();
-    if connects { frame.walk_segments().max(2) as usize - 1 } else { 1 }
+    if frame.techniques.any() { frame.walk_segments().max(2) as usize - 1 } else { 1 }
 }
 
 /// All state of one worker: tables and queues of fixed capacity in one arena.
@@ -114,7 +117,10 @@ impl<'q> Wavefront<'q> {
     pub fn new_in(arena: &'q Bump, frame: &Frame, lanes: usize) -> Self {
         let lanes = lanes.max(1).next_multiple_of(LANES);
         let segments = frame.lengths.max as usize;
-        let longest = if frame.techniques.mvnee.is_some() { segments.saturating_sub(2) } else { 0 };
+        let longest = match frame.techniques {
+            Techniques { mvnee: None, bridge: None, omnee, .. } => usize::from(omnee),
+            _ => segments.saturating_sub(2),
+        };
         let bridged = BucketTable::rows(lanes, longest);
         Self {
             requests: RequestTable::new_in(arena, lanes),
@@ -227,13 +233,19 @@ impl<'q> Wavefront<'q> {
         if frame.techniques.nee {
             self.connect_nee(frame, pipeline, stats);
         }
+        if frame.techniques.omnee {
+            self.connect_omnee(frame, pipeline, stats);
+        }
+        if let Some(bridge) = frame.techniques.bridge {
+            self.connect_bridge(frame, pipeline, &bridge, stats);
+        }
     }
 
     fn fly(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         let Self { paths, flights, step, .. } = self;
         let size = stats.lane_rows(&paths.live);
         stats.run(Stage::MediumSample, size, || {
-            (pipeline.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+            (pipeline.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
         });
     }
 
@@ -277,6 +289,7 @@ impl<'q> Wavefront<'q> {
         let Self { paths, vertices, rays, connections, step, .. } = self;
         connections.len = 0;
         let size = stats.lane_rows(&paths.live);
+        let reach = reach.from_first(frame.walk.starts);
         stats.run(Stage::LightSample, size, || {
             let columns = light_sample::Columns { paths, vertices, rays, connections };
             (pipeline.light_sample)(&frame.lights, reach, *step, columns);
@@ -286,17 +299,15 @@ impl<'q> Wavefront<'q> {
     fn connect_nee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, nee::REACH, stats);
         let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
-        stats.nee.tried += connections.len as u64;
+        stats.connections(Connector::Nee).tried += connections.len as u64;
         let bucket = connections.direct();
         let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
-        let outcome = settle.connection(bucket, connections);
-        stats.nee.add(outcome);
+        settle.connection(Connector::Nee, bucket, connections);
     }
 
     fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, mvnee.reach(), stats);
-        let Self { connections, buckets, bridged, vertices, paths, chains, suffix, step, .. } = self;
-        stats.mvnee.tried += connections.len as u64;
+        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
         stats.run(Stage::MvneeCount, rows(connections.len), || {
             let columns = mvnee_sample::CountColumns { paths, connections, buckets };
             (pipeline.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
@@ -306,10 +317,44 @@ impl<'q> Wavefront<'q> {
             let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
             (pipeline.mvnee_build)(&frame.medium, mvnee, *step, columns);
         });
+        self.settle_buckets(Connector::Mvnee, frame, pipeline, stats);
+    }
+
+    fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, bridge.reach(), stats);
+        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
+        stats.run(Stage::BridgeCount, rows(connections.len), || {
+            let columns = bridge_sample::CountColumns { paths, connections, buckets };
+            (pipeline.bridge_count)(&frame.medium, bridge, frame.lengths, *step, columns);
+        });
+        bridged.len = buckets.sort(connections.len);
+        stats.run(Stage::BridgeBuild, rows(bridged.len), || {
+            let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+            (pipeline.bridge_build)(&frame.medium, bridge, *step, columns);
+        });
+        self.settle_buckets(Connector::Bridge, frame, pipeline, stats);
+    }
+
+    fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, omnee::reach(frame.lengths), stats);
+        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
+        stats.connections(Connector::Omnee).tried += connections.len as u64;
+        stats.run(Stage::OmneeBuild, rows(connections.len), || {
+            let columns = omnee_sample::BuildColumns { paths, connections, chains };
+            (pipeline.omnee_build)(&frame.medium, *step, columns);
+        });
+        let bucket = Bucket { inserted: 1, ..connections.direct() };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        settle.connection(Connector::Omnee, bucket, connections);
+    }
+
+    /// What becomes of connections that were sorted and built.
+    fn settle_buckets(&mut self, connector: Connector, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        let Self { connections, buckets, bridged, vertices, paths, chains, suffix, step, .. } = self;
+        stats.connections(connector).tried += connections.len as u64;
         let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
         for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
-            let outcome = settle.connection(*bucket, bridged);
-            settle.stats.mvnee.add(outcome);
+            settle.connection(connector, *bucket, bridged);
         }
     }
 }
@@ -328,22 +373,54 @@ struct Settle<'a, 'q> {
 
 impl<'q> Settle<'_, 'q> {
     /// All three, for candidates that nothing has traced yet.
-    fn connection(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) -> ConnectionStats {
+    fn connection(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        self.count_work(bucket, candidates);
         self.weigh(bucket, candidates);
         let weighted = self.count(bucket, candidates);
+        if self.frame.roulette > 0.0 {
+            self.drop_faint(connector, bucket, candidates);
+        }
+        let kept = self.count(bucket, candidates);
         if self.may_be_blocked(bucket) {
             self.occlude(bucket, candidates);
         }
-        let occluded = weighted - self.count(bucket, candidates);
+        let free = self.count(bucket, candidates);
         self.accumulate(bucket, candidates);
-        ConnectionStats { tried: 0, weighted, occluded }
+        let stats = self.stats.connections(connector);
+        stats.weighted += weighted;
+        stats.faint += weighted - kept;
+        stats.occluded += kept - free;
+    }
+
+    /// Work by arithmetic on whole buckets, but for the depths of the starts.
+    fn count_work(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
+        let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
+        let depths: u64 = candidates.lane.rows()[bucket.rows()]
+            .iter()
+            .map(|lane| u64::from(self.paths.depth(self.step.clock, *lane as usize)))
+            .sum();
+        let work = &mut self.stats.work;
+        work.connections += rows;
+        work.edges += rows * edges;
+        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
+        work.terms += (depths + rows * (edges - 1)).min(rows * u64::from(self.frame.walk.starts));
+    }
+
+    fn drop_faint(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        let Self { frame, pipeline, step, paths, .. } = self;
+        let threshold = Threshold { contribution: frame.roulette, purpose: connector.light_purpose() };
+        self.stats.run(Stage::Roulette, rows(bucket.len), || {
+            let columns = roulette::Columns { bucket, candidates, paths };
+            (pipeline.roulette)(&frame.medium, &frame.lights, threshold, *step, columns);
+        });
     }
 
     fn weigh(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
         let Self { frame, pipeline, step, paths, vertices, chains, suffix, .. } = self;
         self.stats.run(Stage::MisWeight, rows(bucket.len), || {
             let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
-            (pipeline.mis_weight)(&frame.medium, &frame.lights, &frame.techniques, *step, columns);
+            let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
+            (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
         });
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use fogbow_kernels::Walk;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::figures::{duration, number, rate};
@@ -11,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
 use crate::image;
+use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::{self, LoadedScene};
 
@@ -84,7 +86,8 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     ))?;
 
     let pixels = u64::from(width) * u64::from(height);
-    let measured = measure(loaded)?;
+    let (measured, walk) = measure(loaded)?;
+    say(format!("connections from {}, survival {}", starts(walk.starts), walk.survival))?;
     let samples = pixels * u64::from(render.samples);
     say(format!(
         "cost: {samples} samples, {} at {}; film {} MiB",
@@ -94,8 +97,17 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     ))
 }
 
-/// Samples per second of this scene on this machine, from a short render.
-fn measure(loaded: &LoadedScene) -> Result<f64> {
+/// How many vertices connect, in words.
+fn starts(starts: u32) -> String {
+    match starts {
+        1 => "the first vertex".into(),
+        u32::MAX => "all vertices".into(),
+        _ => format!("the first {starts} vertices"),
+    }
+}
+
+/// Samples per second of this scene on this machine, from a short render, and the walk that it will take.
+fn measure(loaded: &LoadedScene) -> Result<(f64, Walk)> {
     let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
         .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;
     let [width, height] = loaded.scene.film.size;
@@ -104,12 +116,13 @@ fn measure(loaded: &LoadedScene) -> Result<f64> {
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
     let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
-    let film = Film::new(&loaded.frame, region, film::tile_size(region));
+    let (frame, _) = pilot::settle(&loaded.frame, loaded.scene.film.size, &loaded.scene.render, &renderer);
+    let film = Film::new(&frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {
         let next = (2 * done).clamp(1, done + 16);
-        samples += renderer.render(&loaded.frame, &SIMD, &film, done..next, &Monitor::default()).samples;
+        samples += renderer.render(&frame, &SIMD, &film, done..next, &Monitor::default()).samples;
         done = next;
     }
-    Ok(samples as f64 / start.elapsed().as_secs_f64())
+    Ok((samples as f64 / start.elapsed().as_secs_f64(), frame.walk))
 }

@@ -16,6 +16,7 @@ use super::tell;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::image::{self, write_whole};
+use crate::pilot::Trial;
 use crate::render::{Monitor, Renderer};
 use crate::scene::LoadedScene;
 use crate::stats::Stats;
@@ -50,6 +51,8 @@ pub struct Job<'a> {
     pub renderer: Renderer,
     pub pipeline: Pipeline,
     pub film: Film,
+    /// What the pilot tried.
+    pub trials: Vec<Trial>,
 }
 
 /// How it ended.
@@ -163,6 +166,7 @@ impl Job<'_> {
             threads: self.renderer.threads(),
             elapsed: outcome.elapsed,
             stats: &outcome.stats,
+            trials: &self.trials,
         };
         if outcome.stopped {
             reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));

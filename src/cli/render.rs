@@ -12,6 +12,7 @@ use super::{RenderArgs, say};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::image::{self, check_writable};
+use crate::pilot;
 use crate::render::{Renderer, Workers};
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
@@ -25,7 +26,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
-    let scene = scene::load(path, overrides(args))?;
+    let mut scene = scene::load(path, overrides(args))?;
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
     check_stats(args, &outputs)?;
@@ -39,9 +40,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let renderer = Renderer::new(workers).map_err(|error| {
         Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
     })?;
+    let size = scene.scene.film.size;
+    let (frame, trials) = pilot::settle(&scene.frame, size, &scene.scene.render, &renderer);
+    scene.frame = frame;
     let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { film::tile_size(region) };
     let film = Film::new(&scene.frame, region, tile_size);
-    let job = Job { scene: &scene, renderer, pipeline: pipeline(args), film };
+    let job = Job { scene: &scene, renderer, pipeline: pipeline(args), film, trials };
     let mut reporter = Reporter::new(args.progress, &scene.name);
     let outcome = job.run(target, &mut reporter)?;
     job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)

@@ -11,8 +11,9 @@ use super::figures::{duration, number, rate};
 use crate::error::Result;
 use crate::film::Film;
 use crate::image::write_whole;
+use crate::pilot::Trial;
 use crate::scene::LoadedScene;
-use crate::stats::{ConnectionStats, Stats};
+use crate::stats::{ConnectionStats, Connector, Stats};
 
 /// A finished render.
 pub struct Report<'a> {
@@ -26,14 +27,15 @@ pub struct Report<'a> {
     pub elapsed: Duration,
     /// Counters.
     pub stats: &'a Stats,
+    /// What the pilot tried.
+    pub trials: &'a [Trial],
 }
 
 impl Report<'_> {
     /// Names of the active techniques, `path` if there is no other.
     pub fn techniques(&self) -> String {
-        let techniques = self.scene.frame.techniques;
-        let names = [("nee", techniques.nee), ("mvnee", techniques.mvnee.is_some())];
-        let active: Vec<_> = names.into_iter().filter(|(_, active)| *active).map(|(name, _)| name).collect();
+        let active = Connector::ALL.into_iter().filter(|connector| connector.is_active(&self.scene.frame.techniques));
+        let active: Vec<_> = active.map(Connector::name).collect();
         if active.is_empty() { "path".into() } else { active.join(",") }
     }
 
@@ -46,6 +48,9 @@ impl Report<'_> {
             ("scene_hash", self.scene.hash()),
             ("settings", self.scene.to_toml()),
             ("technique", self.techniques()),
+            ("starts", starts(self.scene.frame.walk.starts)),
+            ("survival", self.scene.frame.walk.survival.to_string()),
+            ("roulette", self.scene.frame.roulette.to_string()),
             ("seed", self.scene.frame.seed.to_string()),
             // The last ones perhaps not of every pixel.
             ("sample_range", format!("0..{}", self.film.most_samples())),
@@ -111,6 +116,10 @@ impl Report<'_> {
         json!({
             "scene": self.scene.name,
             "technique": self.techniques(),
+            "starts": starts(self.scene.frame.walk.starts),
+            "survival": self.scene.frame.walk.survival,
+            "roulette": self.scene.frame.roulette,
+            "pilot": self.trials.iter().map(trial).collect::<Vec<_>>(),
             "threads": self.threads,
             "seconds": seconds,
             "samples": stats.samples,
@@ -120,14 +129,34 @@ impl Report<'_> {
             "mean": mean,
             "standard_error": standard_error,
             "stages": stages,
-            "connections": { "nee": connections(&stats.nee), "mvnee": connections(&stats.mvnee) },
+            "connections": connections(stats),
             "dropped_non_finite": dropped(self),
         })
     }
 }
 
-fn connections(stats: &ConnectionStats) -> Value {
-    json!({ "tried": stats.tried, "weighted": stats.weighted, "occluded": stats.occluded })
+/// How many vertices connect.
+fn starts(starts: u32) -> String {
+    if starts == u32::MAX { "all".into() } else { starts.to_string() }
+}
+
+fn trial(trial: &Trial) -> Value {
+    json!({
+        "starts": starts(trial.starts),
+        "survival": trial.survival,
+        "variance": trial.variance,
+        "cost": trial.cost,
+        "efficiency": trial.efficiency(),
+    })
+}
+
+fn connections(stats: &Stats) -> Value {
+    let one = |connector: Connector| {
+        let ConnectionStats { tried, weighted, faint, occluded } = stats.connections[connector as usize];
+        let counts = json!({ "tried": tried, "weighted": weighted, "faint": faint, "occluded": occluded });
+        (connector.name().to_string(), counts)
+    };
+    Value::Object(Connector::ALL.into_iter().map(one).collect())
 }
 
 fn dropped(report: &Report<'_>) -> Value {

@@ -1,16 +1,17 @@
 //! Ranges of all values, and the frame that valid values make.
 
-use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
 
 use super::document::Document;
-use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Technique};
+use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 
@@ -21,6 +22,8 @@ const LARGEST: f64 = 1e9;
 const SMALLEST_RADIUS: f64 = 1e-9;
 /// Largest radiance: sums over paths stay far inside f32.
 const LARGEST_RADIANCE: f64 = 1e30;
+/// Smallest probability of going on from a vertex.
+const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
 const LARGEST_FILM: u64 = 1 << 27;
 /// Longest path: the random dimensions have room for as many inserted vertices.
@@ -38,7 +41,8 @@ pub fn frame(scene: &Scene, document: &Document) -> Result<Frame> {
     let medium = check.medium(scene)?;
     let lights = check.lights(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
-    Ok(Frame { camera, medium, lights, techniques, lengths, seed: scene.render.seed })
+    let (seed, walk, roulette) = (scene.render.seed, Walk::ALL, 0.0);
+    check.walk(&scene.render, Frame { camera, medium, lights, techniques, walk, roulette, lengths, seed })
 }
 
 impl Check<'_> {
@@ -154,26 +158,61 @@ impl Check<'_> {
         self.require(ok, "render.max_segments", lengths.max, "give a number of segments from 1 to 1024")?;
         let remedy = "give a number of segments from 1 to max_segments";
         self.require((1..=lengths.max).contains(&lengths.min), "render.min_segments", lengths.min, remedy)?;
-        let mesc = render.mesc.unwrap_or(f64::INFINITY);
-        let ok = mesc > 0.0 && render.mesc.is_none_or(f64::is_finite);
-        self.require(
-            ok,
-            "render.mesc",
-            format!("{mesc:?}"),
-            "give a number of segments above 0, or leave it out for no limit",
-        )?;
         let ok = (1..=1 << 31).contains(&render.samples);
         self.require(ok, "render.samples", render.samples, "give a number of samples from 1 to 2^31")?;
+        Ok((self.techniques(render, medium)?, lengths))
+    }
+
+    fn techniques(&self, render: &schema::Render, medium: &Medium) -> Result<Techniques> {
+        let mesc = self.expected_segments("render.mesc", render.mesc)?;
+        let bridge_mesc = self.expected_segments("render.bridge_mesc", render.bridge_mesc)?;
         let names = &render.technique.0;
-        self.require(!names.is_empty(), "render.technique", "an empty list", "name a technique: path, nee, mvnee")?;
+        let remedy = "name a technique: path, nee, mvnee, omnee, bridge";
+        self.require(!names.is_empty(), "render.technique", "an empty list", remedy)?;
         let offset = match render.perturbation {
             Perturbation::Ggx => Offset::Ggx,
             Perturbation::Gaussian => Offset::Gaussian,
         };
-        let techniques = Techniques {
+        let roll = match render.roll {
+            schema::Roll::Aligned => Roll::Aligned,
+            schema::Roll::Uniform => Roll::Uniform,
+        };
+        let max_inserted = render.bridge_vertices.unwrap_or(u32::MAX);
+        let bridge = Bridge { max_inserted, ..Bridge::new(roll).with_mesc(medium, bridge_mesc) };
+        Ok(Techniques {
             nee: names.contains(&Technique::Nee),
             mvnee: names.contains(&Technique::Mvnee).then(|| Mvnee::new(medium, mesc, offset)),
+            omnee: names.contains(&Technique::Omnee),
+            bridge: names.contains(&Technique::Bridge).then_some(bridge),
+        })
+    }
+
+    /// A limit on mu_t times distance; infinite if there is none.
+    fn expected_segments(&self, path: &str, limit: Option<f64>) -> Result<f64> {
+        let ok = limit.is_none_or(|limit| limit > 0.0 && limit.is_finite());
+        let limit = limit.unwrap_or(f64::INFINITY);
+        let remedy = "give a number of segments above 0, or leave it out for no limit";
+        self.require(ok, path, format!("{limit:?}"), remedy)?;
+        Ok(limit)
+    }
+
+    /// The frame with the walk of the scene; what is left to the pilot stays at its default.
+    fn walk(&self, render: &schema::Render, frame: Frame) -> Result<Frame> {
+        let starts = match render.starts {
+            Starts::First(count) => {
+                self.require(count > 0, "render.starts", count, "give a number from 1, \"all\" or \"auto\"")?;
+                count
+            }
+            Starts::All | Starts::Auto => u32::MAX,
         };
-        Ok((techniques, lengths))
+        let survival = render.survival.0.unwrap_or(1.0);
+        let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
+        let remedy = "give a probability from 0.01 to 1, or \"auto\"";
+        self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
+        let roulette = render.roulette.0.unwrap_or(0.0);
+        let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
+        let remedy = "give a radiance of 0 or more, or \"auto\"";
+        self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
+        Ok(Frame { roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
     }
 }

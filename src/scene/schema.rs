@@ -4,7 +4,7 @@ use core::fmt;
 
 use schemars::JsonSchema;
 use serde::de::{self, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A scene: one TOML file.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -132,6 +132,24 @@ pub struct Render {
     pub max_segments: u32,
     /// Shortest path that counts, in segments: 1 counts all, 2 leaves out directly seen light.
     pub min_segments: u32,
+    /// How bridges are rolled about their axis.
+    pub roll: Roll,
+    /// Longest bridge in expected segments: extinction times distance, > 0. Absent: no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
+    pub bridge_mesc: Option<f64>,
+    /// Most vertices that a bridge inserts. Absent: no limit but max_segments.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "whole number"))]
+    pub bridge_vertices: Option<u32>,
+    /// Vertices that connect, the first ones after the camera: "all", a number from 1, or "auto", what a short pilot finds
+    /// most efficient.
+    pub starts: Starts,
+    /// Probability with which a walk goes on from a vertex, above 0 and at most 1, or "auto", from the same pilot.
+    pub survival: NumberOrAuto,
+    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)]: 0 for none, or "auto": none
+    /// where only disks can block a connection, for testing them costs less than the roulette.
+    pub roulette: NumberOrAuto,
     /// Longest MVNEE connection in expected segments: extinction times distance, > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
@@ -149,9 +167,15 @@ pub struct Render {
 impl Default for Render {
     fn default() -> Self {
         Self {
-            technique: Techniques(vec![Technique::Mvnee]),
+            technique: Techniques(vec![Technique::Bridge]),
             max_segments: 32,
             min_segments: 1,
+            roll: Roll::Aligned,
+            bridge_mesc: None,
+            bridge_vertices: None,
+            starts: Starts::Auto,
+            survival: NumberOrAuto(None),
+            roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,
             light_selection: LightSelection::IntensityDistance,
@@ -171,7 +195,38 @@ pub enum Technique {
     Nee,
     /// Multiple-vertex next event estimation: connections through the medium.
     Mvnee,
+    /// Once-more next event estimation: connections through exactly one inserted vertex; a companion of nee.
+    Omnee,
+    /// Bridges: connections shaped by a random walk.
+    Bridge,
 }
+
+/// Rolls of a bridge.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Roll {
+    /// Towards the phase function of the start.
+    Aligned,
+    /// All angles alike.
+    Uniform,
+}
+
+/// How many vertices connect.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(with = "u32", extend("x-format" = "number, \"all\" or \"auto\""))]
+pub enum Starts {
+    /// What a pilot finds.
+    Auto,
+    /// Every vertex.
+    All,
+    /// So many.
+    First(u32),
+}
+
+/// A number; `None` for what a pilot finds.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
+pub struct NumberOrAuto(pub Option<f64>);
 
 /// Shapes of MVNEE's perturbation.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -199,6 +254,67 @@ pub enum LightSelection {
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
 #[schemars(with = "Vec<Technique>", extend("x-format" = "name, or a list of names"))]
 pub struct Techniques(pub Vec<Technique>);
+
+/// A number, or one of some words in its place.
+#[derive(Deserialize, Serialize)]
+#[serde(untagged)]
+enum NumberOr<N> {
+    Number(N),
+    Word(String),
+}
+
+/// The number or word, if it is one that `meaning` knows.
+fn number_or<'de, D, N, T>(
+    deserializer: D,
+    words: &str,
+    meaning: impl Fn(NumberOr<N>) -> Option<T>,
+) -> Result<T, D::Error>
+where
+    D: Deserializer<'de>,
+    N: Deserialize<'de>,
+{
+    let expected = || de::Error::custom(format!("this is neither {words}"));
+    let value = NumberOr::deserialize(deserializer).map_err(|_| expected())?;
+    meaning(value).ok_or_else(expected)
+}
+
+impl<'de> Deserialize<'de> for Starts {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        number_or(deserializer, "a whole number nor \"all\" nor \"auto\"", |value| match value {
+            NumberOr::Number(count) => Some(Self::First(count)),
+            NumberOr::Word(word) if word == "auto" => Some(Self::Auto),
+            NumberOr::Word(word) => (word == "all").then_some(Self::All),
+        })
+    }
+}
+
+impl Serialize for Starts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::All => serializer.serialize_str("all"),
+            Self::First(count) => serializer.serialize_u32(*count),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for NumberOrAuto {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        number_or(deserializer, "a number nor \"auto\"", |value| match value {
+            NumberOr::Number(number) => Some(Self(Some(number))),
+            NumberOr::Word(word) => (word == "auto").then_some(Self(None)),
+        })
+    }
+}
+
+impl Serialize for NumberOrAuto {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Some(number) => serializer.serialize_f64(number),
+            None => serializer.serialize_str("auto"),
+        }
+    }
+}
 
 /// A number for all channels, or [red, green, blue].
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Serialize)]
