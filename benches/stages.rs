@@ -17,7 +17,7 @@ use fogbow_kernels::connect::{light_sample, mvnee::sample as mvnee_sample, nee};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::{accumulate, extend, generate, medium_sample, mis_weight, occlusion, scatter};
 use fogbow_testing::frames::{self, Active};
-use fogbow_testing::recorded::{bridge, connect, thin_out, wavefront};
+use fogbow_testing::recorded::{build_mvnee, connect, thin_out, wavefront};
 
 /// Rows of the recorded tables.
 const ROWS: usize = 512;
@@ -43,7 +43,7 @@ const LANE_STAGES: [(&str, Stage); 5] = [
     }),
     ("medium_sample", |pipeline, frame, w| {
         let Wavefront { paths, flights, step, .. } = w;
-        (pipeline.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+        (pipeline.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     }),
     ("extend", |pipeline, frame, w| {
         let Wavefront { paths, vertices, rays, flights, hits, step, .. } = w;
@@ -132,7 +132,8 @@ fn weigh(pipeline: &Pipeline, frame: &Frame, w: &mut Wavefront<'_>, bucket: Buck
     let Wavefront { connections, bridged: built, chains, paths, vertices, suffix, step, .. } = w;
     let candidates = if bridged { built } else { connections };
     let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
-    (pipeline.mis_weight)(&frame.medium, &frame.lights, &frame.techniques, *step, columns);
+    let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
+    (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
 }
 
 /// MVNEE's stages, bucket by bucket.
@@ -142,7 +143,7 @@ fn mvnee_stages(c: &mut Criterion) {
     let arena = Bump::new();
     // More paths than a worker has, so that every bucket is filled.
     let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
-    bridge(&mut w, &frame, &mvnee);
+    build_mvnee(&mut w, &frame, &mvnee);
     let mut group = c.benchmark_group("mvnee");
     group.throughput(Throughput::Elements(w.connections.len as u64));
     for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
@@ -153,7 +154,7 @@ fn mvnee_stages(c: &mut Criterion) {
                 (pipeline.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
             });
         });
-        bridge(&mut w, &frame, &mvnee);
+        build_mvnee(&mut w, &frame, &mvnee);
         group.bench_function(BenchmarkId::new("build", name), |b| {
             let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = &mut w;
             b.iter(|| {

@@ -1,11 +1,11 @@
 //! Scenes whose radiance is known: absorption only, one scattering event, and what must hold for all.
 
 use fogbow::frame::Frame;
-use fogbow_kernels::PathLengths;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{PathLengths, Walk};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::truths;
@@ -26,6 +26,8 @@ fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
             medium,
             lights: Lights::new(vec![disk], Selection::Uniform),
             techniques: Active::Path.techniques(&medium, 4.0),
+            walk: Walk::ALL,
+            roulette: 0.0,
             lengths: PathLengths { min: 1, max: 10 },
             seed: 3,
         };
@@ -52,6 +54,8 @@ fn single_scatter(camera: Camera, active: Active) -> Frame {
         medium,
         lights: Lights::new(vec![disk], Selection::Uniform),
         techniques: active.techniques(&medium, f64::INFINITY),
+        walk: Walk::ALL,
+        roulette: 0.0,
         lengths: PathLengths { min: 1, max: 2 },
         seed: 5,
     }
@@ -165,6 +169,8 @@ fn the_back_of_a_light_is_black_and_opaque() {
             medium,
             lights: Lights::new(vec![behind, front], Selection::Uniform),
             techniques: Active::Both.techniques(&medium, 4.0),
+            walk: Walk::ALL,
+            roulette: 0.0,
             lengths: PathLengths { min: 1, max: 5 },
             seed: 1,
         };

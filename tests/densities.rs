@@ -1,12 +1,13 @@
 //! Densities and weights against independent code, and the properties that every weight has.
 
+use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
-use fogbow_testing::truths::{Case, density_ratios};
+use fogbow_testing::truths::{Case, Start, density_ratios};
 use fogbow_testing::weighing::{Made, Weigher};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -31,12 +32,19 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
             let traced = path_tracing_density(case.mu_t, case.g, &path, start.start, normal).expect("has a density");
             let chain = &path[start.start..];
             let light = 1.0 / case.light_area;
+            let arriving = (path[start.start] - path[start.start - 1]).normalize();
+            let bridge = |roll: Roll| {
+                let (bridge, depth) = (poisson_bridge(roll), start.start as u32);
+                bridge::reference::density(&bridge, case.mu_t, case.g, 1000, depth, arriving, chain, light)
+            };
             let found = [
                 traced.value() / start.path_tracing_density,
-                nee_ratio(nee::reference::density(chain, normal, light).over(traced), start.nee),
-                nee_ratio(mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced), start.mvnee),
+                quotient(nee::reference::density(chain, normal, light).over(traced), start.nee),
+                quotient(mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced), start.mvnee),
+                quotient(bridge(Roll::Uniform).over(traced), start.bridge),
+                quotient(bridge(Roll::Aligned).over(traced), start.aligned_bridge),
             ];
-            for (name, quotient) in ["path tracing", "nee", "mvnee"].iter().zip(found) {
+            for (name, quotient) in ["path tracing", "nee", "mvnee", "bridge", "aligned bridge"].iter().zip(found) {
                 let place = format!("case {index}, start {}: {name}", start.start);
                 assert!((quotient - 1.0).abs() < 1e-9, "{place} is off by a factor {quotient}");
             }
@@ -47,20 +55,31 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
 }
 
 /// Quotient of a found and a recorded ratio; 1 if both are zero.
-fn nee_ratio(found: f64, recorded: f64) -> f64 {
+fn quotient(found: f64, recorded: f64) -> f64 {
     if found == recorded { 1.0 } else { found / recorded }
 }
 
+/// Bridges with the counts that were recorded: nothing but Poisson.
+fn poisson_bridge(roll: Roll) -> Bridge {
+    Bridge { defensive: 0.0, ..Bridge::new(roll) }
+}
+
 /// The techniques whose ratios were recorded, and their sum over the starts from `first` on.
-fn recorded(case: &Case, first: usize) -> [(Techniques, f64); 3] {
+fn recorded(case: &Case, first: usize) -> [(Techniques, f64); 6] {
+    let none = Techniques::default();
     let mvnee = Some(Mvnee::new(&medium(case), f64::INFINITY, Offset::Ggx));
-    let sum = |ratio: &dyn Fn(&fogbow_testing::truths::Start) -> f64| {
-        case.starts.iter().filter(|start| start.start >= first).map(ratio).sum()
-    };
+    let bridge = |roll: Roll| Techniques { bridge: Some(poisson_bridge(roll)), ..none };
+    let sum = |ratio: &dyn Fn(&Start) -> f64| case.starts.iter().filter(|start| start.start >= first).map(ratio).sum();
     [
-        (Techniques { nee: true, mvnee: None }, sum(&|start| start.nee)),
-        (Techniques { nee: false, mvnee }, sum(&|start| start.mvnee)),
-        (Techniques { nee: true, mvnee }, sum(&|start| start.nee + start.mvnee)),
+        (Techniques { nee: true, ..none }, sum(&|start| start.nee)),
+        (Techniques { mvnee, ..none }, sum(&|start| start.mvnee)),
+        (Techniques { nee: true, mvnee, ..none }, sum(&|start| start.nee + start.mvnee)),
+        (bridge(Roll::Uniform), sum(&|start| start.bridge)),
+        (bridge(Roll::Aligned), sum(&|start| start.aligned_bridge)),
+        (
+            Techniques { nee: true, mvnee, ..bridge(Roll::Aligned) },
+            sum(&|start| start.nee + start.mvnee + start.aligned_bridge),
+        ),
     ]
 }
 
@@ -84,7 +103,7 @@ fn weights_of_kernel_and_twin_match_recorded_ratios_however_a_path_was_made() {
                 for (techniques, expected) in recorded(case, first_start) {
                     let made = Made { vertices: &path, inserted, first_start, light: 0 };
                     for kernel in [mis_weight::simd::run as mis_weight::Kernel, mis_weight::reference::run] {
-                        let weigher = Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques };
+                        let weigher = Weigher::new(kernel, &medium, &lights, &techniques);
                         let weight = weigher.weight(&made, (index + inserted) % 16);
                         let error = (weight * (1.0 + expected) - 1.0).abs();
                         worst = worst.max(error / (1e-5 + rounding));
@@ -143,9 +162,19 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
     })
 }
 
-fn techniques(medium: &Medium, nee: bool, mvnee: bool, mesc: f64) -> Techniques {
-    Techniques { nee, mvnee: mvnee.then(|| Mvnee::new(medium, mesc, Offset::Ggx)) }
+/// All techniques, or those whose bit is set.
+fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
+    let has = |bit: u32| bits >> bit & 1 == 1;
+    Techniques {
+        nee: has(0),
+        mvnee: has(1).then(|| Mvnee::new(medium, mesc, Offset::Ggx)),
+        omnee: has(2),
+        bridge: has(3).then(|| Bridge::new(Roll::Aligned)),
+    }
 }
+
+/// Every technique.
+const EVERY: u32 = 0b1111;
 
 const KERNELS: [mis_weight::Kernel; 2] = [mis_weight::simd::run, mis_weight::reference::run];
 
@@ -162,14 +191,19 @@ proptest! {
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for kernel in KERNELS {
             let made = Made { vertices: &path, inserted: 0, first_start: 1, light: 0 };
-            let with = |nee: bool, mvnee: bool| {
-                let techniques = techniques(&medium, nee, mvnee, mesc);
-                Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques }.weight(&made, lane)
+            let with = |bits: u32| {
+                let techniques = techniques(&medium, bits, mesc);
+                Weigher::new(kernel, &medium, &lights, &techniques).weight(&made, lane)
             };
-            let (none, nee, mvnee, both) = (with(false, false), with(true, false), with(false, true), with(true, true));
-            prop_assert_eq!(none, 1.0);
-            prop_assert!(nee > 0.0 && nee <= 1.0 && mvnee > 0.0 && mvnee <= 1.0 && both > 0.0);
-            let shares = both + both * (1.0 / nee - 1.0) + both * (1.0 / mvnee - 1.0);
+            prop_assert_eq!(with(0), 1.0);
+            let every = with(EVERY);
+            prop_assert!(every > 0.0);
+            let mut shares = every;
+            for bit in 0..4 {
+                let alone = with(1 << bit);
+                prop_assert!(alone > 0.0 && alone <= 1.0, "technique {}: {}", bit, alone);
+                shares += every * (1.0 / alone - 1.0);
+            }
             prop_assert!((shares - 1.0).abs() < 1e-5, "shares add up to {}", shares);
         }
     }
@@ -180,8 +214,8 @@ proptest! {
     ) {
         let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
-        let techniques = techniques(&medium, true, true, mesc);
-        let weigher = Weigher { kernel: mis_weight::simd::run, medium: &medium, lights: &lights, techniques: &techniques };
+        let techniques = techniques(&medium, EVERY, mesc);
+        let weigher = Weigher::new(mis_weight::simd::run, &medium, &lights, &techniques);
         let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, light: 0 }, 5);
         for inserted in 1..path.len() - 2 {
             prop_assert!((weight(inserted) / weight(0) - 1.0).abs() < 1e-4, "{} inserted", inserted);
@@ -200,8 +234,8 @@ proptest! {
                 let extinction = (1.3 / scale) as f32;
                 let medium = Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
                 let lights = lights_around(path, turn, scale, selection);
-                let techniques = techniques(&medium, true, true, mesc);
-                let weigher = Weigher { kernel, medium: &medium, lights: &lights, techniques: &techniques };
+                let techniques = techniques(&medium, EVERY, mesc);
+                let weigher = Weigher::new(kernel, &medium, &lights, &techniques);
                 weigher.weight(&Made { vertices: path, inserted: path.len() / 2 - 1, first_start: 1, light: 0 }, 2)
             };
             let (here, there) = (weight(&path, DQuat::IDENTITY, 1.0), weight(&moved, turn, scale));

@@ -37,7 +37,7 @@ fn start(wavefront: &mut Wavefront<'_>, frame: &Frame, round: usize) {
 /// One scattering event of every path, without lights.
 fn walk(wavefront: &mut Wavefront<'_>, frame: &Frame) {
     let Wavefront { paths, vertices, rays, flights, step, .. } = wavefront;
-    (SIMD.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+    (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
     step.clock += 1;
 }

@@ -21,7 +21,10 @@ fn number(statistics: &Value, pointer: &str) -> f64 {
 #[test]
 fn statistics_tell_what_every_stage_did() {
     let folder = Folder::with_scene();
-    let statistics = statistics(&folder, &["--technique", "nee,mvnee", "--samples", "16"]);
+    let statistics = statistics(
+        &folder,
+        &["--technique", "nee,mvnee,omnee,bridge", "--samples", "16", "--set", "render.roulette=0.1"],
+    );
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
@@ -41,22 +44,27 @@ fn statistics_tell_rates_and_the_fate_of_connections() {
         "[render]",
         "[[light]]\ntype = \"disk\"\ncenter = [0, 0, 2]\nnormal = [0, 0, -1]\nradius = 0.5\nradiance = 1\n\n[render]",
     );
-    let statistics = statistics(&folder, &["--technique", "nee,mvnee", "--samples", "16", "--threads", "2"]);
+    let flags = ["--technique", "nee,mvnee,omnee,bridge", "--samples", "16", "--threads", "2"];
+    let statistics = statistics(&folder, &[&flags[..], &["--set", "render.roulette=0.05"]].concat());
     assert_eq!(
         statistics["scene"].as_str(),
         folder.path(".").canonicalize().expect("a folder").file_name().and_then(|name| name.to_str())
     );
-    assert_eq!((statistics["technique"].as_str(), number(&statistics, "/threads")), (Some("nee,mvnee"), 2.0));
+    assert_eq!(
+        (statistics["technique"].as_str(), number(&statistics, "/threads")),
+        (Some("nee,mvnee,omnee,bridge"), 2.0)
+    );
     assert_eq!(number(&statistics, "/samples"), 16.0 * 64.0);
     let seconds = number(&statistics, "/seconds");
     for (rate, count) in [("/samples_per_second", "/samples"), ("/segments_per_second", "/segments")] {
         let expected = number(&statistics, count) / seconds;
         assert!((number(&statistics, rate) / expected - 1.0).abs() < 1e-9, "{rate}");
     }
-    for technique in ["nee", "mvnee"] {
-        let [tried, weighted, occluded] = ["tried", "weighted", "occluded"]
+    for technique in ["nee", "mvnee", "omnee", "bridge"] {
+        let [tried, weighted, faint, occluded] = ["tried", "weighted", "faint", "occluded"]
             .map(|what| number(&statistics, &format!("/connections/{technique}/{what}")));
-        assert!(tried >= weighted && weighted > occluded && occluded > 0.0, "{technique}: {statistics:#}");
+        assert!(tried >= weighted && weighted > faint + occluded, "{technique}: {statistics:#}");
+        assert!(faint > 0.0 && occluded > 0.0, "{technique}: {statistics:#}");
     }
     assert_eq!(number(&statistics, "/dropped_non_finite/count"), 0.0);
     assert!(statistics["dropped_non_finite"]["first"].is_null());

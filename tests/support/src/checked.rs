@@ -5,19 +5,22 @@
 
 use std::cell::RefCell;
 
-use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
-use fogbow_kernels::connect::buckets::DROPPED;
+use fogbow_kernels::columns::{Column3, LANES};
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
+use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
 use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
-use fogbow_kernels::connect::{Techniques, nee};
+use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{
-    PathLengths, Step, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter,
+    PathLengths, Step, Walk, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter,
 };
 
 use crate::compare::{Save, Saved, difference, members};
@@ -65,7 +68,11 @@ pub const CHECKED: Pipeline = Pipeline {
     light_sample: check_light_sample,
     mvnee_count: check_mvnee_count,
     mvnee_build: check_mvnee_build,
+    omnee_build: check_omnee_build,
+    bridge_count: check_bridge_count,
+    bridge_build: check_bridge_build,
     mis_weight: check_mis_weight,
+    roulette: check_roulette,
     occlusion: check_occlusion,
     accumulate: check_accumulate,
 };
@@ -146,13 +153,22 @@ fn check_generate(camera: &Camera, step: Step, columns: generate::Columns<'_, '_
     }
 }
 
-fn check_medium_sample(medium: &Medium, step: Step, columns: medium_sample::Columns<'_, '_>) {
+fn check_medium_sample(medium: &Medium, walk: &Walk, step: Step, columns: medium_sample::Columns<'_, '_>) {
     let medium_sample::Columns { paths, flights } = columns;
-    let (kernel, twin) =
-        run_both!(medium_sample(medium, step), [flights], medium_sample::Columns { paths, flights: &mut *flights });
+    let (kernel, twin) = run_both!(
+        medium_sample(medium, walk, step),
+        [flights, paths],
+        medium_sample::Columns { paths: &mut *paths, flights: &mut *flights }
+    );
     let allowed = [("flight", tolerances::FLIGHT)];
     for lane in members(&paths.live) {
         check_row("medium_sample", (0, lane), (&kernel.0, &twin.0), &allowed);
+    }
+    for lane in lanes(paths) {
+        // The number and the probability are the same to the bit in kernel and twin.
+        if kernel.1.contains(0, lane) != twin.1.contains(0, lane) {
+            fail("medium_sample", lane, "    only one of kernel and twin ends the path");
+        }
     }
 }
 
@@ -229,7 +245,10 @@ fn check_light_sample(lights: &Lights, reach: Reach, step: Step, columns: light_
         }
         // A lane that no light is near has no light sum; the kernel fills whole batches.
         let is_near = paths.columns.first_near.rows()[lane] == paths.depth(step.clock, lane);
-        if lights.selection_depends_on_start() && (is_near || reach == nee::REACH) {
+        if lights.selection_depends_on_start()
+            && (is_near || reach.max_distance.is_infinite())
+            && may_start(reach, paths, step, lane)
+        {
             let at = (slot(step.clock, vertices.slots()), lane);
             check_row("light_sample", at, (&kernel.1, &twin.1), &[("light_sum", tolerances::LIGHT_SUM)]);
         }
@@ -239,6 +258,12 @@ fn check_light_sample(lights: &Lights, reach: Reach, step: Step, columns: light_
     let mut kernel = kernel.2;
     kernel.forget("weight");
     check_queue("light_sample", (&kernel, &twin.2), &[("point", tolerances::POSITION)]);
+}
+
+/// Whether the vertex of the clock may start a connection.
+fn may_start(reach: Reach, paths: &PathTable<'_>, step: Step, lane: usize) -> bool {
+    let depth = paths.depth(step.clock, lane);
+    depth <= reach.max_depth && depth - paths.first_start(lane) < reach.starts
 }
 
 fn check_mvnee_count(medium: &Medium, lengths: PathLengths, step: Step, columns: mvnee_sample::CountColumns<'_, '_>) {
@@ -268,15 +293,106 @@ fn check_mvnee_build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: mvnee_
         [candidates, chains],
         mvnee_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
     );
-    let (mut candidates, mut candidates_twin) = (kernel.0, twin.0);
+    check_chains("mvnee_build", buckets, (kernel.0, twin.0), (&kernel.1, &twin.1), |_, _| tolerances::CHAIN);
+}
+
+/// Compares connections that were built in buckets; `tolerance` is that of the inserted vertices of a row.
+fn check_chains(
+    stage: &str,
+    buckets: &BucketTable<'_>,
+    (mut candidates, mut candidates_twin): (Saved, Saved),
+    chains: (&Saved, &Saved),
+    tolerance: impl Fn(Bucket, usize) -> Tolerance,
+) {
     candidates.forget("weight");
     candidates_twin.forget("weight");
     for bucket in buckets.buckets() {
         for at in bucket.rows() {
-            check_row("mvnee_build", (0, at), (&candidates, &candidates_twin), &[]);
+            check_row(stage, (0, at), (&candidates, &candidates_twin), &[]);
             for vertex in 0..bucket.inserted {
-                check_row("mvnee_build", (vertex, at), (&kernel.1, &twin.1), &[("vertex", tolerances::CHAIN)]);
+                check_row(stage, (vertex, at), chains, &[("vertex", tolerance(*bucket, at))]);
             }
+        }
+    }
+}
+
+fn check_omnee_build(medium: &Medium, step: Step, columns: omnee_sample::BuildColumns<'_, '_>) {
+    let omnee_sample::BuildColumns { paths, connections, chains } = columns;
+    let (kernel, twin) = run_both!(
+        omnee_build(medium, step),
+        [chains],
+        omnee_sample::BuildColumns { paths, connections, chains: &mut *chains }
+    );
+    for at in 0..connections.len {
+        check_row("omnee_build", (0, at), (&kernel.0, &twin.0), &[("vertex", tolerances::CHAIN)]);
+    }
+}
+
+fn check_bridge_count(
+    medium: &Medium,
+    bridge: &Bridge,
+    lengths: PathLengths,
+    step: Step,
+    columns: bridge_sample::CountColumns<'_, '_>,
+) {
+    let bridge_sample::CountColumns { paths, connections, buckets } = columns;
+    let (kernel, twin) = run_both!(
+        bridge_count(medium, bridge, lengths, step),
+        [buckets],
+        bridge_sample::CountColumns { paths, connections, buckets: &mut *buckets }
+    );
+    for at in 0..connections.len {
+        count_rows(1);
+        if kernel.0.row(0, at) != twin.0.row(0, at) {
+            count_decisions(1);
+        }
+        let room = bridge.room(lengths.max, paths.depth(step.clock, connections.lane.rows()[at] as usize));
+        let count = buckets.count.rows()[at];
+        if count != DROPPED && count >= room {
+            fail("bridge_count", at, &format!("    {count} vertices where {room} edges fit"));
+        }
+    }
+}
+
+fn check_bridge_build(medium: &Medium, bridge: &Bridge, step: Step, columns: bridge_sample::BuildColumns<'_, '_>) {
+    let bridge_sample::BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let (kernel, twin) = run_both!(
+        bridge_build(medium, bridge, step),
+        [candidates, chains],
+        bridge_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
+    );
+    // What the walk came to is scaled to the distance: a walk that ends near its origin is blown up, rounding included.
+    let blown_up = |bucket: Bucket, at: usize| {
+        let start = glam::Vec3::from(candidates.start.row(at));
+        let reach = |vertex: &Column3<'_>| glam::Vec3::from(vertex.row(at)).distance(start);
+        let extent = chains.vertices[..bucket.inserted].iter().map(reach).fold(0.0, f32::max);
+        tolerances::bridge_vertex(f64::from(extent), f64::from(start.distance(candidates.point.row(at).into())))
+    };
+    check_chains("bridge_build", buckets, (kernel.0, twin.0), (&kernel.1, &twin.1), blown_up);
+}
+
+fn check_roulette(
+    medium: &Medium,
+    lights: &Lights,
+    threshold: Threshold,
+    step: Step,
+    columns: roulette::Columns<'_, '_>,
+) {
+    let roulette::Columns { bucket, candidates, paths } = columns;
+    let (kernel, twin) = run_both!(
+        roulette(medium, lights, threshold, step),
+        [candidates],
+        roulette::Columns { bucket, candidates: &mut *candidates, paths }
+    );
+    let (kernel, twin) = (kernel.0.reals("weight"), twin.0.reals("weight"));
+    for at in bucket.rows() {
+        count_rows(1);
+        let (weight, weight_twin) = (f64::from(kernel[at]), f64::from(twin[at]));
+        let Tolerance { absolute, relative } = tolerances::CONTRIBUTION;
+        if (weight == 0.0) != (weight_twin == 0.0) {
+            count_decisions(1);
+        } else if (weight - weight_twin).abs() > absolute + relative * weight {
+            fail("roulette", at, &format!("    weight: kernel {weight:e}  twin {weight_twin:e}"));
         }
     }
 }
@@ -285,12 +401,14 @@ fn check_mis_weight(
     medium: &Medium,
     lights: &Lights,
     techniques: &Techniques,
+    walk: &Walk,
+    lengths: PathLengths,
     step: Step,
     columns: mis_weight::Columns<'_, '_>,
 ) {
     let mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix } = columns;
     let (kernel, twin) = run_both!(
-        mis_weight(medium, lights, techniques, step),
+        mis_weight(medium, lights, techniques, walk, lengths, step),
         [candidates],
         mis_weight::Columns { bucket, candidates: &mut *candidates, chains, paths, vertices, suffix: &mut *suffix }
     );

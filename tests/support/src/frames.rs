@@ -1,13 +1,14 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
 use fogbow::frame::Frame;
-use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
 
 /// Opening angle whose image plane is 1 x 1 at distance 1.
@@ -26,20 +27,44 @@ pub enum Active {
     MvneeGaussian,
     /// Next event estimation and its multiple-vertex form together.
     Both,
+    /// Next event estimation through one vertex, with plain next event estimation for company.
+    Omnee,
+    /// Aligned bridges.
+    Bridge,
+    /// Bridges rolled uniformly.
+    BridgeUniform,
+    /// Everything there is.
+    Every,
 }
 
 impl Active {
     /// Every combination.
-    pub const ALL: [Self; 5] = [Self::Path, Self::Nee, Self::Mvnee, Self::MvneeGaussian, Self::Both];
+    pub const ALL: [Self; 9] = [
+        Self::Path,
+        Self::Nee,
+        Self::Mvnee,
+        Self::MvneeGaussian,
+        Self::Both,
+        Self::Omnee,
+        Self::Bridge,
+        Self::BridgeUniform,
+        Self::Every,
+    ];
 
     /// The settings for `medium` with at most `mesc` expected segments.
     pub fn techniques(self, medium: &Medium, mesc: f64) -> Techniques {
         let mvnee = match self {
-            Self::Path | Self::Nee => None,
-            Self::Mvnee | Self::Both => Some(Mvnee::new(medium, mesc, Offset::Ggx)),
+            Self::Mvnee | Self::Both | Self::Every => Some(Mvnee::new(medium, mesc, Offset::Ggx)),
             Self::MvneeGaussian => Some(Mvnee::new(medium, mesc, Offset::Gaussian)),
+            _ => None,
         };
-        Techniques { nee: matches!(self, Self::Nee | Self::Both), mvnee }
+        let bridge = match self {
+            Self::Bridge | Self::Every => Some(Bridge::new(Roll::Aligned)),
+            Self::BridgeUniform => Some(Bridge::new(Roll::Uniform)),
+            _ => None,
+        };
+        let nee = matches!(self, Self::Nee | Self::Both | Self::Omnee | Self::Every);
+        Techniques { nee, mvnee, omnee: matches!(self, Self::Omnee | Self::Every), bridge }
     }
 }
 
@@ -62,6 +87,8 @@ pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
         medium,
         lights: Lights::new(vec![disk], Selection::Uniform),
         techniques: Techniques::default(),
+        walk: Walk::ALL,
+        roulette: 0.0,
         lengths: PathLengths { min: 1, max: 15 },
         seed: 1,
     };
@@ -86,6 +113,8 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         medium,
         lights: Lights::new(lights, selection),
         techniques: Techniques::default(),
+        walk: Walk::ALL,
+        roulette: 0.0,
         lengths: PathLengths { min: 1, max: 8 },
         seed: 11,
     };
@@ -105,6 +134,18 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     for g in [-0.9, -0.3, 0.0, 1e-5, 0.3, 0.97] {
         add(format!("three lights, g {g}"), three_lights(g, Selection::Intensity, size));
     }
+    for (starts, survival) in [(1, 1.0), (2, 0.5), (u32::MAX, 0.7)] {
+        for active in [Active::Bridge, Active::Every] {
+            let name = format!("three lights, {starts} starts, survival {survival}, {active:?}");
+            let lights = three_lights(0.7, Selection::IntensityDistance, size);
+            add(name, with_techniques(&lights, active, 2.0).with_walk(starts, survival));
+        }
+    }
+    let bridge = Bridge { max_inserted: 3, ..Bridge::new(Roll::Aligned) };
+    let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
+    let techniques = Techniques { bridge: Some(bridge.with_mesc(&limited.medium, 2.5)), ..limited.techniques };
+    add("limited bridges".into(), Frame { techniques, ..limited.clone() });
+    add("roulette".into(), Frame { roulette: 0.3, ..with_techniques(&limited, Active::Every, 2.0) });
     add("three lights, uniform".into(), three_lights(0.7, Selection::Uniform, size));
     let short = PathLengths { min: 1, max: 2 };
     add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });

@@ -6,6 +6,7 @@ use fogbow::frame::Frame;
 use fogbow::stats::Stats;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::LANES;
+use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::pipeline::SIMD;
@@ -19,7 +20,7 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &Frame, lanes: usize, bounces: u32)
     let mut stats = Stats::new(false);
     wavefront.advance(frame, &SIMD, 0..1, &mut tile, &mut stats, bounces);
     let Wavefront { paths, vertices, rays, flights, hits, views, light_hits, step, .. } = &mut wavefront;
-    (SIMD.medium_sample)(&frame.medium, *step, medium_sample::Columns { paths, flights });
+    (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     hits.len = 0;
     (SIMD.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
     (views.len, light_hits.len) = (0, 0);
@@ -39,7 +40,7 @@ pub fn connect(wavefront: &mut Wavefront<'_>, frame: &Frame, reach: Reach) {
 }
 
 /// Builds MVNEE's connections, bucket by bucket.
-pub fn bridge(wavefront: &mut Wavefront<'_>, frame: &Frame, mvnee: &Mvnee) {
+pub fn build_mvnee(wavefront: &mut Wavefront<'_>, frame: &Frame, mvnee: &Mvnee) {
     connect(wavefront, frame, mvnee.reach());
     let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = wavefront;
     let columns = mvnee_sample::CountColumns { paths, connections, buckets };
@@ -47,6 +48,17 @@ pub fn bridge(wavefront: &mut Wavefront<'_>, frame: &Frame, mvnee: &Mvnee) {
     bridged.len = buckets.sort(connections.len);
     let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
     (SIMD.mvnee_build)(&frame.medium, mvnee, *step, columns);
+}
+
+/// Builds bridges, bucket by bucket.
+pub fn build_bridges(wavefront: &mut Wavefront<'_>, frame: &Frame, bridge: &Bridge) {
+    connect(wavefront, frame, bridge.reach());
+    let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = wavefront;
+    let columns = bridge_sample::CountColumns { paths, connections, buckets };
+    (SIMD.bridge_count)(&frame.medium, bridge, frame.lengths, *step, columns);
+    bridged.len = buckets.sort(connections.len);
+    let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+    (SIMD.bridge_build)(&frame.medium, bridge, *step, columns);
 }
 
 /// Leaves only the first `live` lanes of every batch alive.

@@ -39,6 +39,12 @@ pub const DISTANCE: Tolerance = tolerance(1e-5, 1e-5);
 /// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
 pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
 
+/// Vertices of a bridge over `distance` whose farthest vertex is `extent` from its start: rounding of the free walk grows
+/// with every turn and is scaled with it.
+pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
+    tolerance(2e-6 + 2e-5 * extent.max(distance), 4e-6)
+}
+
 /// Transmittances of views: `exp` of an f32 whose rounding counts with its size, up to about 20.
 pub const TRANSMITTANCE: Tolerance = tolerance(1e-12, 4e-6);
 

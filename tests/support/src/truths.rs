@@ -50,6 +50,10 @@ pub struct Start {
     pub nee: f64,
     /// Multiple-vertex next event estimation over path tracing, without a limit on its length.
     pub mvnee: f64,
+    /// Bridges rolled uniformly, Poisson counts, over path tracing.
+    pub bridge: f64,
+    /// Aligned bridges, Poisson counts, over path tracing.
+    pub aligned_bridge: f64,
 }
 
 /// The recorded ratios, and those of the file that the environment variable `FOGBOW_DENSITY_RATIOS` names, if any.

@@ -1,7 +1,6 @@
 //! Complete paths put into tables and weighed by a mis_weight kernel of choice.
 
 use bumpalo::Bump;
-use fogbow_kernels::Step;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable};
@@ -11,6 +10,7 @@ use fogbow_kernels::mis_weight::{self, suffix::Suffix};
 use fogbow_kernels::phase::reference::density;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::{PathLengths, Step, Walk};
 use glam::DVec3;
 
 /// What paths are weighed in.
@@ -24,6 +24,10 @@ pub struct Weigher<'a> {
     pub lights: &'a Lights,
     /// The active techniques.
     pub techniques: &'a Techniques,
+    /// How far walks go.
+    pub walk: Walk,
+    /// Longest path, in segments.
+    pub longest: u32,
 }
 
 /// A complete path, and how it is told to have been made.
@@ -39,7 +43,12 @@ pub struct Made<'a> {
     pub light: usize,
 }
 
-impl Weigher<'_> {
+impl<'a> Weigher<'a> {
+    /// Weighs with `kernel`, for walks that go on and paths of any length.
+    pub fn new(kernel: mis_weight::Kernel, medium: &'a Medium, lights: &'a Lights, techniques: &'a Techniques) -> Self {
+        Self { kernel, medium, lights, techniques, walk: Walk::ALL, longest: 1000 }
+    }
+
     /// The weight of a path. It stands in `lane` of two batches; all other lanes are dead and hold NaN.
     pub fn weight(&self, made: &Made<'_>, lane: usize) -> f64 {
         let n = made.vertices.len() - 1;
@@ -90,7 +99,8 @@ impl Weigher<'_> {
             vertices: &vertices,
             suffix: &mut suffix,
         };
-        (self.kernel)(self.medium, self.lights, self.techniques, step, columns);
+        let lengths = PathLengths { min: 1, max: self.longest };
+        (self.kernel)(self.medium, self.lights, self.techniques, &self.walk, lengths, step, columns);
         f64::from(candidates.weight.rows()[0])
     }
 
