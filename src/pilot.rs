@@ -35,7 +35,7 @@ pub struct Trial {
     pub survival: f32,
     /// Variance of a sample, mean over pixels, sum over channels.
     pub variance: f64,
-    /// Work of a sample, see [`Work::cost`].
+    /// Work of a sample in about nanoseconds of one core.
     pub cost: f64,
 }
 
