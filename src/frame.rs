@@ -19,6 +19,8 @@ pub struct Frame {
     pub techniques: Techniques,
     /// How far walks go, and where they connect from.
     pub walk: Walk,
+    /// Share of the camera's flights that are drawn towards the lights, [0, 1).
+    pub aimed: f32,
     /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all are.
     pub roulette: f32,
     /// The path lengths that count.
@@ -41,6 +43,11 @@ impl Frame {
         let suffices = self.techniques.bridge.is_some_and(|bridge| bridge.reaches_everything());
         let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
         Self { walk: Walk { segments, starts, survival }, ..self }
+    }
+
+    /// Whether first flights are drawn towards the lights.
+    pub fn aims(&self) -> bool {
+        self.aimed > 0.0 && !self.medium.never_scatters()
     }
 
     /// Channels that differ: 1 where lights and medium are grey, 3 otherwise.

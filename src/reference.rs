@@ -8,6 +8,9 @@
 //! 3. to scatter, unless the flight ended on a disk or the walk is over;
 //! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
 //!
+//! A first flight that is drawn towards the lights leaves its weight, the density of a free flight over its own, in the
+//! throughput of all that follows; a view from the camera needs no flight, and no weight.
+//!
 //! Whatever made it, a candidate path X of n segments counts `C(X) = Le T / (reach(n) + sum of reach(i) r_i)`. Connections
 //! play roulette on it before they are tested for occlusion.
 
@@ -19,7 +22,8 @@ use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::{nee, omnee};
 use fogbow_kernels::{
-    accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette, scatter,
+    accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette,
+    scatter,
 };
 use glam::DVec3;
 
@@ -68,9 +72,16 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
             break;
         }
-        let flight = medium_sample::reference::flight(walk.extinction(), random::uniform(words[0]));
+        let mut flight = medium_sample::reference::flight(walk.extinction(), random::uniform(words[0]));
+        let aims = segment == 0 && frame.aims();
+        if aims {
+            flight = walk.aim(flight);
+        }
         if walk.meet_light(segment, flight) || segment + 1 == frame.walk_segments() {
             break;
+        }
+        if aims {
+            walk.weigh_first_flight(flight);
         }
         walk.scatter(flight, [words[1], words[2]].map(random::uniform));
         if frame.techniques.nee {
@@ -98,7 +109,7 @@ struct Walk<'a> {
     path: Vec<DVec3>,
     /// Direction of the ray that leaves the last vertex.
     direction: DVec3,
-    /// Product of the albedos so far.
+    /// Product of the albedos so far, and the weight of the first flight.
     throughput: [f64; 3],
     found: Vec<Contribution>,
 }
@@ -115,6 +126,23 @@ impl Walk<'_> {
 
     fn last(&self) -> DVec3 {
         self.path[self.path.len() - 1]
+    }
+
+    /// The camera's flight: `free`, or one drawn towards a light.
+    fn aim(&self, free: f64) -> f64 {
+        let u = first_flight::reference::uniforms(self.pixel, self.sample, self.frame.seed);
+        let share = f64::from(self.frame.aimed);
+        first_flight::reference::flight(&self.frame.lights, share, self.last(), self.direction, free, u)
+    }
+
+    /// Weighs everything that comes after the camera's flight.
+    fn weigh_first_flight(&mut self, flight: f64) {
+        let (lights, share) = (&self.frame.lights, f64::from(self.frame.aimed));
+        let (origin, direction) = (self.last(), self.direction);
+        let weight = first_flight::reference::weight(self.extinction(), lights, share, origin, direction, flight);
+        for throughput in &mut self.throughput {
+            *throughput *= weight;
+        }
     }
 
     /// Adds what the current ray sees of a light, and tells whether the path ends on a disk.
@@ -284,6 +312,7 @@ mod tests {
             },
             lengths,
             walk: FREE,
+            aimed: 0.0,
             roulette: 0.0,
             seed: 7,
         }
@@ -326,6 +355,43 @@ mod tests {
         assert_eq!(longest(Technique::Bridge), 6);
     }
 
+    #[test]
+    fn the_weight_of_the_first_flight_is_on_everything_but_views() {
+        let free = frame(0.9, PathLengths { min: 1, max: 5 });
+        let share = 0.25;
+        let aimed = Frame { aimed: share as f32, ..free.clone() };
+        let (mut same, mut other) = (0, 0);
+        for sample in 0..400 {
+            let [without, with] = [&free, &aimed].map(|frame| contributions(frame, 9, sample));
+            let view = |c: &&Contribution| c.segments == 1;
+            assert!(with.iter().any(|c| view(&c)), "sample {sample} sees no light");
+            assert!(without.iter().filter(view).eq(with.iter().filter(view)), "views differ in sample {sample}");
+            if first_flight::reference::uniforms(9, sample, free.seed)[0] < share {
+                other += u32::from(without != with);
+                continue;
+            }
+            // The same path, weighed.
+            let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
+            let words = medium_sample::reference::words(9, sample, 0, free.seed);
+            let t = medium_sample::reference::flight(0.5, random::uniform(words[0]));
+            let weight = first_flight::reference::weight(0.5, &free.lights, share, origin, direction, t);
+            assert_eq!(without.len(), with.len(), "sample {sample}");
+            for (without, with) in without.iter().zip(&with).filter(|(_, with)| with.segments > 1) {
+                let ratio = with.radiance[0] / without.radiance[0];
+                assert!((ratio / weight - 1.0).abs() < 1e-12, "sample {sample}: {ratio}, expected {weight}");
+                same += 1;
+            }
+        }
+        assert!(same > 100 && other > 50, "{same} contributions weighed, {other} samples aimed elsewhere");
+    }
+
+    #[test]
+    fn absorbers_are_not_aimed_in() {
+        let free = frame(0.0, PathLengths { min: 1, max: 9 });
+        let aimed = Frame { aimed: 0.5, ..free.clone() };
+        assert!((0..50).all(|sample| contributions(&free, 5, sample) == contributions(&aimed, 5, sample)));
+    }
+
     /// Mean over pixels and samples, and its standard error, of the first channel of paths of each number of segments.
     fn means(frame: &Frame) -> Vec<(f64, f64)> {
         let (pixels, samples) = (16, 3000);
@@ -366,6 +432,9 @@ mod tests {
             ("all", all.clone()),
             ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
             ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),
+            ("path, aimed", Frame { aimed: 0.5, ..only(Techniques::default()) }),
+            ("all, aimed", Frame { aimed: 0.5, ..all.clone() }),
+            ("all, mostly aimed, roulette", Frame { aimed: 0.9, roulette: 0.3, ..all.clone() }),
             ("all, roulette", Frame { roulette: 0.3, ..all.clone() }),
             ("bridge, one start", Frame { walk: brief, ..only(bridge(Roll::Aligned)) }),
             (

@@ -8,6 +8,7 @@ pub mod accumulate;
 pub mod columns;
 pub mod connect;
 pub mod extend;
+pub mod first_flight;
 pub mod generate;
 pub mod lanes;
 pub mod light_hit;

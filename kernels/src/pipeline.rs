@@ -1,7 +1,9 @@
 //! The table of stages: one function pointer each.
 
 use crate::connect::{bridge, light_sample, mvnee, omnee};
-use crate::{accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter};
+use crate::{
+    accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter,
+};
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
 macro_rules! pipeline {
@@ -45,6 +47,8 @@ pipeline! {
     generate (Generate): generate::Kernel = generate::simd::run, generate::reference::run;
     /// Free flights.
     medium_sample (MediumSample): medium_sample::Kernel = medium_sample::simd::run, medium_sample::reference::run;
+    /// First flights towards the lights.
+    first_flight (FirstFlight): first_flight::Kernel = first_flight::simd::run, first_flight::reference::run;
     /// Closest disk within the flight.
     extend (Extend): extend::Kernel = extend::simd::run, extend::reference::run;
     /// Hits become candidates, and end paths.

@@ -8,7 +8,7 @@
 //!
 //! | purpose | words |
 //! |---|---|
-//! | [`CAMERA`] | film x, film y, -, - |
+//! | [`CAMERA`] | film x, film y, free or aimed first flight, the aimed one |
 //! | [`SEGMENT`] | free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves |
 //! | [`NEE_LIGHT`] | light, radius and azimuth of the point on it, roulette |
 //! | [`MVNEE_LIGHT`] | the same for MVNEE |
@@ -22,7 +22,7 @@
 
 use wide::{f32x8, i32x8, u32x8};
 
-/// The place of a sample on the film.
+/// The place of a sample on the film, and its first flight.
 pub const CAMERA: u32 = 0;
 /// One step of the walk.
 pub const SEGMENT: u32 = 1;

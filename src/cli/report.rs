@@ -50,6 +50,7 @@ impl Report<'_> {
             ("technique", self.techniques()),
             ("starts", starts(self.scene.frame.walk.starts)),
             ("survival", self.scene.frame.walk.survival.to_string()),
+            ("aimed", self.scene.frame.aimed.to_string()),
             ("roulette", self.scene.frame.roulette.to_string()),
             ("seed", self.scene.frame.seed.to_string()),
             // The last ones perhaps not of every pixel.
@@ -118,6 +119,7 @@ impl Report<'_> {
             "technique": self.techniques(),
             "starts": starts(self.scene.frame.walk.starts),
             "survival": self.scene.frame.walk.survival,
+            "aimed": self.scene.frame.aimed,
             "roulette": self.scene.frame.roulette,
             "pilot": self.trials.iter().map(trial).collect::<Vec<_>>(),
             "threads": self.threads,

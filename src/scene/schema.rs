@@ -147,6 +147,9 @@ pub struct Render {
     pub starts: Starts,
     /// Probability with which a walk goes on from a vertex, above 0 and at most 1, or "auto", from the same pilot.
     pub survival: NumberOrAuto,
+    /// Share of the camera's flights that are drawn towards the lights, at least 0 and below 1, or "auto": 0.05 with bridges
+    /// and no more than 16 lights, 0 otherwise.
+    pub aimed: NumberOrAuto,
     /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)]: 0 for none, or "auto": none
     /// where only disks can block a connection, for testing them costs less than the roulette.
     pub roulette: NumberOrAuto,
@@ -175,6 +178,7 @@ impl Default for Render {
             bridge_vertices: None,
             starts: Starts::Auto,
             survival: NumberOrAuto(None),
+            aimed: NumberOrAuto(None),
             roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,

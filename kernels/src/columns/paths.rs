@@ -7,8 +7,9 @@
 //! depth of a path is the clock minus its birth.
 
 use bumpalo::Bump;
-use wide::u32x8;
+use wide::{f32x8, u32x8};
 
+use super::Column;
 use crate::columns;
 use crate::lanes::{self, LaneSet};
 
@@ -27,7 +28,8 @@ columns! {
         /// Depth of the first vertex from which a light is within the distance limit of a technique that has one;
         /// `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited technique.
         first_near: u32,
-        /// Product of `f / p` over all vertices before the current ray, per channel, [0, 1] (transport: T).
+        /// Product of `f / p` over all vertices before the current ray, per channel (transport: T): albedos, and where first
+        /// flights are aimed the first one's weight.
         throughput: [f32; 3],
         /// Sum of the contributions found so far, per channel [W/(m^2 sr)].
         radiance: [f32; 3],
@@ -112,6 +114,17 @@ impl<'q> PathTable<'q> {
         for b in 0..self.live.batches() {
             let ended = lanes::as_mask(self.columns.birth.batch(b).simd_eq(born));
             self.live.remove_batch(b, lanes::bits(ended));
+        }
+    }
+
+    /// Multiplies the throughput of the live paths among `chosen` by their row of `factor`.
+    pub fn scale_throughput(&mut self, chosen: &LaneSet<'_>, factor: &Column<'_, f32>) {
+        for (b, bits) in chosen.each_batch() {
+            let scaled = lanes::mask(bits & self.live.batch(b));
+            let factor = scaled.select(factor.batch(b), f32x8::ONE);
+            for channel in self.columns.throughput.channels_mut().into_iter().take(self.channels) {
+                channel.set_batch(b, channel.batch(b) * factor);
+            }
         }
     }
 

@@ -52,6 +52,9 @@ columns! {
         cosine: u32,
         /// Random word for the azimuth of the scattering at its end.
         azimuth: u32,
+        /// Density of a free flight over the density with which this one was drawn, >= 0; filled for camera rays only,
+        /// and only where some are aimed.
+        weight: f32,
     }
 }
 

@@ -28,7 +28,7 @@ pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
             continue;
         }
         let flight = flight(f64::from(medium.extinction), random::uniform(distance)) as f32;
-        flights.set_row(lane, Flight { flight, cosine, azimuth });
+        flights.set_row(lane, Flight { flight, cosine, azimuth, ..flights.row(lane) });
     }
 }
 

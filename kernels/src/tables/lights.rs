@@ -66,6 +66,7 @@ pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
 pub struct Lights {
     disks: Vec<Disk>,
     shares: Vec<f32>,
+    intensities: Vec<f32>,
     selection: Selection,
 }
 
@@ -79,7 +80,9 @@ impl Lights {
             Selection::Uniform => vec![1.0 / disks.len() as f32; disks.len()],
             _ => disks.iter().map(|disk| (disk.intensity() / total) as f32).collect(),
         };
-        Self { disks, shares, selection }
+        let share = |disk: &Disk| if total > 0.0 { disk.intensity() / total } else { 1.0 / disks.len() as f64 };
+        let intensities = disks.iter().map(|disk| share(disk) as f32).collect();
+        Self { disks, shares, intensities, selection }
     }
 
     /// The disks; a light's index is its place here.
@@ -91,6 +94,11 @@ impl Lights {
     /// share over distance, normalised, under [`Selection::IntensityDistance`].
     pub fn shares(&self) -> &[f32] {
         &self.shares
+    }
+
+    /// What each light has of the intensity of all; sums to one.
+    pub fn intensities(&self) -> &[f32] {
+        &self.intensities
     }
 
     /// The rule in force: uniform where the others come to the same.

@@ -1,0 +1,87 @@
+//! ```text
+//! u < share: t = sqrt(delta^2 + D^2) sin(v span) / sin((1 - v) span)          u, v: last words of the CAMERA block
+//! weight = 1 / (1 - share + share sum_l share_l q_l(t) e^{mu_t t} / mu_t)
+//! ```
+//!
+//! 1. Requests are mostly whole batches; the others are blended in.
+//! 2. The form with two sines does not cancel where the light is behind the ray or v is small.
+//! 3. Lights are visited twice, to draw and to weigh: what is known of one is cheaper computed again than kept.
+
+use wide::f32x8;
+
+use super::Columns;
+use crate::columns::queues::FlightTable;
+use crate::random::{self, uniform_x8};
+use crate::tables::lights::{Disk, Lights};
+use crate::tables::media::Medium;
+use crate::transcendental::exp;
+use crate::vec3x8::Vec3x8;
+use crate::{Step, lanes};
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Columns<'_, '_>) {
+    let Columns { requests, paths, vertices, rays, flights } = columns;
+    let FlightTable { flight, weight, .. } = flights;
+    let (position, direction) = (&vertices.at(step.clock).position, &rays.at(step.clock).direction);
+    let (extinction, share) = (f32x8::splat(medium.extinction), f32x8::splat(share));
+    for (b, requested) in requests.lanes.each_batch() {
+        let block = wide::u32x8::splat(random::block(0, random::CAMERA));
+        let (pixel, sample) = (paths.columns.pixel.batch(b), paths.columns.sample.batch(b));
+        let [.., u, v] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
+        let (origin, direction) = (position.batch(b), direction.batch(b));
+
+        let mut t = flight.batch(b);
+        let (mut open, mut below) = (u.simd_lt(share), f32x8::ZERO);
+        for (index, (disk, part)) in lights.disks().iter().zip(lights.intensities()).enumerate() {
+            below += share * f32x8::splat(*part);
+            let last = index + 1 == lights.disks().len();
+            let drawn = if last { open } else { open & u.simd_lt(below) };
+            t = drawn.select(Sight::new(disk, origin, direction).draw(v), t);
+            open &= !drawn;
+        }
+        let mut density = f32x8::ZERO;
+        for (disk, part) in lights.disks().iter().zip(lights.intensities()) {
+            density += f32x8::splat(*part) * Sight::new(disk, origin, direction).density(t);
+        }
+        let free = exp(extinction * t) / extinction;
+        let quotient = f32x8::ONE / (share * density).mul_add(free, f32x8::ONE - share);
+        let requested = lanes::mask(requested);
+        flight.set_batch(b, requested.select(t, flight.batch(b)));
+        weight.set_batch(b, requested.select(quotient, weight.batch(b)));
+    }
+}
+
+/// A light as eight rays pass it.
+struct Sight {
+    /// Distance along the ray to the point closest to the light's centre `[m]`.
+    delta: f32x8,
+    /// Distance of that point, not less than the light's radius `[m]`.
+    closest: f32x8,
+    /// Angle under which the light sees the ray.
+    span: f32x8,
+}
+
+impl Sight {
+    #[inline(always)]
+    fn new(disk: &Disk, origin: Vec3x8, direction: Vec3x8) -> Self {
+        let to_center = Vec3x8::splat(disk.center) - origin;
+        let delta = to_center.dot(direction);
+        let across = direction.mul_neg_add(delta, to_center).length_squared();
+        let closest = (across + f32x8::splat(disk.radius * disk.radius)).sqrt();
+        Self { delta, closest, span: closest.atan2(-delta) }
+    }
+
+    /// The flight at the share `v` of all angles.
+    #[inline(always)]
+    fn draw(&self, v: f32x8) -> f32x8 {
+        let distance = self.delta.mul_add(self.delta, self.closest * self.closest).sqrt();
+        distance * (v * self.span).sin() / ((f32x8::ONE - v) * self.span).sin()
+    }
+
+    /// Density of the flight `t` [1/m].
+    #[inline(always)]
+    fn density(&self, t: f32x8) -> f32x8 {
+        let along = t - self.delta;
+        self.closest / (self.span * along.mul_add(along, self.closest * self.closest))
+    }
+}
