@@ -2,8 +2,33 @@
 
 use bumpalo::Bump;
 
-use crate::columns::queues::Bucket;
+use crate::columns::paths::PathTable;
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use crate::columns::{Column, LANES};
+
+/// What counting the inserted vertices of connections may touch.
+pub struct CountColumns<'a, 'q> {
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathTable<'q>,
+    /// Read: lane, start and point of the connections.
+    pub connections: &'a CandidateQueue<'q>,
+    /// Filled: `count` of every connection.
+    pub buckets: &'a mut BucketTable<'q>,
+}
+
+/// What placing the inserted vertices of connections may touch.
+pub struct BuildColumns<'a, 'q> {
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathTable<'q>,
+    /// Read: every column of the connections but the weight.
+    pub connections: &'a CandidateQueue<'q>,
+    /// Read: order and buckets.
+    pub buckets: &'a BucketTable<'q>,
+    /// Filled at the buckets' rows: every column but the weight.
+    pub candidates: &'a mut CandidateQueue<'q>,
+    /// Filled at the buckets' rows: the inserted vertices.
+    pub chains: &'a mut ChainTable<'q>,
+}
 
 /// A stable counting sort of connection rows by their number of inserted vertices.
 pub struct BucketTable<'q> {

@@ -10,6 +10,7 @@ pub mod light_sample;
 pub mod mvnee;
 pub mod nee;
 pub mod omnee;
+pub mod sequence;
 
 use bridge::Bridge;
 use mvnee::Mvnee;

@@ -5,10 +5,10 @@
 //!
 //! 1. Batches in which nothing is faint need no random numbers.
 
-use wide::{f32x8, u32x8};
+use wide::f32x8;
 
 use super::{Columns, Threshold};
-use crate::random::{self, uniform_x8};
+use crate::connect::sequence::Sequence;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 use crate::{Step, lanes};
@@ -32,11 +32,8 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
         if lanes::bits(faint) & rows == 0 {
             continue;
         }
-        let depth = u32x8::splat(step.clock) - paths.columns.birth.gather(&lane_of);
-        let block = depth << 16_u32 | u32x8::splat(threshold.purpose);
-        let (pixel, sample) = (paths.columns.pixel.gather(&lane_of), paths.columns.sample.gather(&lane_of));
-        let [.., u] = random::words_x8(pixel, sample, block, step.seed);
-        let kept = uniform_x8(u).simd_lt(survival).select(weight / survival, f32x8::ZERO);
+        let [.., u] = Sequence::new(step, paths, &lane_of).uniforms(threshold.purpose);
+        let kept = u.simd_lt(survival).select(weight / survival, f32x8::ZERO);
         candidates.weight.set_batch(b, faint.select(kept, weight));
     }
 }

@@ -19,13 +19,14 @@
 //! Neither the shape of the walk nor its phase functions enter, only N, L, s and the turn at the start.
 //!
 //! **Counts.** Edges of a bridge from a start at depth i, with `room = min(K - i, max_inserted + 1)`:
-//! `P(N) = (1 - e) Poisson(N - 1; lambda) + e / room` for N in 1 .. room, with e = [`Bridge::defensive`] and lambda the
+//! `P(N) = (1 - eps) Poisson(N - 1; lambda) + eps / room` for N in 1 .. room, with eps = [`Bridge::defensive`] and lambda the
 //! smaller of `mu_t s` and [`LARGEST_MEAN`]. A Poisson count alone has too thin a tail: a path with many more edges than mu_t s
 //! predicts is then found by nobody and becomes a firefly. Counts beyond the room are dropped, not redrawn.
 //!
 //! **Roll.** With d_in the direction in which the path arrives at the start and d_0 that of the first edge, at angles
-//! beta and gamma to the axis, and psi the dihedral angle between them, `d_in . d_0 = cos beta cos gamma + sin beta sin
-//! gamma cos psi`. The Henyey-Greenstein function is then a wrapped Cauchy density in psi, which can be drawn exactly:
+//! gamma and beta to the axis, and psi the dihedral angle between them, `d_in . d_0 = cos beta cos gamma + sin beta sin
+//! gamma cos psi`. One over h is then a wrapped Cauchy density in psi, which can be drawn exactly; the Henyey-Greenstein
+//! function, `h^{-3/2}`, is nearly followed, and what is left of it is a bounded factor:
 //!
 //! ```text
 //! h_- = h(cos(beta - gamma)),   h_+ = h(cos(beta + gamma)),   h = h(d_in . d_0)
@@ -53,7 +54,7 @@ pub const LARGEST_MEAN: f64 = 64.0;
 /// How a bridge is rolled about its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Roll {
-    /// In proportion to the Henyey-Greenstein function of the turn at the start.
+    /// In proportion to one over h of the turn at the start: the Henyey-Greenstein function to the power 2/3.
     Aligned,
     /// All angles alike.
     Uniform,

@@ -1,7 +1,7 @@
 //! ```text
 //! for each start a, counted from the light (N = a edges), within reach:
 //!     x = mu_t L, lambda = min(mu_t s, largest mean)
-//!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - e) Poisson(N - 1; lambda) + e / room ] (N - 1)! e^x / x^N * turn
+//!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) Poisson(N - 1; lambda) + eps / room ] (N - 1)! e^x / x^N * turn
 //!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll)
 //! ```
 //!

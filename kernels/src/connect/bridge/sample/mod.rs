@@ -4,21 +4,9 @@ pub mod reference;
 pub mod simd;
 
 use super::Bridge;
-use crate::columns::paths::PathTable;
-use crate::columns::queues::{CandidateQueue, ChainTable};
-use crate::connect::buckets::BucketTable;
+pub use crate::connect::buckets::{BuildColumns, CountColumns};
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step};
-
-/// What counting may touch.
-pub struct CountColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
-    pub paths: &'a PathTable<'q>,
-    /// Read: lane, start and point of the connections.
-    pub connections: &'a CandidateQueue<'q>,
-    /// Filled: `count` of every connection, its number of inserted vertices N - 1.
-    pub buckets: &'a mut BucketTable<'q>,
-}
 
 /// Draws the number of edges N of every bridge.
 ///
@@ -26,20 +14,6 @@ pub struct CountColumns<'a, 'q> {
 /// [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`; else N - 1 is the smallest m whose cumulative Poisson
 /// probability `sum_{k <= m} e^-lambda lambda^k / k!` exceeds v. A bridge of more than `room` edges is marked as dropped.
 pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, '_>);
-
-/// What building may touch.
-pub struct BuildColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
-    pub paths: &'a PathTable<'q>,
-    /// Read: every column of the connections but the weight.
-    pub connections: &'a CandidateQueue<'q>,
-    /// Read: order and buckets.
-    pub buckets: &'a BucketTable<'q>,
-    /// Filled at the buckets' rows: every column but the weight.
-    pub candidates: &'a mut CandidateQueue<'q>,
-    /// Filled at the buckets' rows: the inserted vertices.
-    pub chains: &'a mut ChainTable<'q>,
-}
 
 /// Places the inserted vertices of every bridge.
 ///

@@ -14,10 +14,9 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{BuildColumns, CountColumns};
 use crate::connect::bridge::reference::{mean_inserted, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll};
-use crate::connect::buckets;
+use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::{frame, sample_cosine, turn};
 use crate::tables::media::Medium;

@@ -1,5 +1,5 @@
 //! ```text
-//! count: u < e ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
+//! count: u < eps ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
@@ -16,14 +16,13 @@
 
 use wide::{f32x8, u32x8};
 
-use super::{BuildColumns, CountColumns};
-use crate::columns::paths::PathTable;
 use crate::columns::queues::CandidateBatch;
 use crate::columns::{Column3, LANES};
 use crate::connect::bridge::{Bridge, LARGEST_MEAN, Roll};
-use crate::connect::buckets::DROPPED;
+use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
+use crate::connect::sequence::Sequence;
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
-use crate::random::{self, uniform_x8};
+use crate::random;
 use crate::tables::media::Medium;
 use crate::transcendental::{exp, neg_ln, sin_cos_half_turn};
 use crate::vec3x8::Vec3x8;
@@ -31,34 +30,6 @@ use crate::{PathLengths, Step, lanes};
 
 /// Shortest length by which a direction is normalised.
 const LEAST: f32 = 1e-30;
-
-/// The random sequence of eight bridges.
-struct Sequence {
-    pixel: u32x8,
-    sample: u32x8,
-    depth: u32x8,
-    seed: u32,
-}
-
-impl Sequence {
-    #[inline(always)]
-    fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
-        let path = &paths.columns;
-        Self {
-            pixel: path.pixel.gather(lane_of),
-            sample: path.sample.gather(lane_of),
-            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
-            seed: step.seed,
-        }
-    }
-
-    /// Four uniform numbers of block `purpose`.
-    #[inline(always)]
-    fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
-        let block = self.depth << 16_u32 | u32x8::splat(purpose);
-        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
-    }
-}
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {

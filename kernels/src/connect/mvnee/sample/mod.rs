@@ -4,41 +4,15 @@ pub mod reference;
 pub mod simd;
 
 use super::Mvnee;
-use crate::columns::paths::PathTable;
-use crate::columns::queues::{CandidateQueue, ChainTable};
-use crate::connect::buckets::BucketTable;
+pub use crate::connect::buckets::{BuildColumns, CountColumns};
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step};
-
-/// What counting may touch.
-pub struct CountColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
-    pub paths: &'a PathTable<'q>,
-    /// Read: lane, start and point of the connections.
-    pub connections: &'a CandidateQueue<'q>,
-    /// Filled: `count` of every connection.
-    pub buckets: &'a mut BucketTable<'q>,
-}
 
 /// Counts the seeds of every connection: free flights along the axis until its length is exceeded.
 ///
 /// Seed `k` takes word `k mod 4` of block `MVNEE_FLIGHTS + k div 4`, with the depth of the start. A connection that
 /// would make the path longer than `lengths.max` segments is marked as dropped.
 pub type CountKernel = fn(&Medium, PathLengths, Step, CountColumns<'_, '_>);
-
-/// What building may touch.
-pub struct BuildColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
-    pub paths: &'a PathTable<'q>,
-    /// Read: every column of the connections but the weight.
-    pub connections: &'a CandidateQueue<'q>,
-    /// Read: order and buckets.
-    pub buckets: &'a BucketTable<'q>,
-    /// Filled at the buckets' rows: every column but the weight.
-    pub candidates: &'a mut CandidateQueue<'q>,
-    /// Filled at the buckets' rows: the inserted vertices.
-    pub chains: &'a mut ChainTable<'q>,
-}
 
 /// Places the inserted vertices of every connection.
 ///

@@ -13,8 +13,7 @@ use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::{BuildColumns, CountColumns};
-use crate::connect::buckets;
+use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::mvnee::reference::{Settings, sigma};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::medium_sample::reference::flight;

@@ -12,60 +12,35 @@
 
 use wide::{f32x8, u32x8};
 
-use super::{BuildColumns, CountColumns};
-use crate::columns::paths::PathTable;
 use crate::columns::queues::CandidateBatch;
 use crate::columns::{Column3, LANES};
-use crate::connect::buckets::DROPPED;
+use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
-use crate::random::{self, uniform_x8};
+use crate::connect::sequence::Sequence;
+use crate::random;
 use crate::tables::media::Medium;
 use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
 use crate::{PathLengths, Step, lanes};
 
-/// The random sequence of eight connections.
-struct Sequence {
-    pixel: u32x8,
-    sample: u32x8,
-    depth: u32x8,
-    seed: u32,
-    mean_free_path: f32x8,
+#[inline(always)]
+fn mean_free_path(medium: &Medium) -> f32x8 {
+    f32x8::splat((1.0 / f64::from(medium.extinction)) as f32)
 }
 
-impl Sequence {
-    #[inline(always)]
-    fn new(medium: &Medium, step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
-        let path = &paths.columns;
-        Self {
-            pixel: path.pixel.gather(lane_of),
-            sample: path.sample.gather(lane_of),
-            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
-            seed: step.seed,
-            mean_free_path: f32x8::splat((1.0 / f64::from(medium.extinction)) as f32),
-        }
-    }
-
-    /// Four uniform numbers of block `purpose`.
-    #[inline(always)]
-    fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
-        let block = self.depth << 16_u32 | u32x8::splat(purpose);
-        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
-    }
-
-    /// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
-    #[inline(always)]
-    fn flights(&self, k: usize) -> [f32x8; 4] {
-        let uniforms = self.uniforms(random::MVNEE_FLIGHTS + k as u32);
-        uniforms.map(|u| neg_ln(f32x8::ONE - u) * self.mean_free_path)
-    }
+/// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
+#[inline(always)]
+fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
+    let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS + k as u32);
+    uniforms.map(|u| neg_ln(f32x8::ONE - u) * mean_free_path)
 }
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
     let CountColumns { paths, connections, buckets } = columns;
+    let mean_free_path = mean_free_path(medium);
     for b in 0..connections.len.div_ceil(LANES) {
-        let sequence = Sequence::new(medium, step, paths, &connections.lane.batch(b).to_array());
+        let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
         let axis = connections.point.batch(b) - connections.start.batch(b);
         let distance = axis.length_squared().sqrt();
         let longest = u32x8::splat(lengths.max - 1) - sequence.depth;
@@ -73,7 +48,7 @@ pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountCo
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
-            for flight in sequence.flights(k) {
+            for flight in flights(&sequence, mean_free_path, k) {
                 along += flight;
                 inside &= along.simd_lt(distance) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
@@ -90,13 +65,15 @@ pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountCo
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
 pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'_, '_>) {
     let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+    let mean_free_path = mean_free_path(medium);
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
             if bucket.inserted > 0 {
-                let sequence = Sequence::new(medium, step, paths, &candidate.lane.to_array());
-                place(&sequence, mvnee, &candidate, &mut chains.vertices[..bucket.inserted], b);
+                let sequence = Sequence::new(step, paths, &candidate.lane.to_array());
+                let chain = &mut chains.vertices[..bucket.inserted];
+                place(&sequence, mvnee, mean_free_path, &candidate, chain, b);
             }
         }
     }
@@ -104,7 +81,14 @@ pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'
 
 /// Fills batch `b` of the chain: the vertices between start and point.
 #[inline(always)]
-fn place(sequence: &Sequence, mvnee: &Mvnee, candidate: &CandidateBatch, chain: &mut [Column3<'_>], b: usize) {
+fn place(
+    sequence: &Sequence,
+    mvnee: &Mvnee,
+    mean_free_path: f32x8,
+    candidate: &CandidateBatch,
+    chain: &mut [Column3<'_>],
+    b: usize,
+) {
     let to_light = candidate.point - candidate.start;
     let distance = to_light.length_squared().sqrt();
     let axis = to_light * (f32x8::ONE / distance);
@@ -113,7 +97,7 @@ fn place(sequence: &Sequence, mvnee: &Mvnee, candidate: &CandidateBatch, chain: 
     // Leave (step, L, place on the axis) of every seed in its place in the chain.
     let (mut along, mut before) = (f32x8::ZERO, f32x8::ZERO);
     for (k, four) in chain.chunks_mut(4).enumerate() {
-        for (seed, flight) in four.iter_mut().zip(sequence.flights(k)) {
+        for (seed, flight) in four.iter_mut().zip(flights(sequence, mean_free_path, k)) {
             along += flight;
             before = flight.mul_add(flight, before);
             seed.set_batch(b, Vec3x8::new(flight, before, along));

@@ -6,13 +6,14 @@
 //!
 //! 1. `sin(theta - alpha) / sin theta = cos alpha - sin alpha cot theta`, which is 1 - u where theta vanishes.
 
-use wide::{f32x8, u32x8};
+use wide::f32x8;
 
 use super::BuildColumns;
 use crate::Step;
 use crate::columns::LANES;
+use crate::connect::sequence::Sequence;
 use crate::phase::{HenyeyGreensteinX8, forward_share};
-use crate::random::{self, uniform_x8};
+use crate::random;
 use crate::tables::media::Medium;
 use crate::transcendental::sin_cos_turn;
 
@@ -22,11 +23,8 @@ pub fn build(medium: &Medium, step: Step, columns: BuildColumns<'_, '_>) {
     let phase = HenyeyGreensteinX8::new(medium.phase);
     let share = f32x8::splat(forward_share(f64::from(medium.phase.g)) as f32);
     for b in 0..connections.len.div_ceil(LANES) {
-        let lane_of = connections.lane.batch(b).to_array();
-        let depth = u32x8::splat(step.clock) - paths.columns.birth.gather(&lane_of);
-        let block = depth << 16_u32 | u32x8::splat(random::OMNEE_VERTEX);
-        let (pixel, sample) = (paths.columns.pixel.gather(&lane_of), paths.columns.sample.gather(&lane_of));
-        let [turn, first, azimuth, _] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
+        let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
+        let [turn, first, azimuth, _] = sequence.uniforms(random::OMNEE_VERTEX);
 
         let start = connections.start.batch(b);
         let to_light = connections.point.batch(b) - start;

@@ -1,0 +1,38 @@
+//! The random numbers of eight connections.
+
+use wide::{f32x8, u32x8};
+
+use crate::Step;
+use crate::columns::LANES;
+use crate::columns::paths::PathTable;
+use crate::random::{self, uniform_x8};
+
+/// What the random numbers of eight connections are drawn from.
+pub struct Sequence {
+    pixel: u32x8,
+    sample: u32x8,
+    /// Depths of the starts.
+    pub depth: u32x8,
+    seed: u32,
+}
+
+impl Sequence {
+    /// That of connections from the current vertices of the paths in `lane_of`.
+    #[inline(always)]
+    pub fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
+        let path = &paths.columns;
+        Self {
+            pixel: path.pixel.gather(lane_of),
+            sample: path.sample.gather(lane_of),
+            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
+            seed: step.seed,
+        }
+    }
+
+    /// Four uniform numbers of block `purpose`.
+    #[inline(always)]
+    pub fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
+        let block = self.depth << 16_u32 | u32x8::splat(purpose);
+        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
+    }
+}
