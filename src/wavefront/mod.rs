@@ -1,27 +1,23 @@
 //! The bounce loop: who reads and who fills.
 
+mod connect;
+mod settle;
+
 use bumpalo::Bump;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{
-    Bucket, CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable,
-};
+use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable};
 use fogbow_kernels::connect::Techniques;
-use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::buckets::BucketTable;
-use fogbow_kernels::connect::light_sample::{self, Reach};
-use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
-use fogbow_kernels::connect::nee;
-use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
 use fogbow_kernels::lanes;
 use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::{Pipeline, Stage};
-use fogbow_kernels::roulette::{self, Threshold};
-use fogbow_kernels::{Step, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter};
+use fogbow_kernels::{Step, extend, first_flight, generate, light_hit, medium_sample, scatter};
 
 use crate::film::{Region, Tile};
 use crate::frame::Frame;
-use crate::stats::{Connector, Stats};
+use crate::stats::Stats;
+use settle::Settle;
 
 /// Paths in flight per worker, if the length limit does not make their histories too large. Measured with the columns
 /// as they are: 256 to 1024 are equally fast, fewer pay for calls, more for cache misses.
@@ -224,29 +220,27 @@ impl<'q> Wavefront<'q> {
             self.step.clock += 1;
             return;
         }
+        if frame.aims() {
+            self.paths.scale_throughput(&self.requests.lanes, &self.flights.weight);
+        }
         self.scatter(frame, pipeline, stats);
         self.step.clock += 1;
-        // MVNEE first: it notes which vertices are near a light, and the weights of all candidates rely on that.
-        if let Some(mvnee) = frame.techniques.mvnee {
-            self.connect_mvnee(frame, pipeline, &mvnee, stats);
-        }
-        if frame.techniques.nee {
-            self.connect_nee(frame, pipeline, stats);
-        }
-        if frame.techniques.omnee {
-            self.connect_omnee(frame, pipeline, stats);
-        }
-        if let Some(bridge) = frame.techniques.bridge {
-            self.connect_bridge(frame, pipeline, &bridge, stats);
-        }
+        self.connect(frame, pipeline, stats);
     }
 
     fn fly(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        let Self { paths, flights, step, .. } = self;
+        let Self { requests, paths, vertices, rays, flights, step, .. } = self;
         let size = stats.lane_rows(&paths.live);
         stats.run(Stage::MediumSample, size, || {
             (pipeline.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
         });
+        if frame.aims() && !requests.lanes.is_empty() {
+            let size = stats.lane_rows(&requests.lanes);
+            stats.run(Stage::FirstFlight, size, || {
+                let columns = first_flight::Columns { requests, paths, vertices, rays, flights };
+                (pipeline.first_flight)(&frame.medium, &frame.lights, frame.aimed, *step, columns);
+            });
+        }
     }
 
     fn extend(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
@@ -282,176 +276,6 @@ impl<'q> Wavefront<'q> {
         stats.run(Stage::Scatter, size, || {
             (pipeline.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
         });
-    }
-
-    /// A light point for every vertex within reach.
-    fn sample_lights(&mut self, frame: &Frame, pipeline: &Pipeline, reach: Reach, stats: &mut Stats) {
-        let Self { paths, vertices, rays, connections, step, .. } = self;
-        connections.len = 0;
-        let size = stats.lane_rows(&paths.live);
-        let reach = reach.from_first(frame.walk.starts);
-        stats.run(Stage::LightSample, size, || {
-            let columns = light_sample::Columns { paths, vertices, rays, connections };
-            (pipeline.light_sample)(&frame.lights, reach, *step, columns);
-        });
-    }
-
-    fn connect_nee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, nee::REACH, stats);
-        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
-        stats.connections(Connector::Nee).tried += connections.len as u64;
-        let bucket = connections.direct();
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
-        settle.connection(Connector::Nee, bucket, connections);
-    }
-
-    fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, mvnee.reach(), stats);
-        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
-        stats.run(Stage::MvneeCount, rows(connections.len), || {
-            let columns = mvnee_sample::CountColumns { paths, connections, buckets };
-            (pipeline.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
-        });
-        bridged.len = buckets.sort(connections.len);
-        stats.run(Stage::MvneeBuild, rows(bridged.len), || {
-            let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.mvnee_build)(&frame.medium, mvnee, *step, columns);
-        });
-        self.settle_buckets(Connector::Mvnee, frame, pipeline, stats);
-    }
-
-    fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, bridge.reach(), stats);
-        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
-        stats.run(Stage::BridgeCount, rows(connections.len), || {
-            let columns = bridge_sample::CountColumns { paths, connections, buckets };
-            (pipeline.bridge_count)(&frame.medium, bridge, frame.lengths, *step, columns);
-        });
-        bridged.len = buckets.sort(connections.len);
-        stats.run(Stage::BridgeBuild, rows(bridged.len), || {
-            let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.bridge_build)(&frame.medium, bridge, *step, columns);
-        });
-        self.settle_buckets(Connector::Bridge, frame, pipeline, stats);
-    }
-
-    fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, omnee::reach(frame.lengths), stats);
-        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
-        stats.connections(Connector::Omnee).tried += connections.len as u64;
-        stats.run(Stage::OmneeBuild, rows(connections.len), || {
-            let columns = omnee_sample::BuildColumns { paths, connections, chains };
-            (pipeline.omnee_build)(&frame.medium, *step, columns);
-        });
-        let bucket = Bucket { inserted: 1, ..connections.direct() };
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
-        settle.connection(Connector::Omnee, bucket, connections);
-    }
-
-    /// What becomes of connections that were sorted and built.
-    fn settle_buckets(&mut self, connector: Connector, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        let Self { connections, buckets, bridged, vertices, paths, chains, suffix, step, .. } = self;
-        stats.connections(connector).tried += connections.len as u64;
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
-        for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
-            settle.connection(connector, *bucket, bridged);
-        }
-    }
-}
-
-/// What becomes of complete candidates: a weight, a shadow test, a contribution.
-struct Settle<'a, 'q> {
-    frame: &'a Frame,
-    pipeline: &'a Pipeline,
-    step: Step,
-    paths: &'a mut PathTable<'q>,
-    vertices: &'a VertexTable<'q>,
-    chains: &'a ChainTable<'q>,
-    suffix: &'a mut Suffix<'q>,
-    stats: &'a mut Stats,
-}
-
-impl<'q> Settle<'_, 'q> {
-    /// All three, for candidates that nothing has traced yet.
-    fn connection(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
-        self.count_work(bucket, candidates);
-        self.weigh(bucket, candidates);
-        let weighted = self.count(bucket, candidates);
-        if self.frame.roulette > 0.0 {
-            self.drop_faint(connector, bucket, candidates);
-        }
-        let kept = self.count(bucket, candidates);
-        if self.may_be_blocked(bucket) {
-            self.occlude(bucket, candidates);
-        }
-        let free = self.count(bucket, candidates);
-        self.accumulate(bucket, candidates);
-        let stats = self.stats.connections(connector);
-        stats.weighted += weighted;
-        stats.faint += weighted - kept;
-        stats.occluded += kept - free;
-    }
-
-    /// Work by arithmetic on whole buckets, but for the depths of the starts.
-    fn count_work(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
-        let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
-        let depths: u64 = candidates.lane.rows()[bucket.rows()]
-            .iter()
-            .map(|lane| u64::from(self.paths.depth(self.step.clock, *lane as usize)))
-            .sum();
-        let work = &mut self.stats.work;
-        work.connections += rows;
-        work.edges += rows * edges;
-        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
-        work.terms += (depths + rows * (edges - 1)).min(rows * u64::from(self.frame.walk.starts));
-    }
-
-    fn drop_faint(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
-        let Self { frame, pipeline, step, paths, .. } = self;
-        let threshold = Threshold { contribution: frame.roulette, purpose: connector.light_purpose() };
-        self.stats.run(Stage::Roulette, rows(bucket.len), || {
-            let columns = roulette::Columns { bucket, candidates, paths };
-            (pipeline.roulette)(&frame.medium, &frame.lights, threshold, *step, columns);
-        });
-    }
-
-    fn weigh(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
-        let Self { frame, pipeline, step, paths, vertices, chains, suffix, .. } = self;
-        self.stats.run(Stage::MisWeight, rows(bucket.len), || {
-            let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
-            let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
-            (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
-        });
-    }
-
-    /// Nothing lies between a point in front of the only disk and that disk.
-    fn may_be_blocked(&self, bucket: Bucket) -> bool {
-        bucket.inserted > 0 || self.frame.lights.disks().len() > 1
-    }
-
-    fn occlude(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
-        let Self { frame, pipeline, chains, .. } = self;
-        self.stats.run(Stage::Occlusion, rows(bucket.len), || {
-            (pipeline.occlusion)(&frame.lights, occlusion::Columns { bucket, candidates, chains });
-        });
-    }
-
-    fn accumulate(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
-        let Self { frame, pipeline, step, paths, .. } = self;
-        let mut dropped = self.stats.dropped;
-        self.stats.run(Stage::Accumulate, rows(bucket.len), || {
-            let columns = accumulate::Columns { bucket, candidates, paths, dropped: &mut dropped };
-            (pipeline.accumulate)(&frame.medium, &frame.lights, frame.lengths, *step, columns);
-        });
-        self.stats.dropped = dropped;
-    }
-
-    /// Candidates of the bucket that weigh something; only counted if statistics are detailed.
-    fn count(&self, bucket: Bucket, candidates: &CandidateQueue<'q>) -> u64 {
-        if !self.stats.detailed {
-            return 0;
-        }
-        candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
     }
 }
 

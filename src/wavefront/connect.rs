@@ -1,0 +1,107 @@
+//! The connections of one bounce: light points, counts, chains, one technique after the other.
+
+use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
+use fogbow_kernels::connect::light_sample::{self, Reach};
+use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
+use fogbow_kernels::connect::nee;
+use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
+use fogbow_kernels::pipeline::{Pipeline, Stage};
+
+use super::settle::Settle;
+use super::{Wavefront, rows};
+use crate::frame::Frame;
+use crate::stats::{Connector, Stats};
+
+impl Wavefront<'_> {
+    /// Everything that connects from the current vertices.
+    pub(super) fn connect(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        // MVNEE first: it notes which vertices are near a light, and the weights of all candidates rely on that.
+        if let Some(mvnee) = frame.techniques.mvnee {
+            self.connect_mvnee(frame, pipeline, &mvnee, stats);
+        }
+        if frame.techniques.nee {
+            self.connect_nee(frame, pipeline, stats);
+        }
+        if frame.techniques.omnee {
+            self.connect_omnee(frame, pipeline, stats);
+        }
+        if let Some(bridge) = frame.techniques.bridge {
+            self.connect_bridge(frame, pipeline, &bridge, stats);
+        }
+    }
+
+    /// A light point for every vertex within reach.
+    fn sample_lights(&mut self, frame: &Frame, pipeline: &Pipeline, reach: Reach, stats: &mut Stats) {
+        let Self { paths, vertices, rays, connections, step, .. } = self;
+        connections.len = 0;
+        let size = stats.lane_rows(&paths.live);
+        let reach = reach.from_first(frame.walk.starts);
+        stats.run(Stage::LightSample, size, || {
+            let columns = light_sample::Columns { paths, vertices, rays, connections };
+            (pipeline.light_sample)(&frame.lights, reach, *step, columns);
+        });
+    }
+
+    fn connect_nee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, nee::REACH, stats);
+        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
+        stats.connections(Connector::Nee).tried += connections.len as u64;
+        let bucket = connections.direct();
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        settle.connection(Connector::Nee, bucket, connections);
+    }
+
+    fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, mvnee.reach(), stats);
+        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
+        stats.run(Stage::MvneeCount, rows(connections.len), || {
+            let columns = mvnee_sample::CountColumns { paths, connections, buckets };
+            (pipeline.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
+        });
+        bridged.len = buckets.sort(connections.len);
+        stats.run(Stage::MvneeBuild, rows(bridged.len), || {
+            let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+            (pipeline.mvnee_build)(&frame.medium, mvnee, *step, columns);
+        });
+        self.settle_buckets(Connector::Mvnee, frame, pipeline, stats);
+    }
+
+    fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, bridge.reach(), stats);
+        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
+        stats.run(Stage::BridgeCount, rows(connections.len), || {
+            let columns = bridge_sample::CountColumns { paths, connections, buckets };
+            (pipeline.bridge_count)(&frame.medium, bridge, frame.lengths, *step, columns);
+        });
+        bridged.len = buckets.sort(connections.len);
+        stats.run(Stage::BridgeBuild, rows(bridged.len), || {
+            let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+            (pipeline.bridge_build)(&frame.medium, bridge, *step, columns);
+        });
+        self.settle_buckets(Connector::Bridge, frame, pipeline, stats);
+    }
+
+    fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        self.sample_lights(frame, pipeline, omnee::reach(frame.lengths), stats);
+        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
+        stats.connections(Connector::Omnee).tried += connections.len as u64;
+        stats.run(Stage::OmneeBuild, rows(connections.len), || {
+            let columns = omnee_sample::BuildColumns { paths, connections, chains };
+            (pipeline.omnee_build)(&frame.medium, *step, columns);
+        });
+        let bucket = Bucket { inserted: 1, ..connections.direct() };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        settle.connection(Connector::Omnee, bucket, connections);
+    }
+
+    /// What becomes of connections that were sorted and built.
+    fn settle_buckets(&mut self, connector: Connector, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        let Self { connections, buckets, bridged, vertices, paths, chains, suffix, step, .. } = self;
+        stats.connections(connector).tried += connections.len as u64;
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
+            settle.connection(connector, *bucket, bridged);
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What becomes of complete candidates.
+
+use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use fogbow_kernels::mis_weight::suffix::Suffix;
+use fogbow_kernels::pipeline::{Pipeline, Stage};
+use fogbow_kernels::roulette::{self, Threshold};
+use fogbow_kernels::{Step, accumulate, mis_weight, occlusion};
+
+use super::rows;
+use crate::frame::Frame;
+use crate::stats::{Connector, Stats};
+
+/// A weight, a roulette, a shadow test, a contribution.
+pub(super) struct Settle<'a, 'q> {
+    pub frame: &'a Frame,
+    pub pipeline: &'a Pipeline,
+    pub step: Step,
+    pub paths: &'a mut PathTable<'q>,
+    pub vertices: &'a VertexTable<'q>,
+    pub chains: &'a ChainTable<'q>,
+    pub suffix: &'a mut Suffix<'q>,
+    pub stats: &'a mut Stats,
+}
+
+impl<'q> Settle<'_, 'q> {
+    /// All of them, for candidates that nothing has traced yet.
+    pub fn connection(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        self.count_work(bucket, candidates);
+        self.weigh(bucket, candidates);
+        let weighted = self.count(bucket, candidates);
+        if self.frame.roulette > 0.0 {
+            self.drop_faint(connector, bucket, candidates);
+        }
+        let kept = self.count(bucket, candidates);
+        if self.may_be_blocked(bucket) {
+            self.occlude(bucket, candidates);
+        }
+        let free = self.count(bucket, candidates);
+        self.accumulate(bucket, candidates);
+        let stats = self.stats.connections(connector);
+        stats.weighted += weighted;
+        stats.faint += weighted - kept;
+        stats.occluded += kept - free;
+    }
+
+    /// Work by arithmetic on whole buckets, but for the depths of the starts.
+    fn count_work(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
+        let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
+        let depths: u64 = candidates.lane.rows()[bucket.rows()]
+            .iter()
+            .map(|lane| u64::from(self.paths.depth(self.step.clock, *lane as usize)))
+            .sum();
+        let work = &mut self.stats.work;
+        work.connections += rows;
+        work.edges += rows * edges;
+        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
+        work.terms += (depths + rows * (edges - 1)).min(rows * u64::from(self.frame.walk.starts));
+    }
+
+    fn drop_faint(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        let Self { frame, pipeline, step, paths, .. } = self;
+        let threshold = Threshold { contribution: frame.roulette, purpose: connector.light_purpose() };
+        self.stats.run(Stage::Roulette, rows(bucket.len), || {
+            let columns = roulette::Columns { bucket, candidates, paths };
+            (pipeline.roulette)(&frame.medium, &frame.lights, threshold, *step, columns);
+        });
+    }
+
+    pub fn weigh(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        let Self { frame, pipeline, step, paths, vertices, chains, suffix, .. } = self;
+        self.stats.run(Stage::MisWeight, rows(bucket.len), || {
+            let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
+            let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
+            (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
+        });
+    }
+
+    /// Nothing lies between a point in front of the only disk and that disk.
+    fn may_be_blocked(&self, bucket: Bucket) -> bool {
+        bucket.inserted > 0 || self.frame.lights.disks().len() > 1
+    }
+
+    fn occlude(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+        let Self { frame, pipeline, chains, .. } = self;
+        self.stats.run(Stage::Occlusion, rows(bucket.len), || {
+            (pipeline.occlusion)(&frame.lights, occlusion::Columns { bucket, candidates, chains });
+        });
+    }
+
+    pub fn accumulate(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
+        let Self { frame, pipeline, step, paths, .. } = self;
+        let mut dropped = self.stats.dropped;
+        self.stats.run(Stage::Accumulate, rows(bucket.len), || {
+            let columns = accumulate::Columns { bucket, candidates, paths, dropped: &mut dropped };
+            (pipeline.accumulate)(&frame.medium, &frame.lights, frame.lengths, *step, columns);
+        });
+        self.stats.dropped = dropped;
+    }
+
+    /// Candidates of the bucket that weigh something; only counted if statistics are detailed.
+    fn count(&self, bucket: Bucket, candidates: &CandidateQueue<'q>) -> u64 {
+        if !self.stats.detailed {
+            return 0;
+        }
+        candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
+    }
+}
