@@ -13,11 +13,11 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::queues::{Bucket, Request};
-use fogbow_kernels::connect::{light_sample, mvnee::sample as mvnee_sample, nee};
+use fogbow_kernels::connect::{bridge::sample as bridge_sample, light_sample, mvnee::sample as mvnee_sample, nee};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::{accumulate, extend, generate, medium_sample, mis_weight, occlusion, scatter};
 use fogbow_testing::frames::{self, Active};
-use fogbow_testing::recorded::{build_mvnee, connect, thin_out, wavefront};
+use fogbow_testing::recorded::{build_bridges, build_mvnee, connect, thin_out, wavefront};
 
 /// Rows of the recorded tables.
 const ROWS: usize = 512;
@@ -192,11 +192,72 @@ fn mvnee_stages(c: &mut Criterion) {
     }
 }
 
+fn bridge_frame() -> Frame {
+    frames::with_techniques(&mvnee_frame(), Active::Bridge, 4.0)
+}
+
+/// The stages of bridges, bucket by bucket.
+fn bridge_stages(c: &mut Criterion) {
+    let frame = bridge_frame();
+    let bridge = frame.techniques.bridge.expect("a frame with bridges");
+    let arena = Bump::new();
+    let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
+    build_bridges(&mut w, &frame, &bridge);
+    let mut group = c.benchmark_group("bridge");
+    group.throughput(Throughput::Elements(w.connections.len as u64));
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        group.bench_function(BenchmarkId::new("count", name), |b| {
+            let Wavefront { paths, connections, buckets, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = bridge_sample::CountColumns { paths, connections, buckets };
+                (pipeline.bridge_count)(&frame.medium, &bridge, frame.lengths, *step, columns);
+            });
+        });
+    }
+    group.finish();
+
+    build_bridges(&mut w, &frame, &bridge);
+    let edges: usize = w.buckets.buckets().iter().map(|bucket| bucket.len * (bucket.inserted + 1)).sum();
+    let mut group = c.benchmark_group("bridge, per edge");
+    group.throughput(Throughput::Elements(edges as u64));
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        group.bench_function(BenchmarkId::new("build", name), |b| {
+            let Wavefront { paths, connections, buckets, bridged, chains, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+                (pipeline.bridge_build)(&frame.medium, &bridge, *step, columns);
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Weights of bridges; elements are starts, of which every row has those of its path and those that the bridge inserts.
+fn bridge_weights(c: &mut Criterion) {
+    let frame = bridge_frame();
+    let bridge = frame.techniques.bridge.expect("a frame with bridges");
+    let arena = Bump::new();
+    let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
+    build_bridges(&mut w, &frame, &bridge);
+    for inserted in [0, 1, 2, 4, 6] {
+        let bucket = w.buckets.buckets()[inserted];
+        let depth = BOUNCES as usize + 1;
+        let mut group = c.benchmark_group(format!("bridge, weight per start, {inserted} inserted"));
+        group.throughput(Throughput::Elements((bucket.len * (depth + inserted)) as u64));
+        for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+            group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
+                b.iter(|| weigh(&pipeline, &frame, &mut w, bucket, true));
+            });
+        }
+        group.finish();
+    }
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .warm_up_time(std::time::Duration::from_millis(200))
         .measurement_time(std::time::Duration::from_millis(600));
-    targets = lane_stages, plain_loops, direct_rows, mvnee_stages
+    targets = lane_stages, plain_loops, direct_rows, mvnee_stages, bridge_stages, bridge_weights
 }
 criterion_main!(benches);

@@ -20,7 +20,8 @@ use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{
-    PathLengths, Step, Walk, accumulate, extend, generate, light_hit, medium_sample, mis_weight, occlusion, scatter,
+    PathLengths, Step, Walk, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight,
+    occlusion, scatter,
 };
 
 use crate::compare::{Save, Saved, difference, members};
@@ -62,6 +63,7 @@ fn fail(stage: &str, row: usize, text: &str) {
 pub const CHECKED: Pipeline = Pipeline {
     generate: check_generate,
     medium_sample: check_medium_sample,
+    first_flight: check_first_flight,
     extend: check_extend,
     light_hit: check_light_hit,
     scatter: check_scatter,
@@ -169,6 +171,26 @@ fn check_medium_sample(medium: &Medium, walk: &Walk, step: Step, columns: medium
         if kernel.1.contains(0, lane) != twin.1.contains(0, lane) {
             fail("medium_sample", lane, "    only one of kernel and twin ends the path");
         }
+    }
+}
+
+fn check_first_flight(
+    medium: &Medium,
+    lights: &Lights,
+    share: f32,
+    step: Step,
+    columns: first_flight::Columns<'_, '_>,
+) {
+    let first_flight::Columns { requests, paths, vertices, rays, flights } = columns;
+    let (kernel, twin) = run_both!(
+        first_flight(medium, lights, share, step),
+        [flights],
+        first_flight::Columns { requests, paths, vertices, rays, flights: &mut *flights }
+    );
+    let aimed = [("flight", tolerances::AIMED_FLIGHT), ("weight", tolerances::AIMED_WEIGHT)];
+    for lane in lanes(paths) {
+        let allowed = if requests.lanes.contains(lane as u32) { aimed.as_slice() } else { &[] };
+        check_row("first_flight", (0, lane), (&kernel.0, &twin.0), allowed);
     }
 }
 

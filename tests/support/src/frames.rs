@@ -88,6 +88,7 @@ pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
         lights: Lights::new(vec![disk], Selection::Uniform),
         techniques: Techniques::default(),
         walk: Walk::ALL,
+        aimed: 0.0,
         roulette: 0.0,
         lengths: PathLengths { min: 1, max: 15 },
         seed: 1,
@@ -114,6 +115,7 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         lights: Lights::new(lights, selection),
         techniques: Techniques::default(),
         walk: Walk::ALL,
+        aimed: 0.0,
         roulette: 0.0,
         lengths: PathLengths { min: 1, max: 8 },
         seed: 11,
@@ -145,6 +147,11 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
     let techniques = Techniques { bridge: Some(bridge.with_mesc(&limited.medium, 2.5)), ..limited.techniques };
     add("limited bridges".into(), Frame { techniques, ..limited.clone() });
+    add(
+        "aimed, one light".into(),
+        Frame { aimed: 0.5, ..with_techniques(&fog_facing(0.0, 0.9, size), Active::Every, 4.0) },
+    );
+    add("aimed, three lights".into(), Frame { aimed: 0.3, ..with_techniques(&limited, Active::Bridge, 2.0) });
     add("roulette".into(), Frame { roulette: 0.3, ..with_techniques(&limited, Active::Every, 2.0) });
     add("three lights, uniform".into(), three_lights(0.7, Selection::Uniform, size));
     let short = PathLengths { min: 1, max: 2 };

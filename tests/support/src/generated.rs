@@ -106,6 +106,7 @@ pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usi
             flight: (4.0 * numbers.uniform()) as f32,
             cosine: numbers.edge_word(),
             azimuth: numbers.edge_word(),
+            weight: numbers.uniform() as f32,
         };
         wavefront.flights.set_row(lane, flight);
         fill_history(wavefront, frame, numbers, lane, depth);

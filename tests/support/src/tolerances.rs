@@ -21,6 +21,12 @@ pub const EXACT: Tolerance = tolerance(0.0, 0.0);
 /// Free flights: three roundings and a polynomial good to 1.5 units in the last place.
 pub const FLIGHT: Tolerance = tolerance(0.0, 4e-7);
 
+/// Aimed flights: a tangent of an angle up to pi, magnified where it nears its pole.
+pub const AIMED_FLIGHT: Tolerance = tolerance(2e-5, 2e-5);
+
+/// Weights of aimed flights: exp of an optical depth, over the densities of all lights.
+pub const AIMED_WEIGHT: Tolerance = tolerance(1e-12, 2e-5);
+
 /// Positions: one fused product and sum per component, of numbers of the size of the scene.
 pub const POSITION: Tolerance = tolerance(1e-6, 3e-7);
 
