@@ -2,10 +2,12 @@
 
 use fogbow::film::{Film, Pixel, TILE_SIZE};
 use fogbow::frame::Frame;
-use fogbow::render::Workers;
+use fogbow::pilot::{self, Trial};
+use fogbow::render::{Renderer, Workers};
+use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::lights::Selection;
-use fogbow_testing::frames;
+use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, render, render_with};
 
 const SIZE: [u32; 2] = [70, 41];
@@ -14,8 +16,16 @@ fn frames() -> Vec<Frame> {
     vec![
         frames::fog_facing(0.0, 0.9, SIZE),
         frames::three_lights(0.6, Selection::IntensityDistance, SIZE),
-        frames::with_techniques(&frames::fog_facing(0.0, 0.9, SIZE), frames::Active::Nee, 4.0),
+        frames::with_techniques(&frames::fog_facing(0.0, 0.9, SIZE), Active::Nee, 4.0),
+        bridges(Active::Bridge, 0.8, 0.3),
+        bridges(Active::Every, 0.6, 0.05),
     ]
+}
+
+/// A frame whose walks end early and whose connections play roulette.
+fn bridges(active: Active, survival: f32, roulette: f32) -> Frame {
+    let lights = frames::three_lights(0.6, Selection::IntensityDistance, SIZE);
+    Frame { roulette, ..frames::with_techniques(&lights, active, 3.0) }.with_walk(3, survival)
 }
 
 fn pixels(film: &Film) -> Vec<Pixel> {
@@ -90,7 +100,7 @@ fn every_sample_can_be_replayed_alone() {
 #[test]
 fn a_window_of_the_image_has_the_pixels_of_the_whole() {
     use fogbow::film::Region;
-    use fogbow::render::{Monitor, Renderer};
+    use fogbow::render::Monitor;
     let frame = frames::three_lights(0.6, Selection::Intensity, SIZE);
     let whole = render(&frame, SIZE, 0..5).0;
     let window = Film::new(&frame, Region { x0: 33, y0: 7, x1: 68, y1: 40 }, TILE_SIZE);
@@ -101,4 +111,35 @@ fn a_window_of_the_image_has_the_pixels_of_the_whole() {
             assert_eq!(whole.pixel(x, y), window.pixel(x, y), "({x}, {y})");
         }
     }
+}
+
+/// The facing fog scene with these settings.
+fn scene(settings: &[&str]) -> LoadedScene {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-facing");
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What the pilot makes of `scene`.
+fn settled(scene: &LoadedScene, workers: Workers) -> (Frame, Vec<Trial>) {
+    let renderer = Renderer::new(workers).expect("threads start");
+    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer)
+}
+
+#[test]
+fn the_pilot_chooses_by_scene_and_seed_alone() {
+    let fog = scene(&[]);
+    let usual = settled(&fog, Workers { threads: 1, ..WORKERS });
+    assert!(!usual.1.is_empty());
+    for workers in [
+        Workers { threads: 2, ..WORKERS },
+        Workers { threads: 5, ..WORKERS },
+        Workers { lanes: Some(8), ..WORKERS },
+        Workers { detailed_stats: true, ..WORKERS },
+    ] {
+        assert_eq!(settled(&fog, workers), usual, "{workers:?}");
+    }
+    assert_eq!(settled(&scene(&["render.samples=1000"]), WORKERS), usual, "the number of samples");
+    let reseeded = settled(&scene(&["render.seed=2"]), WORKERS);
+    assert_ne!(reseeded.1, usual.1, "another seed is another look");
 }

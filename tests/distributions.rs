@@ -3,59 +3,26 @@
 use bumpalo::Bump;
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
-use fogbow_kernels::columns::queues::Request;
+use fogbow_kernels::accumulate::reference::contribution;
 use fogbow_kernels::connect::light_sample::{self, Reach, reference::selection_probability};
-use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset, sample as mvnee_sample};
+use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
+use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::tables::lights::Selection;
-use fogbow_kernels::{PathLengths, generate, medium_sample, scatter};
-use fogbow_testing::frames;
-use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity};
+use fogbow_kernels::{PathLengths, Walk, mis_weight, random};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::recorded;
+use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
+use fogbow_testing::walks::{LANES, after_walks, start, vector, walk};
 use glam::DVec3;
 
 /// Samples that a distribution is tested with.
 const SAMPLES: usize = 1 << 18;
-/// Lanes of the wavefronts used here.
-const LANES: usize = 4096;
 /// P-value below which a distribution is refused. Some 40 are tested, with fixed seeds.
 const SUSPICIOUS: f64 = 1e-4;
-
-/// Starts a path in every lane, `round` telling apart successive wavefronts.
-fn start(wavefront: &mut Wavefront<'_>, frame: &Frame, round: usize) {
-    wavefront.requests.lanes.clear();
-    for lane in 0..LANES {
-        let request = Request { x: (lane % 64) as u32, y: (lane / 64) as u32, sample: round as u32 };
-        wavefront.requests.columns.set_row(lane, request);
-        wavefront.requests.lanes.insert(lane as u32);
-    }
-    let Wavefront { requests, paths, vertices, rays, step, .. } = wavefront;
-    (SIMD.generate)(&frame.camera, *step, generate::Columns { requests, paths, vertices, rays });
-}
-
-/// One scattering event of every path, without lights.
-fn walk(wavefront: &mut Wavefront<'_>, frame: &Frame) {
-    let Wavefront { paths, vertices, rays, flights, step, .. } = wavefront;
-    (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
-    (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
-    step.clock += 1;
-}
-
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from(v.map(f64::from))
-}
-
-/// Calls `visit` for every lane of many wavefronts, after `bounces` scattering events.
-fn after_walks(frame: &Frame, samples: usize, bounces: usize, mut visit: impl FnMut(&mut Wavefront<'_>)) {
-    let arena = Bump::new();
-    let mut wavefront = Wavefront::new_in(&arena, frame, LANES);
-    for round in 0..samples / LANES {
-        start(&mut wavefront, frame, round);
-        (0..bounces).for_each(|_| walk(&mut wavefront, frame));
-        visit(&mut wavefront);
-    }
-}
 
 fn frame(g: f32) -> Frame {
     frames::three_lights(g, Selection::IntensityDistance, [64, 64])
@@ -208,15 +175,8 @@ fn lights_are_selected_with_their_probability() {
 fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3])) {
     let mvnee = frame.techniques.mvnee.expect("an MVNEE frame");
     after_walks(frame, samples, 1, |wavefront| {
-        let Wavefront { paths, vertices, rays, connections, buckets, bridged, chains, step, .. } = wavefront;
-        connections.len = 0;
-        let columns = light_sample::Columns { paths, vertices, rays, connections };
-        (SIMD.light_sample)(&frame.lights, mvnee.reach(), *step, columns);
-        let columns = mvnee_sample::CountColumns { paths, connections, buckets };
-        (SIMD.mvnee_count)(&frame.medium, frame.lengths, *step, columns);
-        bridged.len = buckets.sort(connections.len);
-        let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-        (SIMD.mvnee_build)(&frame.medium, &mvnee, *step, columns);
+        recorded::build_mvnee(wavefront, frame, &mvnee);
+        let Wavefront { buckets, bridged, chains, .. } = wavefront;
         for bucket in buckets.buckets() {
             for row in bucket.rows() {
                 let inserted = chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
@@ -320,7 +280,7 @@ fn any_density_over_the_samplers_has_mean_one() {
     for (inserted, quotient) in quotients.iter().enumerate().filter(|(_, quotient)| quotient.count > 0.0) {
         let z = (quotient.mean() - 1.0) / quotient.standard_error();
         assert!(z.abs() < 4.0, "{inserted} inserted: mean {} +- {}", quotient.mean(), quotient.standard_error());
-        p_values.push(fogbow_testing::statistics::p_of_z(z));
+        p_values.push(p_of_z(z));
     }
     assert!(p_values.len() == 6 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
 }
@@ -340,4 +300,92 @@ fn isotropic_media_forget_where_light_came_from() {
     });
     assert!((cosines.mean() / cosines.standard_error()).abs() < 4.0, "{}", cosines.mean());
     assert!((cosines.variance() * 3.0 - 1.0).abs() < 0.01, "{}", cosines.variance());
+}
+
+#[test]
+fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
+    for survival in [0.3_f32, 0.75, 1.0] {
+        let frame = Frame { walk: Walk { survival, ..Walk::ALL }, ..frame(0.5) };
+        for vertices in 0..6 {
+            // The camera is no vertex that a walk has to survive.
+            let (mut alive, mut flights) = (0.0, Moments::default());
+            after_walks(&frame, SAMPLES, vertices + 1, |wavefront| {
+                for lane in (0..LANES).filter(|lane| wavefront.paths.live.contains(*lane as u32)) {
+                    alive += 1.0;
+                    flights.add(f64::from(wavefront.flights.flight.rows()[lane]));
+                }
+            });
+            let share = f64::from(survival).powi(vertices as i32);
+            let counts = [alive, SAMPLES as f64 - alive];
+            let expected = [share, 1.0 - share].map(|share| share * SAMPLES as f64);
+            let p = p_of_counts(&counts, &expected);
+            assert!(p > SUSPICIOUS, "{alive} instead of {} walks survive {vertices} vertices, p = {p}", expected[0]);
+            let z = (flights.mean() * f64::from(frame.medium.extinction) - 1.0)
+                / (flights.standard_error() * f64::from(frame.medium.extinction));
+            assert!(z.abs() < 4.0, "flights of survivors of {vertices} vertices have a mean of {}", flights.mean());
+        }
+    }
+}
+
+/// The weights of bridges from the second vertices of many walks before and after the roulette, with the probability that
+/// the twin gives them.
+fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
+    let bridge = frame.techniques.bridge.expect("a frame with bridges");
+    after_walks(frame, SAMPLES, 2, |wavefront| {
+        recorded::build_bridges(wavefront, frame, &bridge);
+        let Wavefront { buckets, bridged, chains, paths, vertices, suffix, step, .. } = wavefront;
+        let threshold = Threshold { contribution: frame.roulette, purpose: random::BRIDGE_LIGHT };
+        for bucket in buckets.buckets() {
+            let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
+            let columns = mis_weight::Columns { bucket: *bucket, candidates: bridged, chains, paths, vertices, suffix };
+            (SIMD.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
+            let weights: Vec<_> = bucket.rows().map(|row| f64::from(bridged.weight.rows()[row])).collect();
+            let columns = roulette::Columns { bucket: *bucket, candidates: bridged, paths };
+            (SIMD.roulette)(medium, lights, threshold, *step, columns);
+            for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {
+                let light = &lights.disks()[bridged.light.rows()[row] as usize];
+                let channels = contribution(
+                    before,
+                    light.radiance.map(f64::from),
+                    paths.columns.throughput.row(bridged.lane.rows()[row] as usize).map(f64::from),
+                    medium.albedo.map(f64::from),
+                    bucket.inserted,
+                );
+                let survival = roulette_reference::survival(f64::from(frame.roulette), largest(&channels));
+                visit(before, f64::from(bridged.weight.rows()[row]), survival);
+            }
+        }
+    });
+}
+
+#[test]
+fn roulette_drops_its_share_and_keeps_the_mean() {
+    for threshold in [0.003_f32, 0.1, 1.0] {
+        let frame = Frame { roulette: threshold, ..frames::with_techniques(&frame(0.6), Active::Bridge, 3.0) };
+        // Kept and dropped connections by their probability of being kept; only certain ones have one of 1.
+        let (mut found, mut expected) = (vec![0.0; 2 * 11], vec![0.0; 2 * 11]);
+        let (mut change, mut certain) = (Moments::default(), 0.0);
+        roulette_of_bridges(&frame, |before, after, survival| {
+            if survival == 1.0 {
+                assert!((after / before - 1.0).abs() < 1e-5, "{before} became {after}");
+                certain += 1.0;
+                return;
+            }
+            let class = 2 * ((survival * 11.0) as usize).min(10);
+            found[class + usize::from(after == 0.0)] += 1.0;
+            expected[class] += survival;
+            expected[class + 1] += 1.0 - survival;
+            // In units of the threshold, so that no weight is too rare to be seen.
+            change.add(survival * (after / before - 1.0));
+        });
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS && change.count > 1e4, "threshold {threshold}: p = {p}, {found:?}, {expected:?}");
+        let (z, error) = (change.mean() / change.standard_error(), change.standard_error());
+        assert!(
+            z.abs() < 4.0 && error < 5e-3,
+            "threshold {threshold}: the mean changes by {} +- {error}",
+            change.mean()
+        );
+        assert!(certain > 100.0, "threshold {threshold}: only {certain} connections are bright");
+    }
 }

@@ -1,39 +1,72 @@
 //! All techniques have the same mean: per path length, per scene, and that of independent programs.
 
+use core::ops::RangeInclusive;
+
 use fogbow::film::Film;
 use fogbow::frame::Frame;
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
-use fogbow_testing::statistics::{p_of_chi_square, p_of_uniformity, p_of_z, z_of_means};
+use fogbow_testing::statistics::{p_of_chi_square, p_of_uniformity, z_of_means};
 use fogbow_testing::truths;
 use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
 
-/// Deviates of all techniques from path tracing, for one path length.
-fn deviates(base: &Frame, mesc: f64, segments: u32, samples: u32) -> Vec<(Active, f64)> {
+/// What independent renders of the same scene say its mean is.
+struct Renders {
+    /// Names, means and their errors.
+    means: Vec<(String, (f64, f64))>,
+}
+
+impl Renders {
+    /// The mean of all, each by its certainty, and one over its variance.
+    fn common(&self) -> (f64, f64) {
+        let certainty = |error: f64| 1.0 / (error * error);
+        let total: f64 = self.means.iter().map(|(_, (_, error))| certainty(*error)).sum();
+        let sum: f64 = self.means.iter().map(|(_, (mean, error))| mean * certainty(*error)).sum();
+        (sum / total, total)
+    }
+
+    /// Checks that none is far from the mean of all, and returns the p-value of all being equal.
+    fn assert_equal(&self, name: &str) -> f64 {
+        let (common, certainty) = self.common();
+        let mut chi_square = 0.0;
+        for (which, (mean, error)) in &self.means {
+            chi_square += ((mean - common) / error).powi(2);
+            // A render is part of the mean that it is compared with.
+            let z = (mean - common) / (error * error - 1.0 / certainty).max(0.0).sqrt();
+            assert!(!(z.abs() >= 4.2), "{name}, {which}: {mean} +- {error} where all say {common}, z = {z}");
+        }
+        p_of_chi_square(chi_square, self.means.len() - 1)
+    }
+}
+
+/// Checks that p-values of claims that hold look like it.
+fn assert_uniform(name: &str, p_values: &[f64]) {
+    let p = p_of_uniformity(p_values);
+    assert!(p > 1e-4, "{name}: p-values {p_values:?} are not uniform, p = {p}");
+}
+
+/// Means of all techniques, for one path length.
+fn means(base: &Frame, mesc: f64, segments: u32, samples: u32) -> Renders {
     let mean = |active: Active| {
         // Other seeds, so that the walks of different techniques are independent.
         let seed = 100 * active as u32 + segments;
         let frame = frames::with_length(&Frame { seed, ..frames::with_techniques(base, active, mesc) }, segments);
-        green(&render(&frame, SMALL, 0..samples).0)
+        (format!("{active:?}"), green(&render(&frame, SMALL, 0..samples).0))
     };
-    let truth = mean(Active::Path);
-    let others = [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both];
-    others.into_iter().map(|active| (active, z_of_means(mean(active), truth))).collect()
+    Renders { means: Active::ALL.into_iter().map(mean).collect() }
 }
 
-fn assert_equal_means(name: &str, base: &Frame, mesc: f64, lengths: core::ops::RangeInclusive<u32>, samples: u32) {
-    let mut p_values = Vec::new();
-    for segments in lengths {
-        for (active, z) in deviates(base, mesc, segments, samples) {
-            assert!(z.abs() < 4.2, "{name}: {active:?} differs from path tracing at {segments} segments, z = {z}");
-            p_values.push(p_of_z(z));
-        }
-    }
-    let p = p_of_uniformity(&p_values);
-    assert!(p > 1e-4, "{name}: p-values {p_values:?} are not uniform, p = {p}");
+fn assert_equal_means(name: &str, base: &Frame, mesc: f64, lengths: RangeInclusive<u32>, samples: u32) {
+    // One segment is seen without noise.
+    let p_value =
+        |segments: u32| means(base, mesc, segments, samples).assert_equal(&format!("{name}, {segments} segments"));
+    assert_uniform(name, &lengths.map(p_value).collect::<Vec<_>>());
 }
 
 #[test]
@@ -146,5 +179,71 @@ fn many_lights_have_equal_means_under_every_selection_rule() {
             let z = z_of_means(with(selection, active), truth);
             assert!(z.abs() < 4.0, "{selection:?}, {active:?}: z = {z}");
         }
+    }
+}
+
+/// Bridges from the first `starts` vertices of walks that survive with probability `survival`.
+fn walk(base: &Frame, starts: u32, survival: f32, roulette: f32) -> Frame {
+    let seed = 7919 * starts.min(9) + (100.0 * survival) as u32 + u32::from(roulette > 0.0);
+    Frame { seed, roulette, ..frames::with_techniques(base, Active::Bridge, 3.0) }.with_walk(starts, survival)
+}
+
+/// The path lengths 2 to 6 one by one, and all together.
+fn lengths(base: &Frame) -> impl Iterator<Item = PathLengths> {
+    (2..=6).map(|n| PathLengths { min: n, max: n }).chain([base.lengths])
+}
+
+#[test]
+fn where_walks_end_and_what_roulette_drops_change_no_mean() {
+    for (name, base, threshold) in [
+        ("fog-facing", frames::fog_facing(1.0, 0.7, SMALL), 1.0),
+        ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, SMALL), 0.1),
+    ] {
+        let mut p_values = Vec::new();
+        for lengths in lengths(&base) {
+            let mut means = Vec::new();
+            for starts in [1, 2, 4, u32::MAX] {
+                for (survival, roulette) in [(1.0, 0.0), (0.6, 0.0), (1.0, threshold), (0.6, threshold)] {
+                    let frame = Frame { lengths, ..walk(&base, starts, survival, roulette) };
+                    let mean = green(&render(&frame, SMALL, 0..500).0);
+                    means.push((format!("{starts} starts, survival {survival}, roulette {roulette}"), mean));
+                }
+            }
+            p_values.push(Renders { means }.assert_equal(&format!("{name}, {lengths:?}")));
+        }
+        assert_uniform(name, &p_values);
+    }
+}
+
+#[test]
+fn path_tracing_finds_what_limited_bridges_leave_out() {
+    let limited = |base: &Frame, mesc: f64, vertices: u32, starts: u32, survival: f32| {
+        let frame = frames::with_techniques(base, Active::Bridge, f64::INFINITY);
+        let bridge = Bridge { max_inserted: vertices, ..Bridge::new(Roll::Aligned).with_mesc(&frame.medium, mesc) };
+        let techniques = Techniques { bridge: Some(bridge), ..frame.techniques };
+        Frame { techniques, seed: 17 * vertices.min(9) + starts.min(9), ..frame }.with_walk(starts, survival)
+    };
+    for (name, base) in [
+        ("fog-facing", frames::fog_facing(1.0, 0.7, SMALL)),
+        ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, SMALL)),
+    ] {
+        let mut p_values = Vec::new();
+        for lengths in lengths(&base) {
+            let free = Frame { lengths, ..walk(&base, u32::MAX, 1.0, 0.0) };
+            let mut means = vec![("no limit".to_string(), green(&render(&free, SMALL, 0..1000).0))];
+            for (mesc, vertices, starts, survival) in [
+                (2.5, u32::MAX, u32::MAX, 1.0),
+                (f64::INFINITY, 1, u32::MAX, 1.0),
+                (f64::INFINITY, 0, 2, 1.0),
+                (2.5, 2, 1, 1.0),
+                (1.5, 2, 3, 0.8),
+            ] {
+                let frame = Frame { lengths, ..limited(&base, mesc, vertices, starts, survival) };
+                let which = format!("mesc {mesc}, {vertices} vertices, {starts} starts, survival {survival}");
+                means.push((which, green(&render(&frame, SMALL, 0..2000).0)));
+            }
+            p_values.push(Renders { means }.assert_equal(&format!("{name}, {lengths:?}")));
+        }
+        assert_uniform(name, &p_values);
     }
 }

@@ -222,7 +222,7 @@ impl Check<'_> {
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;
         let roulette = render.roulette.0.unwrap_or(0.0);
         let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
-        let remedy = "give a radiance of 0 or more, or \"auto\"";
+        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
         self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
         Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
     }

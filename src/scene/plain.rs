@@ -22,6 +22,7 @@ fn plain_found(found: &str) -> String {
         ("invalid type: integer", "this is the whole number"),
         ("invalid value: integer", "this is the whole number"),
         ("invalid type:", "this is the"),
+        ("invalid value:", "this is the"),
         ("invalid length", "the number of entries is"),
     ];
     let prefix = prefixes.iter().find_map(|(theirs, ours)| Some((found.strip_prefix(theirs)?, ours)));
@@ -52,6 +53,7 @@ mod tests {
             ("invalid type: integer `3`, expected struct Camera", "this is the whole number `3`, expected a table"),
             ("invalid length 4, expected fewer elements in array", "the number of entries is 4, expected fewer"),
             ("missing field `camera`", "missing key `camera`"),
+            ("invalid value: string \"few\", expected a number", "this is the string \"few\", expected a number"),
             (
                 "invalid type: integer `99999999999999999999` as i128, expected any valid TOML value",
                 "this is the whole number `99999999999999999999`, expected a number of at most 64 bits",

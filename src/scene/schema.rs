@@ -3,7 +3,7 @@
 use core::fmt;
 
 use schemars::JsonSchema;
-use serde::de::{self, SeqAccess, Visitor};
+use serde::de::{self, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A scene: one TOML file.
@@ -259,36 +259,29 @@ pub enum LightSelection {
 #[schemars(with = "Vec<Technique>", extend("x-format" = "name, or a list of names"))]
 pub struct Techniques(pub Vec<Technique>);
 
-/// A number, or one of some words in its place.
-#[derive(Deserialize, Serialize)]
-#[serde(untagged)]
-enum NumberOr<N> {
-    Number(N),
-    Word(String),
-}
-
-/// The number or word, if it is one that `meaning` knows.
-fn number_or<'de, D, N, T>(
-    deserializer: D,
-    words: &str,
-    meaning: impl Fn(NumberOr<N>) -> Option<T>,
-) -> Result<T, D::Error>
-where
-    D: Deserializer<'de>,
-    N: Deserialize<'de>,
-{
-    let expected = || de::Error::custom(format!("this is neither {words}"));
-    let value = NumberOr::deserialize(deserializer).map_err(|_| expected())?;
-    meaning(value).ok_or_else(expected)
-}
-
 impl<'de> Deserialize<'de> for Starts {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        number_or(deserializer, "a whole number nor \"all\" nor \"auto\"", |value| match value {
-            NumberOr::Number(count) => Some(Self::First(count)),
-            NumberOr::Word(word) if word == "auto" => Some(Self::Auto),
-            NumberOr::Word(word) => (word == "all").then_some(Self::All),
-        })
+        struct Count;
+        impl Visitor<'_> for Count {
+            type Value = Starts;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number from 1 to 4294967295, \"all\" or \"auto\"")
+            }
+
+            fn visit_i64<E: de::Error>(self, count: i64) -> Result<Starts, E> {
+                u32::try_from(count).map(Starts::First).map_err(|_| E::invalid_value(Unexpected::Signed(count), &self))
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<Starts, E> {
+                match word {
+                    "auto" => Ok(Starts::Auto),
+                    "all" => Ok(Starts::All),
+                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Count)
     }
 }
 
@@ -304,10 +297,31 @@ impl Serialize for Starts {
 
 impl<'de> Deserialize<'de> for NumberOrAuto {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        number_or(deserializer, "a number nor \"auto\"", |value| match value {
-            NumberOr::Number(number) => Some(Self(Some(number))),
-            NumberOr::Word(word) => (word == "auto").then_some(Self(None)),
-        })
+        struct Number;
+        impl Visitor<'_> for Number {
+            type Value = NumberOrAuto;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or \"auto\"")
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<NumberOrAuto, E> {
+                Ok(NumberOrAuto(Some(number)))
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<NumberOrAuto, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<NumberOrAuto, E> {
+                if word == "auto" {
+                    Ok(NumberOrAuto(None))
+                } else {
+                    Err(E::invalid_value(Unexpected::Str(word), &self))
+                }
+            }
+        }
+        deserializer.deserialize_any(Number)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::support::{Folder, mean, plane};
+use super::support::{Folder, header, mean, plane};
 
 /// Renders the small scene with `flags` and reads the image.
 fn rendered(folder: &Folder, flags: &[&str]) -> fogbow::image::Image {
@@ -108,7 +108,7 @@ fn a_scene_may_leave_out_what_has_a_default() {
 #[test]
 fn twins_agree_with_the_stages() {
     let folder = Folder::with_scene();
-    for technique in ["path", "nee", "mvnee", "nee,mvnee"] {
+    for technique in ["path", "nee", "mvnee", "omnee,nee", "bridge", "path,nee,mvnee,omnee,bridge"] {
         let flags = ["--samples", "16", "--technique", technique];
         let simd = mean(&rendered(&folder, &flags), "R");
         for reference in [&["--reference"][..], &["--reference", "all"], &["--reference", "mis_weight"]] {
@@ -116,4 +116,44 @@ fn twins_agree_with_the_stages() {
             assert!((twin / simd - 1.0).abs() < 1e-3, "{technique} {reference:?}: {twin}, SIMD {simd}");
         }
     }
+}
+
+#[test]
+fn bridges_are_the_default_technique() {
+    let folder = Folder::with_edited_scene("technique = \"mvnee\"\n", "");
+    let image = rendered(&folder, &[]);
+    assert_eq!(header(&image, "technique"), "bridge");
+    assert!(image.channels == rendered(&folder, &["--technique", "bridge"]).channels);
+    assert!(image.channels != rendered(&folder, &["--technique", "mvnee"]).channels);
+}
+
+#[test]
+fn techniques_are_named_alone_or_together() {
+    let folder = Folder::with_scene();
+    for (flag, named) in [
+        ("path", "path"),
+        ("bridge", "bridge"),
+        ("omnee,nee", "nee,omnee"),
+        ("path, bridge", "bridge"),
+        ("path,nee,mvnee,omnee,bridge", "nee,mvnee,omnee,bridge"),
+    ] {
+        let image = rendered(&folder, &["--technique", flag]);
+        assert_eq!(header(&image, "technique"), named);
+        assert!(mean(&image, "R") > 0.0, "{flag}");
+    }
+}
+
+#[test]
+fn settings_of_bridges_change_the_image() {
+    let folder = Folder::with_scene();
+    let with = |setting: &str| {
+        let flags =
+            ["--technique", "bridge", "--set", "render.starts=2", "--set", "render.survival=0.9", "--set", setting];
+        plane(&rendered(&folder, &flags), "R").to_vec()
+    };
+    let plain = with("render.roulette=0");
+    for setting in ["roll=uniform", "bridge_mesc=1.5", "bridge_vertices=1", "starts=3", "survival=0.5", "roulette=2"] {
+        assert_ne!(with(&format!("render.{setting}")), plain, "{setting}");
+    }
+    assert_eq!(with("render.roll=aligned"), plain);
 }

@@ -1,6 +1,6 @@
 //! `--stats`
 
-use super::support::Folder;
+use super::support::{Folder, header};
 use fogbow_kernels::pipeline::Stage;
 use serde_json::Value;
 
@@ -87,4 +87,41 @@ fn statistics_do_not_change_the_image() {
     statistics(&folder, &[]);
     folder.done(&["render", "scene.toml", "-o", "b.exr"]);
     assert!(folder.image("a.exr").channels == folder.image("b.exr").channels);
+}
+
+#[test]
+fn the_choice_of_the_pilot_is_told_with_what_it_tried() {
+    let folder = Folder::with_scene();
+    let told = |flags: &[&str]| {
+        let statistics = statistics(&folder, &[&["--technique", "bridge"], flags].concat());
+        let image = folder.image("a.exr");
+        assert_eq!(header(&image, "starts"), statistics["starts"].as_str().expect("a name or a number"));
+        assert_eq!(header(&image, "survival"), number(&statistics, "/survival").to_string());
+        let settings: toml::Table = header(&image, "settings").parse().expect("settings are TOML");
+        (statistics, settings["render"].clone())
+    };
+    let (statistics, settings) = told(&[]);
+    let trials = statistics["pilot"].as_array().expect("trials").clone();
+    assert!(trials.len() >= 5, "{statistics:#}");
+    let efficiency = |trial: &Value| number(trial, "/efficiency");
+    let best = trials.iter().max_by(|a, b| efficiency(a).total_cmp(&efficiency(b))).expect("trials");
+    assert_eq!((&best["starts"], &best["survival"]), (&statistics["starts"], &statistics["survival"]));
+    for trial in &trials {
+        let expected = 1.0 / (number(trial, "/variance") * number(trial, "/cost"));
+        assert!((efficiency(trial) / expected - 1.0).abs() < 1e-9, "{trial:#}");
+    }
+    let auto = Some("auto");
+    assert_eq!((settings["starts"].as_str(), settings["survival"].as_str()), (auto, auto), "settings are as written");
+
+    // Fixing what the pilot chose gives the same image without it.
+    let chosen = folder.image("a.exr");
+    let starts = format!("render.starts={}", header(&chosen, "starts"));
+    let survival = format!("render.survival={}", header(&chosen, "survival"));
+    let (statistics, _) = told(&["--set", &starts, "--set", &survival]);
+    assert_eq!(statistics["pilot"].as_array().map(Vec::len), Some(0), "{statistics:#}");
+    assert!(folder.image("a.exr").channels == chosen.channels);
+
+    let (statistics, settings) = told(&["--set", "render.starts=3", "--set", "render.survival=0.5"]);
+    assert_eq!((statistics["starts"].as_str(), number(&statistics, "/survival")), (Some("3"), 0.5));
+    assert_eq!((settings["starts"].as_integer(), settings["survival"].as_float()), (Some(3), Some(0.5)));
 }

@@ -9,4 +9,5 @@ pub mod render;
 pub mod statistics;
 pub mod tolerances;
 pub mod truths;
+pub mod walks;
 pub mod weighing;

@@ -1,0 +1,303 @@
+//! Bridges and once-more next event estimation: what their kernels make against the densities of the twins.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use fogbow::frame::Frame;
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::bridge::reference::{count_probability, density, roll_coefficients};
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
+use fogbow_kernels::connect::buckets::DROPPED;
+use fogbow_kernels::connect::omnee;
+use fogbow_kernels::connect::omnee::sample as omnee_sample;
+use fogbow_kernels::phase::reference as phase;
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::recorded;
+use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
+use fogbow_testing::walks::{after_walks, vector};
+use glam::DVec3;
+
+/// Samples that a distribution is tested with.
+const SAMPLES: usize = 1 << 18;
+/// The same where every one of them costs the twin as many probabilities as there may be edges.
+const COUNTED: usize = SAMPLES / 8;
+/// P-value below which a distribution is refused. Some 40 are tested, with fixed seeds.
+const SUSPICIOUS: f64 = 1e-4;
+
+const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
+const UNIFORM: Bridge = Bridge::new(Roll::Uniform);
+
+/// A frame whose starts see the light from all sides, at distances of some mean free paths.
+fn frame(g: f32, bridge: Bridge) -> Frame {
+    let mut frame = frames::fog_facing(0.0, g, [64, 64]);
+    frame.medium.extinction = 0.5;
+    frame.lengths = PathLengths { min: 1, max: 60 };
+    frame.techniques = Active::Path.techniques(&frame.medium, f64::INFINITY);
+    frame.techniques.bridge = Some(bridge);
+    frame
+}
+
+/// The settings of the bridges of `frame`.
+fn settings(frame: &Frame) -> Bridge {
+    frame.techniques.bridge.expect("a frame with bridges")
+}
+
+/// Bridges from the vertices after `events` scattering events, built by the kernels: the direction in which the path
+/// arrives, and the chain from the start to the light point.
+fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(DVec3, &[DVec3])) {
+    after_walks(frame, samples, events, |wavefront| {
+        recorded::build_bridges(wavefront, frame, &settings(frame));
+        for bucket in wavefront.buckets.buckets() {
+            for row in bucket.rows() {
+                let candidate = wavefront.bridged.row(row);
+                let inserted =
+                    wavefront.chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
+                let ends = [candidate.start, candidate.point].map(vector);
+                let chain: Vec<_> = [ends[0]].into_iter().chain(inserted).chain([ends[1]]).collect();
+                visit(vector(candidate.arriving), &chain);
+            }
+        }
+    });
+}
+
+/// Counts of bridges by their number of edges, dropped ones in entry 0, and what the twin expects.
+fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
+    let (bridge, extinction, longest) = (settings(frame), f64::from(frame.medium.extinction), frame.lengths.max);
+    let cells = longest as usize + 1;
+    let (mut found, mut expected) = (vec![0.0; cells], vec![0.0; cells]);
+    after_walks(frame, COUNTED, events, |wavefront| {
+        recorded::build_bridges(wavefront, frame, &bridge);
+        for row in 0..wavefront.connections.len {
+            let inserted = wavefront.buckets.count.rows()[row];
+            found[if inserted == DROPPED { 0 } else { inserted as usize + 1 }] += 1.0;
+            let connection = wavefront.connections.row(row);
+            let distance = vector(connection.start).distance(vector(connection.point));
+            let mut rest = 1.0;
+            for edges in 1..=longest - events as u32 {
+                let p = count_probability(&bridge, extinction, longest, events as u32, distance, edges);
+                expected[edges as usize] += p;
+                rest -= p;
+            }
+            expected[0] += rest.max(0.0);
+        }
+    });
+    (found, expected)
+}
+
+#[test]
+fn numbers_of_edges_follow_the_defensive_mixture() {
+    let mixed = |defensive: f32| Bridge { defensive, ..ALIGNED };
+    for (name, bridge, extinction, longest, events) in [
+        ("as usual", ALIGNED, 0.5, 60, 1),
+        ("thin", ALIGNED, 0.05, 15, 2),
+        ("little room", ALIGNED, 0.5, 6, 3),
+        ("dense, little room", ALIGNED, 20.0, 15, 2),
+        ("dense, much room", ALIGNED, 20.0, 120, 1),
+        ("two vertices at most", Bridge { max_inserted: 2, ..ALIGNED }, 0.5, 60, 1),
+        ("dense, no vertices", Bridge { max_inserted: 0, ..ALIGNED }, 2.0, 60, 1),
+        ("Poisson", mixed(0.0), 0.5, 60, 1),
+        ("half and half", mixed(0.5), 1.0, 9, 2),
+        ("uniform", mixed(1.0), 0.5, 9, 1),
+    ] {
+        let mut frame = frame(0.7, bridge);
+        frame.medium.extinction = extinction;
+        frame.lengths.max = longest;
+        let (found, expected) = edges(&frame, events);
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS, "{name}: p = {p}, {found:.0?} instead of {expected:.0?}");
+        assert_eq!(found.iter().sum::<f64>(), COUNTED as f64, "{name}: every start connects");
+    }
+}
+
+/// Density of the inner vertices of `chain` as a free walk that sets out along the axis, with flights of mean `flight` times
+/// the distance between the ends: such a walk knows nothing of where it should arrive.
+fn walk_density(g: f64, chain: &[DVec3], flight: f64) -> f64 {
+    let way = chain[chain.len() - 1] - chain[0];
+    let (mean, mut direction, mut density) = (flight * way.length(), way.normalize(), 1.0);
+    for ends in chain[..chain.len() - 1].windows(2) {
+        let (length, next) = (ends[0].distance(ends[1]), (ends[1] - ends[0]).normalize());
+        density *= phase::density(g, direction.dot(next)) * (-length / mean).exp() / (mean * length * length);
+        direction = next;
+    }
+    density
+}
+
+#[test]
+fn any_density_over_that_of_bridges_has_mean_one() {
+    // E[h / p] = 1 for every density h of the inner vertices, where p is the twin's density of what the kernels make.
+    let mut p_values = Vec::new();
+    for (roll, g) in [(ALIGNED, 0.5), (UNIFORM, 0.4), (ALIGNED, -0.3)] {
+        // All counts from 1 to 8 alike: h / p is conditional on the count.
+        let frame = frame(g, Bridge { defensive: 1.0, max_inserted: 7, ..roll });
+        let (bridge, extinction, longest) = (settings(&frame), f64::from(frame.medium.extinction), frame.lengths.max);
+        let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
+        bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
+            let edges = chain.len() - 1;
+            let distance = chain[0].distance(chain[edges]);
+            let made = density(&bridge, extinction, f64::from(g), longest, 2, arriving, chain, 1.0).value();
+            let count = count_probability(&bridge, extinction, longest, 2, distance, edges as u32);
+            // A very short edge may be rounded to nothing.
+            degenerate += u32::from(made == 0.0);
+            quotients[edges].add(if made > 0.0 { walk_density(f64::from(g), chain, 0.3) * count / made } else { 0.0 });
+        });
+        assert!(degenerate < 20, "{degenerate} edges without length");
+        for (edges, quotient) in quotients.iter().enumerate().skip(2) {
+            let (mean, error) = (quotient.mean(), quotient.standard_error());
+            let z = (mean - 1.0) / error;
+            assert!(z.abs() < 4.0 && error < 0.05, "{:?}, g = {g}, {edges} edges: {mean} +- {error}", bridge.roll);
+            p_values.push(p_of_z(z));
+        }
+    }
+    assert!(p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
+}
+
+/// How strongly the roll to the first edge is concentrated, 0 .. 1, and the share of all rolls that are below it.
+fn roll(g: f64, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
+    let [axis, first] = [chain[chain.len() - 1], chain[1]].map(|end| (end - chain[0]).normalize());
+    let [from, to] = [arriving, first].map(|v| v - v.dot(axis) * axis);
+    let psi = axis.dot(from.cross(to)).atan2(from.dot(to));
+    // The integral of sqrt(a^2 - b^2) / (a - b cos psi) / (2 pi).
+    let (a, b) = roll_coefficients(g, arriving, axis, first);
+    (b / a, 0.5 + (((a + b) / (a - b)).sqrt() * (0.5 * psi).tan()).atan() / PI)
+}
+
+#[test]
+fn rolls_follow_their_density() {
+    const SHARES: usize = 32;
+    for (g, bridge) in [
+        (-0.6, ALIGNED),
+        (0.0, ALIGNED),
+        (0.5, ALIGNED),
+        (0.9, ALIGNED),
+        (0.95, ALIGNED),
+        (0.9, UNIFORM),
+        (-0.4, UNIFORM),
+    ] {
+        let frame = frame(g, bridge);
+        // Weak, middling and strong concentration apart: a roll may be right on average only.
+        let limits = [0.3, 0.7, 0.95];
+        let mut found = vec![0.0; (limits.len() + 1) * SHARES];
+        bridges(&frame, SAMPLES, 2, |arriving, chain| {
+            if chain.len() > 2 {
+                let (concentration, _) = roll(f64::from(g), arriving, chain);
+                // A uniform roll is the aligned one of an isotropic medium.
+                let (_, share) = roll(if bridge.roll == Roll::Aligned { f64::from(g) } else { 0.0 }, arriving, chain);
+                let class = limits.partition_point(|limit| *limit < concentration.abs());
+                found[class * SHARES + ((share * SHARES as f64) as usize).min(SHARES - 1)] += 1.0;
+            }
+        });
+        let expected: Vec<_> =
+            found.chunks(SHARES).flat_map(|shares| [shares.iter().sum::<f64>() / SHARES as f64; SHARES]).collect();
+        let p = p_of_counts(&found, &expected);
+        let total: f64 = found.iter().sum();
+        assert!(p > SUSPICIOUS && total > 1e5, "g = {g}, {:?}: p = {p} of {total} rolls", bridge.roll);
+    }
+}
+
+#[test]
+fn one_vertex_of_a_bridge_matches_its_density() {
+    const LONG: usize = 16;
+    const SKEW: usize = 12;
+    for g in [-0.5_f32, 0.0, 0.6, 0.9] {
+        let frame = frame(g, Bridge { defensive: 1.0, max_inserted: 1, ..UNIFORM });
+        let (bridge, extinction) = (settings(&frame), f64::from(frame.medium.extinction));
+        // With both edges l1, l2 in units of the distance: x, 1 - x^2 = 1 / (l1 + l2), and y, sin(pi (y - 1/2)) = l1 - l2.
+        let cell = |x: f64, y: f64| {
+            let at = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+            SKEW * at(x, LONG) + at(y, SKEW)
+        };
+        let (mut found, mut total) = (vec![0.0; LONG * SKEW], 0.0);
+        bridges(&frame, 2 * SAMPLES, 1, |_, chain| {
+            if let [start, vertex, point] = chain {
+                let [l1, l2] = [*start, *point].map(|end| end.distance(*vertex) / start.distance(*point));
+                let (x, skew) = ((1.0 - 1.0 / (l1 + l2)).max(0.0).sqrt(), (l1 - l2).clamp(-1.0, 1.0));
+                found[cell(x, 0.5 + skew.asin() / PI)] += 1.0;
+                total += 1.0;
+            }
+        });
+        let steps = 40;
+        let width = |n: usize| 1.0 / (n * steps) as f64;
+        let mut expected = vec![0.0; found.len()];
+        for i in 0..LONG * steps {
+            let x = (i as f64 + 0.5) * width(LONG);
+            let length = 1.0 / (1.0 - x * x);
+            for j in 0..SKEW * steps {
+                let y = (j as f64 + 0.5) * width(SKEW);
+                let (skew, slope) = ((PI * (y - 0.5)).sin(), PI * (PI * (y - 0.5)).cos());
+                let (l1, l2) = (0.5 * (length + skew), 0.5 * (length - skew));
+                // dV = 2 pi l1 l2 dl1 dl2, and dl1 dl2 = d(l1 + l2) d(l1 - l2) / 2.
+                let volume = PI * l1 * l2 * (2.0 * x * length * length * width(LONG)) * (slope * width(SKEW));
+                let along = 0.5 * (1.0 + l1 * l1 - l2 * l2);
+                let across = (l1 * l1 - along * along).max(0.0).sqrt();
+                let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
+                let made = density(&bridge, extinction, f64::from(g), 60, 1, DVec3::Z, &chain, 1.0).value();
+                let count = count_probability(&bridge, extinction, 60, 1, 1.0, 2);
+                expected[cell(x, y)] += total * made / count * volume;
+            }
+        }
+        let mass = expected.iter().sum::<f64>() / total;
+        assert!((mass - 1.0).abs() < 2e-3, "g = {g}: the density integrates to {mass}");
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS && total > 1e5, "g = {g}: p = {p} of {total} vertices");
+    }
+}
+
+/// The chains of once-more next event estimation from the first vertices of many walks.
+fn omnee_chains(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3; 3])) {
+    after_walks(frame, samples, 1, |wavefront| {
+        recorded::connect(wavefront, frame, omnee::reach(frame.lengths));
+        let fogbow::wavefront::Wavefront { paths, connections, chains, step, .. } = wavefront;
+        (SIMD.omnee_build)(&frame.medium, *step, omnee_sample::BuildColumns { paths, connections, chains });
+        for row in 0..connections.len {
+            let connection = connections.row(row);
+            visit(&[connection.start, chains.vertices[0].row(row), connection.point].map(vector));
+        }
+    });
+}
+
+#[test]
+fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
+    const ALONG: usize = 16;
+    const ACROSS: usize = 10;
+    for g in [-0.5_f32, 0.0, 0.5, 0.9] {
+        let frame = frame(g, ALIGNED);
+        // All vertices lie in the ball over the chain, where the turn is less than a right angle. Place along the axis,
+        // (1 - cos(pi x)) / 2, and distance from it, a share y^2 of the widest there: finer where vertices are dense.
+        let widest = |along: f64| (along * (1.0 - along)).max(0.0).sqrt();
+        let cell = |x: f64, y: f64| {
+            let at = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+            ACROSS * at(x, ALONG) + at(y, ACROSS)
+        };
+        let (mut found, mut total, mut outside) = (vec![0.0; ALONG * ACROSS], 0.0, 0.0);
+        omnee_chains(&frame, SAMPLES, |[start, vertex, point]| {
+            let (length, axis) = (start.distance(*point), (*point - *start).normalize());
+            let along = (*vertex - *start).dot(axis) / length;
+            let across = ((*vertex - *start) - along * length * axis).length() / length;
+            // Coordinates are rounded to about 1e-6 of the scene.
+            outside += f64::from(across > widest(along.clamp(0.0, 1.0)) + 1e-5 / length);
+            let x = (1.0 - 2.0 * along.clamp(0.0, 1.0)).acos() / PI;
+            found[cell(x, (across / widest(along).max(1e-9)).sqrt())] += 1.0;
+            total += 1.0;
+        });
+        assert!(outside == 0.0, "g = {g}: {outside} of {total} turns are larger than a right angle");
+        let steps = 48;
+        let width = |n: usize| 1.0 / (n * steps) as f64;
+        let mut expected = vec![0.0; found.len()];
+        for i in 0..ALONG * steps {
+            let x = (i as f64 + 0.5) * width(ALONG);
+            let along = (FRAC_PI_2 * x).sin().powi(2);
+            for j in 0..ACROSS * steps {
+                let y = (j as f64 + 0.5) * width(ACROSS);
+                let across = widest(along) * y * y;
+                let ring = TAU * across * (widest(along) * 2.0 * y * width(ACROSS));
+                let volume = ring * FRAC_PI_2 * (PI * x).sin() * width(ALONG);
+                let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
+                expected[cell(x, y)] += total * omnee::reference::density(f64::from(g), &chain, 1.0).value() * volume;
+            }
+        }
+        let mass = expected.iter().sum::<f64>() / total;
+        assert!((mass - 1.0).abs() < 2e-3, "g = {g}: the density integrates to {mass}");
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS && total > 1e5, "g = {g}: p = {p} of {total} vertices");
+    }
+}

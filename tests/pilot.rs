@@ -1,0 +1,112 @@
+//! The pilot: what it chooses, and what it leaves alone.
+
+use std::path::Path;
+
+use fogbow::frame::Frame;
+use fogbow::pilot::{self, Trial};
+use fogbow::render::Renderer;
+use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow_testing::render::WORKERS;
+
+/// The scene in `folder` with other settings.
+fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(folder);
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What the pilot makes of `scene`.
+fn settled(scene: &LoadedScene) -> (Frame, Vec<Trial>) {
+    let renderer = Renderer::new(WORKERS).expect("threads start");
+    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer)
+}
+
+#[test]
+fn few_starts_are_chosen_for_a_light_in_open_fog() {
+    for seed in 1..=5 {
+        let (frame, trials) = settled(&scene("fog-facing", &[&format!("render.seed={seed}")]));
+        assert!(frame.walk.starts <= 4, "seed {seed}: {} starts of {trials:#?}", frame.walk.starts);
+        let efficiency = |starts: u32| {
+            let trial = trials.iter().find(|trial| trial.starts == starts && trial.survival == 1.0);
+            trial.map_or_else(|| panic!("no trial of {starts} starts"), Trial::efficiency)
+        };
+        let (chosen, all) = (efficiency(frame.walk.starts), efficiency(u32::MAX));
+        assert!(chosen > 2.0 * all, "seed {seed}: efficiency {chosen}, all starts {all}");
+    }
+}
+
+#[test]
+fn the_best_trial_is_chosen() {
+    for (folder, settings) in [
+        ("fog-facing", &["render.seed=3"][..]),
+        ("fog-perpendicular", &[]),
+        ("fog-facing", &["render.starts=all"]),
+        ("fog-facing", &["render.starts=4", "medium.scattering=6"]),
+        ("fog-small", &["render.survival=0.9"]),
+    ] {
+        let scene = scene(folder, settings);
+        let (frame, trials) = settled(&scene);
+        let best = trials.iter().max_by(|a, b| a.efficiency().total_cmp(&b.efficiency())).expect("trials");
+        assert_eq!(
+            frame,
+            scene.frame.clone().with_walk(best.starts, best.survival),
+            "{folder}, {settings:?}: the walk alone changes, to the best of {trials:#?}"
+        );
+        let mut tried: Vec<_> = trials.iter().map(|trial| (trial.starts, trial.survival.to_bits())).collect();
+        tried.sort_unstable();
+        tried.dedup();
+        assert_eq!(tried.len(), trials.len(), "{folder}, {settings:?}: something was tried twice");
+    }
+}
+
+#[test]
+fn what_the_scene_fixes_is_kept() {
+    let (frame, trials) = settled(&scene("fog-facing", &["render.starts=3"]));
+    assert_eq!(frame.walk.starts, 3);
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.starts == 3), "{trials:#?}");
+    let (frame, trials) = settled(&scene("fog-facing", &["render.starts=\"all\""]));
+    assert_eq!(frame.walk.starts, u32::MAX);
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.starts == u32::MAX), "{trials:#?}");
+    let (frame, trials) = settled(&scene("fog-facing", &["render.survival=0.8"]));
+    assert_eq!(frame.walk.survival, 0.8);
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.survival == 0.8), "{trials:#?}");
+    let both = scene("fog-facing", &["render.survival=0.8", "render.starts=2"]);
+    assert_eq!(settled(&both), (both.frame.clone(), vec![]));
+    assert_eq!((both.frame.walk.starts, both.frame.walk.survival), (2, 0.8));
+}
+
+#[test]
+fn scenes_without_a_choice_are_left_alone() {
+    for settings in [
+        &["render.technique=path"][..],
+        &["render.technique=nee,mvnee,omnee"],
+        &["render.max_segments=1"],
+        &["render.max_segments=2"],
+        &["medium.scattering=0"],
+        &["medium.scattering=0", "medium.absorption=1.7"],
+    ] {
+        let scene = scene("fog-facing", settings);
+        let (frame, trials) = settled(&scene);
+        assert_eq!(frame, scene.frame, "{settings:?}");
+        assert!(trials.is_empty(), "{settings:?}: {trials:?}");
+    }
+}
+
+#[test]
+fn images_of_extreme_shape_are_tried_too() {
+    for size in ["[1, 1]", "[5000, 1]", "[1, 5000]", "[3, 2]"] {
+        let scene = scene("fog-facing", &[&format!("film.size={size}")]);
+        let (frame, trials) = settled(&scene);
+        assert!(trials.len() >= 5, "{size}: {trials:?}");
+        assert!(trials.iter().all(|trial| trial.variance > 0.0 && trial.cost > 0.0), "{size}: {trials:?}");
+        assert_eq!(frame.camera, scene.frame.camera, "the frame keeps its own size");
+    }
+}
+
+#[test]
+fn efficiency_is_one_over_variance_times_cost() {
+    let efficiency = |variance: f64, cost: f64| Trial { starts: 1, survival: 1.0, variance, cost }.efficiency();
+    assert_eq!(efficiency(4.0, 0.5), 0.5);
+    assert_eq!(efficiency(0.25, 100.0), 0.04);
+    assert_eq!(efficiency(0.0, 100.0), 0.0, "what found nothing is worth nothing");
+}
