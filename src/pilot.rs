@@ -17,6 +17,9 @@ use crate::stats::Stats;
 
 /// Numbers of starts to try; the last is all.
 const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
+/// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and beyond
+/// it is more than a hundred times that of eight starts.
+const LONGEST_FOR_ALL: u32 = 128;
 /// Survival probabilities to try.
 const SURVIVALS: [f32; 4] = [1.0, 0.9, 0.75, 0.5];
 /// Longest side of the pilot's image in pixels.
@@ -62,7 +65,8 @@ pub fn settle(frame: &Frame, size: [u32; 2], render: &Render, renderer: &Rendere
     let fixed = (frame.walk.starts, frame.walk.survival);
     let mut trials = Vec::new();
     let starts = if open_starts { STARTS.as_slice() } else { &[fixed.0] };
-    trials.extend(starts.iter().map(|starts| pilot.attempt(*starts, fixed.1)));
+    let affordable = |starts: &&u32| **starts < u32::MAX || !open_starts || frame.lengths.max <= LONGEST_FOR_ALL;
+    trials.extend(starts.iter().filter(affordable).map(|starts| pilot.attempt(*starts, fixed.1)));
     let most_starts = best(&trials).starts;
     if open_survival && most_starts > 1 {
         let others = SURVIVALS.iter().filter(|survival| **survival < fixed.1);

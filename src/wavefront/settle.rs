@@ -44,18 +44,18 @@ impl<'q> Settle<'_, 'q> {
         stats.occluded += kept - free;
     }
 
-    /// Work by arithmetic on whole buckets, but for the depths of the starts.
+    /// Counts what the connections of a bucket cost, row by row: the sum is the same however rows fall into buckets.
     fn count_work(&mut self, bucket: Bucket, candidates: &CandidateQueue<'q>) {
         let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
-        let depths: u64 = candidates.lane.rows()[bucket.rows()]
-            .iter()
-            .map(|lane| u64::from(self.paths.depth(self.step.clock, *lane as usize)))
-            .sum();
+        let starts = u64::from(self.frame.walk.starts);
+        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
+        let depth = |lane: &u32| u64::from(self.paths.depth(self.step.clock, *lane as usize));
+        let terms = |lane: &u32| (depth(lane) + edges - 1).min(starts);
+        let terms: u64 = candidates.lane.rows()[bucket.rows()].iter().map(terms).sum();
         let work = &mut self.stats.work;
         work.connections += rows;
         work.edges += rows * edges;
-        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
-        work.terms += (depths + rows * (edges - 1)).min(rows * u64::from(self.frame.walk.starts));
+        work.terms += terms;
     }
 
     fn drop_faint(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
