@@ -366,9 +366,10 @@ fn roulette_drops_its_share_and_keeps_the_mean() {
         let (mut found, mut expected) = (vec![0.0; 2 * 11], vec![0.0; 2 * 11]);
         let (mut change, mut certain) = (Moments::default(), 0.0);
         roulette_of_bridges(&frame, |before, after, survival| {
+            let kept = (after > 0.0).then_some(after * survival / before);
+            assert!(kept.is_none_or(|kept| (kept - 1.0).abs() < 1e-5), "{before} became {after}, survival {survival}");
             if survival == 1.0 {
-                assert!((after / before - 1.0).abs() < 1e-5, "{before} became {after}");
-                certain += 1.0;
+                certain += after.signum();
                 return;
             }
             let class = 2 * ((survival * 11.0) as usize).min(10);
@@ -386,6 +387,6 @@ fn roulette_drops_its_share_and_keeps_the_mean() {
             "threshold {threshold}: the mean changes by {} +- {error}",
             change.mean()
         );
-        assert!(certain > 100.0, "threshold {threshold}: only {certain} connections are bright");
+        assert!(certain > 20.0, "threshold {threshold}: only {certain} connections are bright");
     }
 }

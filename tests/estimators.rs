@@ -39,7 +39,7 @@ impl Renders {
             chi_square += ((mean - common) / error).powi(2);
             // A render is part of the mean that it is compared with.
             let z = (mean - common) / (error * error - 1.0 / certainty).max(0.0).sqrt();
-            assert!(!(z.abs() >= 4.2), "{name}, {which}: {mean} +- {error} where all say {common}, z = {z}");
+            assert!(z.abs() < 4.2, "{name}, {which}: {mean} +- {error} where all say {common}, z = {z}");
         }
         p_of_chi_square(chi_square, self.means.len() - 1)
     }
@@ -63,7 +63,6 @@ fn means(base: &Frame, mesc: f64, segments: u32, samples: u32) -> Renders {
 }
 
 fn assert_equal_means(name: &str, base: &Frame, mesc: f64, lengths: RangeInclusive<u32>, samples: u32) {
-    // One segment is seen without noise.
     let p_value =
         |segments: u32| means(base, mesc, segments, samples).assert_equal(&format!("{name}, {segments} segments"));
     assert_uniform(name, &lengths.map(p_value).collect::<Vec<_>>());

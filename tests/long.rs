@@ -5,6 +5,9 @@
 //! ```
 
 use fogbow::frame::Frame;
+use fogbow::scene::{self, document::Override};
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::random;
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -31,15 +34,81 @@ fn assert_mean(name: &str, frame: &Frame, expected: f64, known: f64, goal: f64) 
 #[test]
 fn means_of_fog_facing_are_those_of_independent_programs() {
     let size = [64, 64];
-    for active in [Active::Path, Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+    for active in Active::ALL {
         let with = |near: f64, g: f32| frames::with_techniques(&frames::fog_facing(near, g, size), active, 4.0);
         assert_mean(&format!("near 1, g .9, {active:?}"), &with(1.0, 0.9), 1.7004, 0.0005, 0.001);
         assert_mean(&format!("near 0, g .9, {active:?}"), &with(0.0, 0.9), 1.2838, 0.0004, 0.001);
         assert_mean(&format!("near 1, g 0, {active:?}"), &with(1.0, 0.0), 0.1847, 0.0002, 0.0005);
     }
-    let mvnee = |near: f64, g: f32| frames::fog_facing(near, g, size);
-    assert_mean("near 1, g .9, Mvnee, tight", &mvnee(1.0, 0.9), 1.7004, 0.0005, 0.0004);
-    assert_mean("near 0, g .9, Mvnee, tight", &mvnee(0.0, 0.9), 1.2838, 0.0004, 0.0004);
+    let tight = |name: &str, frame: &Frame, expected: f64, known: f64| {
+        assert_mean(&format!("{name}, tight"), frame, expected, known, 0.0004);
+    };
+    let mvnee = |near: f64| frames::fog_facing(near, 0.9, size);
+    tight("near 1, g .9, Mvnee", &mvnee(1.0), 1.7004, 0.0005);
+    tight("near 0, g .9, Mvnee", &mvnee(0.0), 1.2838, 0.0004);
+    for starts in [1, 4, u32::MAX] {
+        let bridge = |near: f64| frames::with_techniques(&mvnee(near), Active::Bridge, 4.0).with_walk(starts, 1.0);
+        tight(&format!("near 1, g .9, Bridge, {starts} starts"), &bridge(1.0), 1.7004, 0.0005);
+        tight(&format!("near 0, g .9, Bridge, {starts} starts"), &bridge(0.0), 1.2838, 0.0004);
+    }
+}
+
+/// Side of the image of the small light in pixels.
+const SMALL_LIGHT_SIDE: u32 = 32;
+
+/// The small light in fog with bridges from the first vertex.
+fn small_light(settings: &[&str]) -> Frame {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-small");
+    let size = format!("film.size=[{SMALL_LIGHT_SIDE}, {SMALL_LIGHT_SIDE}]");
+    let settings = [&["render.technique=bridge", "render.starts=1", &size], settings].concat();
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}")).frame
+}
+
+/// Variances of a sample, mean over pixels, of ten seeds of a million samples each, in order of size.
+fn variances(frame: &Frame) -> Vec<f64> {
+    const SAMPLES: u32 = 1_000_000 / (SMALL_LIGHT_SIDE * SMALL_LIGHT_SIDE);
+    let variance = |seed: u32| {
+        let film = render(&Frame { seed, ..frame.clone() }, [SMALL_LIGHT_SIDE; 2], 0..SAMPLES).0;
+        let sum: f64 = film.pixels().map(|pixel| pixel.standard_error[1].powi(2)).sum();
+        sum * f64::from(SAMPLES) / f64::from(SMALL_LIGHT_SIDE * SMALL_LIGHT_SIDE)
+    };
+    let mut variances: Vec<_> = (1..=10).map(variance).collect();
+    variances.sort_by(f64::total_cmp);
+    variances
+}
+
+/// How far the largest of sorted numbers is from the one in the middle, as a factor.
+fn instability(sorted: &[f64]) -> f64 {
+    sorted[sorted.len() - 1] / sorted[sorted.len() / 2]
+}
+
+#[test]
+fn no_rare_sample_decides_the_variance_of_bridges() {
+    let variances = variances(&small_light(&[]));
+    println!("fog-small, variances of ten seeds: {variances:.2?}");
+    assert!(instability(&variances) < 2.0, "{variances:.2?}");
+}
+
+#[test]
+fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
+    // Few mean free paths from the light Poisson counts hardly ever insert as many vertices as light in albedo 1 likes to
+    // visit.
+    let near = [
+        "light[0].center=[0, 0, 2]",
+        "light[0].radius=1",
+        "light[0].radiance=20",
+        "medium.scattering=1",
+        "medium.phase.g=0",
+        "render.min_segments=6",
+    ];
+    let mixed = small_light(&near);
+    let bridge = Bridge { defensive: 0.0, ..mixed.techniques.bridge.expect("a frame with bridges") };
+    let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..mixed.techniques }, ..mixed.clone() };
+    let (mixed, poisson) = (variances(&mixed), variances(&poisson));
+    println!("long detours, variances of ten seeds: {mixed:.1?}, of Poisson counts {poisson:.1?}");
+    assert!(instability(&poisson) > 10.0 * instability(&mixed), "{mixed:.1?}, Poisson {poisson:.1?}");
+    assert!(poisson[5] > 5.0 * mixed[5], "{mixed:.1?}, Poisson {poisson:.1?}");
 }
 
 #[test]
@@ -48,6 +117,8 @@ fn light_across_the_view_has_the_mean_of_an_independent_program() {
         let frame = frames::with_techniques(&frames::fog(1.0, 0.6, DVec3::Y, [64, 64]), active, 4.0);
         assert_mean(&format!("fog-perpendicular, {active:?}"), &frame, 0.23981, 0.00026, 0.0006);
     }
+    let bridge = frames::with_techniques(&frames::fog(1.0, 0.6, DVec3::Y, [64, 64]), Active::Bridge, 4.0);
+    assert_mean("fog-perpendicular, Bridge, tight", &bridge, 0.23981, 0.00026, 0.0002);
 }
 
 #[test]
@@ -79,7 +150,7 @@ fn techniques_agree_tile_by_tile_and_their_p_values_are_uniform() {
                     .collect::<Vec<_>>()
             };
             let nee = with(Active::Nee);
-            for active in [Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+            for active in Active::ALL.into_iter().filter(|active| ![Active::Path, Active::Nee].contains(active)) {
                 let p_values: Vec<_> = with(active).iter().zip(&nee).map(|(a, b)| p_of_z(z_of_means(*a, *b))).collect();
                 let p = p_of_uniformity(&p_values);
                 println!("{name}, {segments} segments, {active:?}: p-values uniform with p = {p:.3}");
@@ -99,7 +170,7 @@ fn all_techniques_have_equal_means_for_every_lobe() {
             green(&render(&frame, size, 0..40_000).0)
         };
         let truth = with(Active::Path);
-        for active in [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
+        for active in Active::ALL.into_iter().filter(|active| *active != Active::Path) {
             let z = z_of_means(with(active), truth);
             println!("g {g}, {active:?}: z = {z:.2}");
             assert!(z.abs() < 4.0, "g {g}, {active:?}: z = {z}");
