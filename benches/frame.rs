@@ -16,7 +16,7 @@ use fogbow_testing::frames::{self, Active};
 
 const SIZE: [u32; 2] = [256, 256];
 
-fn techniques() -> [(&'static str, Frame); 7] {
+fn techniques() -> [(&'static str, Frame); 8] {
     let base = frames::fog_facing(0.0, 0.9, SIZE);
     [
         ("path", frames::with_techniques(&base, Active::Path, 4.0)),
@@ -24,6 +24,7 @@ fn techniques() -> [(&'static str, Frame); 7] {
         ("mvnee-2", frames::with_techniques(&base, Active::Mvnee, 2.0)),
         ("mvnee-4", frames::with_techniques(&base, Active::Mvnee, 4.0)),
         ("mvnee-8", frames::with_techniques(&base, Active::Mvnee, 8.0)),
+        ("nee and omnee", frames::with_techniques(&base, Active::Omnee, 4.0)),
         ("bridge, all starts", frames::with_techniques(&base, Active::Bridge, 4.0)),
         ("bridge, 1 start", frames::with_techniques(&base, Active::Bridge, 4.0).with_walk(1, 1.0)),
     ]

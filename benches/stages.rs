@@ -13,9 +13,14 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::queues::{Bucket, Request};
-use fogbow_kernels::connect::{bridge::sample as bridge_sample, light_sample, mvnee::sample as mvnee_sample, nee};
+use fogbow_kernels::connect::{
+    bridge::sample as bridge_sample, light_sample, mvnee::sample as mvnee_sample, nee, omnee,
+};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
-use fogbow_kernels::{accumulate, extend, generate, medium_sample, mis_weight, occlusion, scatter};
+use fogbow_kernels::roulette::{self, Threshold};
+use fogbow_kernels::{
+    accumulate, extend, first_flight, generate, medium_sample, mis_weight, occlusion, random, scatter,
+};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded::{build_bridges, build_mvnee, connect, thin_out, wavefront};
 
@@ -36,7 +41,7 @@ fn nee_frame() -> Frame {
 type Stage = fn(&Pipeline, &Frame, &mut Wavefront<'_>);
 
 /// The stages that work on lanes.
-const LANE_STAGES: [(&str, Stage); 5] = [
+const LANE_STAGES: [(&str, Stage); 6] = [
     ("generate", |pipeline, frame, w| {
         let Wavefront { requests, paths, vertices, rays, step, .. } = w;
         (pipeline.generate)(&frame.camera, *step, generate::Columns { requests, paths, vertices, rays });
@@ -44,6 +49,11 @@ const LANE_STAGES: [(&str, Stage); 5] = [
     ("medium_sample", |pipeline, frame, w| {
         let Wavefront { paths, flights, step, .. } = w;
         (pipeline.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
+    }),
+    ("first_flight", |pipeline, frame, w| {
+        let Wavefront { requests, paths, vertices, rays, flights, step, .. } = w;
+        let columns = first_flight::Columns { requests, paths, vertices, rays, flights };
+        (pipeline.first_flight)(&frame.medium, &frame.lights, 0.05, *step, columns);
     }),
     ("extend", |pipeline, frame, w| {
         let Wavefront { paths, vertices, rays, flights, hits, step, .. } = w;
@@ -124,6 +134,40 @@ fn direct_rows(c: &mut Criterion) {
                 b.iter(|| weigh(&pipeline, &frame, &mut w, bucket, false))
             });
         }
+    }
+    group.finish();
+}
+
+/// OMNEE's stages and the roulette, on as many connections as a table of that size has.
+fn single_vertex(c: &mut Criterion) {
+    let frame = frames::with_techniques(&mvnee_frame(), Active::Omnee, 4.0);
+    let arena = Bump::new();
+    let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+    connect(&mut w, &frame, omnee::reach(frame.lengths));
+    let bucket = Bucket { inserted: 1, ..w.connections.direct() };
+    let mut group = c.benchmark_group("omnee");
+    group.throughput(Throughput::Elements(bucket.len as u64));
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        group.bench_function(BenchmarkId::new("build", name), |b| {
+            let Wavefront { paths, connections, chains, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = omnee::sample::BuildColumns { paths, connections, chains };
+                (pipeline.omnee_build)(&frame.medium, *step, columns);
+            });
+        });
+        group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
+            b.iter(|| weigh(&pipeline, &frame, &mut w, bucket, false));
+        });
+        group.bench_function(BenchmarkId::new("roulette", name), |b| {
+            let Wavefront { paths, connections, step, .. } = &mut w;
+            // All weights are below one, so that every batch draws.
+            let threshold = Threshold { contribution: 1e6, purpose: random::OMNEE_LIGHT };
+            b.iter(|| {
+                connections.weight.rows_mut().fill(0.5);
+                let columns = roulette::Columns { bucket, candidates: connections, paths };
+                (pipeline.roulette)(&frame.medium, &frame.lights, threshold, *step, columns);
+            });
+        });
     }
     group.finish();
 }
@@ -258,6 +302,6 @@ criterion_group! {
     config = Criterion::default()
         .warm_up_time(std::time::Duration::from_millis(200))
         .measurement_time(std::time::Duration::from_millis(600));
-    targets = lane_stages, plain_loops, direct_rows, mvnee_stages, bridge_stages, bridge_weights
+    targets = lane_stages, plain_loops, direct_rows, single_vertex, mvnee_stages, bridge_stages, bridge_weights
 }
 criterion_main!(benches);

@@ -7,6 +7,7 @@
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same on
 //! every machine, for every split of the samples, and independent of the samples that are kept.
 
+use fogbow_kernels::PathLengths;
 use fogbow_kernels::pipeline::SIMD;
 
 use crate::film::{Film, Region, tile_size};
@@ -26,6 +27,8 @@ const SURVIVALS: [f32; 4] = [1.0, 0.9, 0.75, 0.5];
 const SIDE: u32 = 32;
 /// Samples per pixel and setting.
 const SAMPLES: u32 = 32;
+/// Share of the best efficiency that is as good as the best.
+const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
 const SEED: u32 = 0x9e37_79b9;
 
@@ -52,9 +55,20 @@ impl Trial {
 
 /// `frame` with the most efficient of the settings that `render` leaves open, and the trials that led to it.
 ///
+/// Numbers of starts are tried with walks that go on, then survivals with the best of these: a number of starts that needs
+/// early ends to be the best is not found.
+///
 /// `size` is that of the whole image. Without bridges, or where nothing is left open, there is nothing to try: techniques
 /// that do not reach every path need every walk.
-pub fn settle(frame: &Frame, size: [u32; 2], render: &Render, renderer: &Renderer) -> (Frame, Vec<Trial>) {
+///
+/// Once `interrupted` says so no further setting is tried.
+pub fn settle(
+    frame: &Frame,
+    size: [u32; 2],
+    render: &Render,
+    renderer: &Renderer,
+    interrupted: impl Fn() -> bool,
+) -> (Frame, Vec<Trial>) {
     let open_starts = render.starts == Starts::Auto;
     let open_survival = render.survival.0.is_none();
     let scatters = !frame.medium.never_scatters() && frame.lengths.max > 2;
@@ -63,23 +77,30 @@ pub fn settle(frame: &Frame, size: [u32; 2], render: &Render, renderer: &Rendere
     }
     let pilot = Pilot::new(frame, size, renderer);
     let fixed = (frame.walk.starts, frame.walk.survival);
-    let mut trials = Vec::new();
+    let mut trials: Vec<Trial> = Vec::new();
+    let attempt = |trials: &mut Vec<Trial>, starts: u32, survival: f32| {
+        if !interrupted() {
+            trials.push(pilot.attempt(starts, survival));
+        }
+    };
+    let affordable = |starts: &&u32| **starts < u32::MAX || frame.lengths.max <= LONGEST_FOR_ALL;
     let starts = if open_starts { STARTS.as_slice() } else { &[fixed.0] };
-    let affordable = |starts: &&u32| **starts < u32::MAX || !open_starts || frame.lengths.max <= LONGEST_FOR_ALL;
-    trials.extend(starts.iter().filter(affordable).map(|starts| pilot.attempt(*starts, fixed.1)));
-    let most_starts = best(&trials).starts;
+    starts.iter().filter(affordable).for_each(|starts| attempt(&mut trials, *starts, fixed.1));
+    let most_starts = best(&trials).map_or(fixed.0, |best| best.starts);
     if open_survival && most_starts > 1 {
         let others = SURVIVALS.iter().filter(|survival| **survival < fixed.1);
-        trials.extend(others.map(|survival| pilot.attempt(most_starts, *survival)));
+        others.for_each(|survival| attempt(&mut trials, most_starts, *survival));
     }
-    let Trial { starts, survival, .. } = best(&trials);
-    (frame.clone().with_walk(starts, survival), trials)
+    let chosen = best(&trials).map_or(fixed, |best| (best.starts, best.survival));
+    (frame.clone().with_walk(chosen.0, chosen.1), trials)
 }
 
-/// The most efficient trial; the first of equals.
-fn best(trials: &[Trial]) -> Trial {
-    let better = |best: Trial, trial: &Trial| if trial.efficiency() > best.efficiency() { *trial } else { best };
-    trials[1..].iter().fold(trials[0], better)
+/// The trial to go by: of those nearly as efficient as the most efficient one, the one with most starts and longest walks.
+/// A look this short knows variances to a tenth or so, and more starts have fewer surprises.
+fn best(trials: &[Trial]) -> Option<Trial> {
+    let most = trials.iter().map(Trial::efficiency).fold(0.0, f64::max);
+    let good = trials.iter().filter(|trial| trial.efficiency() >= NEARLY * most);
+    good.copied().max_by(|a, b| a.starts.cmp(&b.starts).then(a.survival.total_cmp(&b.survival)))
 }
 
 struct Pilot<'a> {
@@ -95,7 +116,9 @@ impl<'a> Pilot<'a> {
             |side: u32| (u64::from(side) * u64::from(SIDE)).div_ceil(u64::from(longest)).min(side.into()) as u32;
         let size = [small(width), small(height)];
         let camera = frame.camera.at_size([width, height], size);
-        let frame = Frame { camera, seed: frame.seed ^ SEED, ..frame.clone() };
+        // Directly seen light is the same in all trials, and its edge is coarse in a small image.
+        let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
+        let frame = Frame { camera, lengths, seed: frame.seed ^ SEED, ..frame.clone() };
         Self { frame, region: Region::whole(size[0], size[1]), renderer }
     }
 

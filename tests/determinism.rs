@@ -123,7 +123,7 @@ fn scene(settings: &[&str]) -> LoadedScene {
 /// What the pilot makes of `scene`.
 fn settled(scene: &LoadedScene, workers: Workers) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(workers).expect("threads start");
-    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer)
+    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer, || false)
 }
 
 #[test]

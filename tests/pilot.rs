@@ -18,7 +18,7 @@ fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
 /// What the pilot makes of `scene`.
 fn settled(scene: &LoadedScene) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(WORKERS).expect("threads start");
-    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer)
+    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer, || false)
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn few_starts_are_chosen_for_a_light_in_open_fog() {
 }
 
 #[test]
-fn the_best_trial_is_chosen() {
+fn the_best_trial_is_chosen_or_one_as_good_with_more_starts() {
     for (folder, settings) in [
         ("fog-facing", &["render.seed=3"][..]),
         ("fog-perpendicular", &[]),
@@ -46,7 +46,10 @@ fn the_best_trial_is_chosen() {
     ] {
         let scene = scene(folder, settings);
         let (frame, trials) = settled(&scene);
-        let best = trials.iter().max_by(|a, b| a.efficiency().total_cmp(&b.efficiency())).expect("trials");
+        let most = trials.iter().map(Trial::efficiency).fold(0.0, f64::max);
+        let as_good = trials.iter().filter(|trial| trial.efficiency() >= 0.9 * most);
+        let best = as_good.max_by(|a, b| (a.starts, a.survival).partial_cmp(&(b.starts, b.survival)).expect("numbers"));
+        let best = best.expect("trials");
         assert_eq!(
             frame,
             scene.frame.clone().with_walk(best.starts, best.survival),

@@ -15,6 +15,11 @@ pub fn number(value: f64, digits: usize) -> String {
     }
 }
 
+/// How many vertices connect.
+pub fn starts(starts: u32) -> String {
+    if starts == u32::MAX { "all".into() } else { starts.to_string() }
+}
+
 /// A rate with its unit.
 pub fn rate(samples_per_second: f64) -> String {
     match samples_per_second {

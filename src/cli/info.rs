@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use fogbow_kernels::Walk;
 use fogbow_kernels::pipeline::SIMD;
 
-use super::figures::{duration, number, rate};
+use super::figures::{duration, number, rate, starts};
 use super::{InfoArgs, say};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
@@ -87,7 +87,9 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
 
     let pixels = u64::from(width) * u64::from(height);
     let (measured, walk) = measure(loaded)?;
-    say(format!("connections from {}, survival {}", starts(walk.starts), walk.survival))?;
+    if frame.techniques.any() {
+        say(format!("vertices that connect: {}, survival {}", starts(walk.starts), walk.survival))?;
+    }
     let samples = pixels * u64::from(render.samples);
     say(format!(
         "cost: {samples} samples, {} at {}; film {} MiB",
@@ -95,15 +97,6 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         rate(measured),
         (Film::bytes(frame, pixels) >> 20).max(1),
     ))
-}
-
-/// How many vertices connect, in words.
-fn starts(starts: u32) -> String {
-    match starts {
-        1 => "the first vertex".into(),
-        u32::MAX => "all vertices".into(),
-        _ => format!("the first {starts} vertices"),
-    }
 }
 
 /// Samples per second of this scene on this machine, from a short render, and the walk that it will take.
@@ -116,7 +109,7 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk)> {
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
     let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
-    let (frame, _) = pilot::settle(&loaded.frame, loaded.scene.film.size, &loaded.scene.render, &renderer);
+    let (frame, _) = pilot::settle(&loaded.frame, loaded.scene.film.size, &loaded.scene.render, &renderer, || false);
     let film = Film::new(&frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {

@@ -53,6 +53,22 @@ pub struct Job<'a> {
     pub film: Film,
     /// What the pilot tried.
     pub trials: Vec<Trial>,
+    /// The twins in the pipeline: a stage's name, `all` or `none`.
+    pub reference: String,
+    /// When it began, the pilot included.
+    pub start: Instant,
+    /// Tells when the user stops it.
+    pub monitor: Arc<Monitor>,
+}
+
+/// A monitor that Ctrl-C interrupts.
+pub fn watch_for_interrupts() -> Result<Arc<Monitor>> {
+    let monitor = Arc::new(Monitor::default());
+    let interrupted = Arc::clone(&monitor);
+    ctrlc::set_handler(move || interrupted.interrupt()).map_err(|error| {
+        Error::failure("fogbow", format!("Ctrl-C cannot be caught: {error}"), "start it from another shell")
+    })?;
+    Ok(monitor)
 }
 
 /// How it ended.
@@ -72,13 +88,8 @@ struct Round {
 
 impl Job<'_> {
     /// Renders in rounds until the target is met or the user stops it.
-    pub fn run(&self, target: Target, reporter: &mut Reporter) -> Result<Outcome> {
-        let monitor = Arc::new(Monitor::default());
-        let interrupted = Arc::clone(&monitor);
-        ctrlc::set_handler(move || interrupted.interrupt()).map_err(|error| {
-            Error::failure("fogbow", format!("Ctrl-C cannot be caught: {error}"), "start it from another shell")
-        })?;
-        let start = Instant::now();
+    pub fn run(&self, target: Target, reporter: &mut Reporter) -> Outcome {
+        let (monitor, start) = (&self.monitor, self.start);
         let (mut stats, mut done, mut last) = (Stats::new(false), 0, State::default());
         while !monitor.interrupted.load(Ordering::Relaxed) {
             let Some(round) = self.next_round(target, done, start.elapsed()) else { break };
@@ -88,9 +99,9 @@ impl Job<'_> {
                 _ => None,
             };
             let pixels = self.film.region().pixels();
-            let watch = Watch { monitor: &monitor, start, target, expected: round.expected.map(|n| n * pixels as f64) };
+            let watch = Watch { monitor, start, target, expected: round.expected.map(|n| n * pixels as f64) };
             done = round.samples.end;
-            stats.merge(&self.render(round.samples, &monitor, deadline, || reporter.update(watch.state())));
+            stats.merge(&self.render(round.samples, monitor, deadline, || reporter.update(watch.state())));
             last = watch.state();
             reporter.update(last); // a short round had no time for it
         }
@@ -98,7 +109,7 @@ impl Job<'_> {
         let elapsed = start.elapsed();
         let fraction = if stopped { last.fraction } else { 1.0 };
         reporter.finish(State { fraction, samples: stats.samples, elapsed });
-        Ok(Outcome { stats, elapsed, stopped })
+        Outcome { stats, elapsed, stopped }
     }
 
     /// Renders one round, calling `look` now and then, and stops it at the deadline.
@@ -167,6 +178,7 @@ impl Job<'_> {
             elapsed: outcome.elapsed,
             stats: &outcome.stats,
             trials: &self.trials,
+            reference: &self.reference,
         };
         if outcome.stopped {
             reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use fogbow_kernels::pipeline::{self, Pipeline};
 
-use super::job::{Job, Target};
+use super::job::{self, Job, Target};
 use super::progress::Reporter;
 use super::values::Reference;
 use super::{RenderArgs, say};
@@ -40,14 +42,20 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let renderer = Renderer::new(workers).map_err(|error| {
         Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
     })?;
-    let size = scene.scene.film.size;
-    let (frame, trials) = pilot::settle(&scene.frame, size, &scene.scene.render, &renderer);
-    scene.frame = frame;
     let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { film::tile_size(region) };
-    let film = Film::new(&scene.frame, region, tile_size);
-    let job = Job { scene: &scene, renderer, pipeline: pipeline(args), film, trials };
+    let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
+        let bytes = Film::bytes(&scene.frame, region.pixels());
+        let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
+        Error::failure(path.display(), finding, "render a smaller image with --size, or parts of it with --crop")
+    })?;
+    let (monitor, start) = (job::watch_for_interrupts()?, Instant::now());
+    let (size, interrupted) = (scene.scene.film.size, || monitor.interrupted.load(Ordering::Relaxed));
+    let (frame, trials) = pilot::settle(&scene.frame, size, &scene.scene.render, &renderer, interrupted);
+    scene.frame = frame;
+    let (pipeline, reference) = pipeline(args);
+    let job = Job { scene: &scene, renderer, pipeline, film, trials, reference, start, monitor };
     let mut reporter = Reporter::new(args.progress, &scene.name);
-    let outcome = job.run(target, &mut reporter)?;
+    let outcome = job.run(target, &mut reporter);
     job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)
 }
 
@@ -110,10 +118,11 @@ fn check_stats(args: &RenderArgs, outputs: &[PathBuf]) -> Result<()> {
     check_writable(path)
 }
 
-fn pipeline(args: &RenderArgs) -> Pipeline {
+/// The stages, and which of them are twins.
+fn pipeline(args: &RenderArgs) -> (Pipeline, String) {
     match args.reference {
-        None => pipeline::SIMD,
-        Some(Reference::All) => pipeline::REFERENCE,
-        Some(Reference::One(stage)) => pipeline::SIMD.with_reference(stage),
+        None => (pipeline::SIMD, "none".into()),
+        Some(Reference::All) => (pipeline::REFERENCE, "all".into()),
+        Some(Reference::One(stage)) => (pipeline::SIMD.with_reference(stage), stage.name().into()),
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use fogbow_kernels::pipeline::Stage;
 use serde_json::{Value, json};
 
-use super::figures::{duration, number, rate};
+use super::figures::{duration, number, rate, starts};
 use crate::error::Result;
 use crate::film::Film;
 use crate::image::write_whole;
@@ -29,6 +29,8 @@ pub struct Report<'a> {
     pub stats: &'a Stats,
     /// What the pilot tried.
     pub trials: &'a [Trial],
+    /// The twins in the pipeline.
+    pub reference: &'a str,
 }
 
 impl Report<'_> {
@@ -52,6 +54,7 @@ impl Report<'_> {
             ("survival", self.scene.frame.walk.survival.to_string()),
             ("aimed", self.scene.frame.aimed.to_string()),
             ("roulette", self.scene.frame.roulette.to_string()),
+            ("reference", self.reference.to_string()),
             ("seed", self.scene.frame.seed.to_string()),
             // The last ones perhaps not of every pixel.
             ("sample_range", format!("0..{}", self.film.most_samples())),
@@ -121,6 +124,7 @@ impl Report<'_> {
             "survival": self.scene.frame.walk.survival,
             "aimed": self.scene.frame.aimed,
             "roulette": self.scene.frame.roulette,
+            "reference": self.reference,
             "pilot": self.trials.iter().map(trial).collect::<Vec<_>>(),
             "threads": self.threads,
             "seconds": seconds,
@@ -135,11 +139,6 @@ impl Report<'_> {
             "dropped_non_finite": dropped(self),
         })
     }
-}
-
-/// How many vertices connect.
-fn starts(starts: u32) -> String {
-    if starts == u32::MAX { "all".into() } else { starts.to_string() }
 }
 
 fn trial(trial: &Trial) -> Value {

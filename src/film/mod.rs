@@ -3,6 +3,7 @@
 mod exact;
 mod tile;
 
+use std::collections::TryReserveError;
 use std::sync::{Mutex, MutexGuard};
 
 use crate::frame::Frame;
@@ -48,12 +49,27 @@ pub struct Film {
 
 impl Film {
     /// An empty film for `region` of the image of `frame`.
+    ///
+    /// # Panics
+    /// If there is not enough memory; see [`Self::try_new`].
     pub fn new(frame: &Frame, region: Region, tile_size: u32) -> Self {
+        Self::try_new(frame, region, tile_size).expect("memory for a film")
+    }
+
+    /// An empty film for `region` of the image of `frame`.
+    ///
+    /// # Errors
+    /// If the system refuses the memory, [`Self::bytes`].
+    pub fn try_new(frame: &Frame, region: Region, tile_size: u32) -> Result<Self, TryReserveError> {
         let radiances = frame.lights.disks().iter().flat_map(|disk| disk.radiance);
         let unit = Unit::for_radiance(radiances.fold(0.0, f32::max));
         let channels = frame.channels();
-        let tiles = region.tiles(tile_size).map(|region| Mutex::new(Tile::new(region, channels, unit))).collect();
-        Self { region, tile_size, channels, unit, tiles }
+        let mut tiles = Vec::new();
+        tiles.try_reserve_exact(region.tiles(tile_size).count())?;
+        for region in region.tiles(tile_size) {
+            tiles.push(Mutex::new(Tile::try_new(region, channels, unit)?));
+        }
+        Ok(Self { region, tile_size, channels, unit, tiles })
     }
 
     /// Bytes that a film of `pixels` pixels takes.

@@ -1,6 +1,7 @@
 //! Rectangles of pixels, and the sums of one of them.
 
 use core::ops::Range;
+use std::collections::TryReserveError;
 
 use super::{ExactSum, Pixel, Unit};
 
@@ -85,9 +86,23 @@ pub struct Tile {
 
 impl Tile {
     /// An empty tile of 1 (grey) or 3 channels.
+    ///
+    /// # Panics
+    /// If there is not enough memory; see [`Self::try_new`].
     pub fn new(region: Region, channels: usize, unit: Unit) -> Self {
-        let sums = vec![ExactSum::default(); region.pixels() as usize * channels];
-        Self { region, channels, unit, samples: 0, sums }
+        Self::try_new(region, channels, unit).expect("memory for a tile")
+    }
+
+    /// An empty tile of 1 (grey) or 3 channels.
+    ///
+    /// # Errors
+    /// If the system refuses the memory.
+    pub fn try_new(region: Region, channels: usize, unit: Unit) -> Result<Self, TryReserveError> {
+        let count = region.pixels() as usize * channels;
+        let mut sums = Vec::new();
+        sums.try_reserve_exact(count)?;
+        sums.resize(count, ExactSum::default());
+        Ok(Self { region, channels, unit, samples: 0, sums })
     }
 
     /// The pixels it covers.

@@ -207,7 +207,8 @@ impl Check<'_> {
     fn walk(&self, render: &schema::Render, frame: Frame) -> Result<Frame> {
         let starts = match render.starts {
             Starts::First(count) => {
-                self.require(count > 0, "render.starts", count, "give a number from 1, \"all\" or \"auto\"")?;
+                let remedy = "give a number from 1 to 1024, \"all\" or \"auto\"";
+                self.require((1..=LONGEST_PATH).contains(&count), "render.starts", count, remedy)?;
                 count
             }
             Starts::All | Starts::Auto => u32::MAX,
@@ -220,9 +221,9 @@ impl Check<'_> {
         let aimed = render.aimed.0.unwrap_or(if small { AIMED } else { 0.0 });
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;
-        let roulette = render.roulette.0.unwrap_or(0.0);
+        let roulette = render.roulette;
         let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
+        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr)";
         self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
         Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
     }

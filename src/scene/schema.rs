@@ -142,17 +142,17 @@ pub struct Render {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "whole number"))]
     pub bridge_vertices: Option<u32>,
-    /// Vertices that connect, the first ones after the camera: "all", a number from 1, or "auto", what a short pilot finds
+    /// Vertices that connect, the first ones after the camera: "all", a number from 1 to 1024, or "auto", what a short pilot finds
     /// most efficient.
     pub starts: Starts,
-    /// Probability with which a walk goes on from a vertex, above 0 and at most 1, or "auto", from the same pilot.
+    /// Probability with which a walk goes on from a vertex, 0.01 to 1, or "auto", from the same pilot.
     pub survival: NumberOrAuto,
-    /// Share of the camera's flights that are drawn towards the lights, at least 0 and below 1, or "auto": 0.05 with bridges
+    /// Share of the camera's flights that are drawn towards the lights, 0 to 0.99, or "auto": 0.05 with bridges
     /// and no more than 16 lights, 0 otherwise.
     pub aimed: NumberOrAuto,
-    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)]: 0 for none, or "auto": none
-    /// where only disks can block a connection, for testing them costs less than the roulette.
-    pub roulette: NumberOrAuto,
+    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)], >= 0; 0 for none. Pays where
+    /// tracing is dear; testing disks is not.
+    pub roulette: f64,
     /// Longest MVNEE connection in expected segments: extinction times distance, > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
@@ -179,7 +179,7 @@ impl Default for Render {
             starts: Starts::Auto,
             survival: NumberOrAuto(None),
             aimed: NumberOrAuto(None),
-            roulette: NumberOrAuto(None),
+            roulette: 0.0,
             mesc: None,
             perturbation: Perturbation::Ggx,
             light_selection: LightSelection::IntensityDistance,
@@ -227,7 +227,7 @@ pub enum Starts {
     First(u32),
 }
 
-/// A number; `None` for what a pilot finds.
+/// A number; `None` where the program chooses.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
 pub struct NumberOrAuto(pub Option<f64>);
@@ -266,7 +266,7 @@ impl<'de> Deserialize<'de> for Starts {
             type Value = Starts;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a whole number from 1 to 4294967295, \"all\" or \"auto\"")
+                f.write_str("a whole number from 1 to 1024, \"all\" or \"auto\"")
             }
 
             fn visit_i64<E: de::Error>(self, count: i64) -> Result<Starts, E> {

@@ -126,7 +126,7 @@ fn refused_setting(line: &str, finding: &str, remedy: &str) {
 #[test]
 fn settings_of_bridges_are_of_the_right_type() {
     let listed = "fogbow render --help-scene lists every key";
-    let starts = "expected a whole number from 1 to 4294967295, \"all\" or \"auto\"\n";
+    let starts = "expected a whole number from 1 to 1024, \"all\" or \"auto\"\n";
     for (written, shown) in [
         ("-1", "whole number `-1`"),
         ("4294967296", "whole number `4294967296`"),
@@ -141,7 +141,7 @@ fn settings_of_bridges_are_of_the_right_type() {
             listed,
         );
     }
-    for key in ["survival", "roulette"] {
+    for key in ["survival", "aimed"] {
         for (written, shown) in
             [("\"maybe\"", "the string \"maybe\""), ("true", "the boolean `true`"), ("[1]", "a list")]
         {
@@ -161,8 +161,11 @@ fn settings_of_bridges_are_of_the_right_type() {
 
 #[test]
 fn settings_of_bridges_are_in_range() {
-    let remedy = "give a number from 1, \"all\" or \"auto\"";
-    refused_setting("starts = 0", "render.starts is 0\n", remedy);
+    let remedy = "give a number from 1 to 1024, \"all\" or \"auto\"";
+    for count in ["0", "1025", "4294967295"] {
+        refused_setting(&format!("starts = {count}"), &format!("render.starts is {count}\n"), remedy);
+    }
+    refused_setting("aimed = 1", "render.aimed is 1.0\n", "give a share from 0 to 0.99, or \"auto\"");
     for (written, shown) in
         [("0", "0.0"), ("1.5", "1.5"), ("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("0.001", "0.001")]
     {
@@ -170,7 +173,7 @@ fn settings_of_bridges_are_in_range() {
         refused_setting(&format!("survival = {written}"), &format!("render.survival is {shown}\n"), remedy);
     }
     for (written, shown) in [("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("1e31", "1e31")] {
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
+        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr)";
         refused_setting(&format!("roulette = {written}"), &format!("render.roulette is {shown}\n"), remedy);
     }
     for (written, shown) in [("0", "0.0"), ("-3", "-3.0"), ("nan", "NaN"), ("inf", "inf")] {
@@ -185,13 +188,12 @@ fn settings_of_bridges_may_stand_in_the_scene_or_behind_set() {
         "starts = \"all\"",
         "starts = \"auto\"",
         "starts = 3",
-        "starts = 4294967295",
+        "starts = 1024",
         "survival = 1",
         "survival = 0.01",
         "survival = \"auto\"",
         "roulette = 0",
         "roulette = 0.5",
-        "roulette = \"auto\"",
         "roll = \"uniform\"",
         "bridge_mesc = 2.5",
         "bridge_vertices = 0",
@@ -227,6 +229,22 @@ fn a_film_has_pixels_but_not_more_than_fit() {
     let folder = Folder::with_edited_scene("size = [8, 8]", "size = [4294967296, 1]");
     let beginning = format!("{}: film.size[0]: this is the whole number `4294967296`", folder.place("4294967296"));
     folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_film_that_memory_cannot_hold_is_refused_and_not_a_crash() {
+    let folder = Folder::with_scene();
+    // The shell limits the address space of what it becomes.
+    let render =
+        format!("ulimit -v 1500000; exec {} render scene.toml --size 11000x11000", env!("CARGO_BIN_EXE_fogbow"));
+    let mut shell = std::process::Command::new("sh");
+    let output = shell.current_dir(folder.path(".")).args(["-c", &render]).output().expect("a shell");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.starts_with("error: scene.toml: a film of 121000000 pixels takes 3231 MiB: "), "{stderr}");
+    assert!(stderr.contains("\n  help: render a smaller image with --size"), "{stderr}");
+    assert_eq!(folder.names(), ["scene.toml"]);
 }
 
 #[test]

@@ -97,3 +97,21 @@ fn an_image_that_cannot_be_written_does_not_take_the_others_with_it() {
     assert!(stderr.starts_with("error: gone/b.exr: no file can be made in gone: "), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "a.png", "c.exr", "scene.toml"]);
 }
+
+#[test]
+fn ctrl_c_ends_the_choice_of_a_setting_too() {
+    let folder = Folder::with_scene();
+    let mut command = program(&folder);
+    // A pilot of seconds: long paths in dense fog.
+    let settings = ["--max-segments", "128", "--set", "medium.scattering=60", "--size", "200x200"];
+    command.args(["render", "scene.toml", "-o", "a.exr", "--technique", "bridge"]).args(settings);
+    let child = command.spawn().expect("the program starts");
+    let start = Instant::now();
+    while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {
+        sleep(Duration::from_millis(2));
+    }
+    let (code, _, stderr) = interrupted(child);
+    assert_eq!(code, Some(130), "{stderr}");
+    assert!(stderr.contains("stopped after ") && stderr.contains("writing what there is"), "{stderr}");
+    assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+}
