@@ -173,9 +173,9 @@ fn single_vertex(c: &mut Criterion) {
 }
 
 fn weigh(pipeline: &Pipeline, frame: &Frame, w: &mut Wavefront<'_>, bucket: Bucket, bridged: bool) {
-    let Wavefront { connections, bridged: built, chains, paths, vertices, suffix, step, .. } = w;
+    let Wavefront { connections, bridged: built, chains, paths, vertices, trail, suffix, step, .. } = w;
     let candidates = if bridged { built } else { connections };
-    let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
+    let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, trail, suffix };
     let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
     (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
 }

@@ -20,7 +20,7 @@ use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
-use fogbow_kernels::connect::{nee, omnee};
+use fogbow_kernels::connect::{bridge, nee, omnee};
 use fogbow_kernels::{
     accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette,
     scatter,
@@ -216,12 +216,11 @@ impl Walk<'_> {
         let (start, g) = (self.last(), f64::from(self.frame.medium.phase.g));
         let draws =
             bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
-        let distance = (point - start).length();
-        let lengths = self.frame.lengths;
-        let Some(inserted) = bridge_sample::count_edges(bridge, self.extinction(), distance, lengths, &draws) else {
+        let arriving = (start - self.path[self.path.len() - 2]).normalize();
+        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), arriving, point - start);
+        let Some(inserted) = bridge_sample::count_edges(bridge, mean, self.frame.lengths, &draws) else {
             return;
         };
-        let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let mut rest = vec![point; inserted as usize + 1];
         bridge_sample::place(bridge, g, start, arriving, point, &draws, &mut rest[..inserted as usize]);
         self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, light, &rest);
@@ -358,27 +357,28 @@ mod tests {
     #[test]
     fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         let free = frame(0.9, PathLengths { min: 1, max: 5 });
-        let share = 0.25;
-        let aimed = Frame { aimed: share as f32, ..free.clone() };
+        let shares = [0.25, 0.5];
+        let [few, many] = shares.map(|share| Frame { aimed: share as f32, ..free.clone() });
         let (mut same, mut other) = (0, 0);
-        for sample in 0..400 {
-            let [without, with] = [&free, &aimed].map(|frame| contributions(frame, 9, sample));
+        for sample in 0..600 {
+            let [plain, few, many] = [&free, &few, &many].map(|frame| contributions(frame, 9, sample));
             let view = |c: &&Contribution| c.segments == 1;
-            assert!(with.iter().any(|c| view(&c)), "sample {sample} sees no light");
-            assert!(without.iter().filter(view).eq(with.iter().filter(view)), "views differ in sample {sample}");
-            if first_flight::reference::uniforms(9, sample, free.seed)[0] < share {
-                other += u32::from(without != with);
+            assert!(few.iter().any(|c| view(&c)), "sample {sample} sees no light");
+            assert!(plain.iter().filter(view).eq(few.iter().filter(view)), "views differ in sample {sample}");
+            if first_flight::reference::uniforms(9, sample, free.seed)[0] < shares[1] {
+                other += u32::from(few != many);
                 continue;
             }
-            // The same path, weighed.
+            // The same stretched flight, weighed for either share.
             let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
             let words = medium_sample::reference::words(9, sample, 0, free.seed);
-            let t = medium_sample::reference::flight(0.5, random::uniform(words[0]));
-            let weight = first_flight::reference::weight(0.5, &free.lights, share, origin, direction, t);
-            assert_eq!(without.len(), with.len(), "sample {sample}");
-            for (without, with) in without.iter().zip(&with).filter(|(_, with)| with.segments > 1) {
-                let ratio = with.radiance[0] / without.radiance[0];
-                assert!((ratio / weight - 1.0).abs() < 1e-12, "sample {sample}: {ratio}, expected {weight}");
+            let t = medium_sample::reference::flight(0.5, random::uniform(words[0])) / 0.75;
+            let weight = |share| first_flight::reference::weight(0.5, &free.lights, share, origin, direction, t);
+            let expected = weight(shares[0]) / weight(shares[1]);
+            assert_eq!(few.len(), many.len(), "sample {sample}");
+            for (few, many) in few.iter().zip(&many).filter(|(few, _)| few.segments > 1) {
+                let ratio = few.radiance[0] / many.radiance[0];
+                assert!((ratio / expected - 1.0).abs() < 1e-12, "sample {sample}: {ratio}, expected {expected}");
                 same += 1;
             }
         }

@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use fogbow::frame::Frame;
 use fogbow_kernels::PathLengths;
-use fogbow_kernels::connect::bridge::reference::{count_probability, density, roll_coefficients};
+use fogbow_kernels::connect::bridge::reference::{count_probability, density, mean_inserted, roll_coefficients};
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
@@ -71,10 +71,11 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
             let inserted = wavefront.buckets.count.rows()[row];
             found[if inserted == DROPPED { 0 } else { inserted as usize + 1 }] += 1.0;
             let connection = wavefront.connections.row(row);
-            let distance = vector(connection.start).distance(vector(connection.point));
+            let way = vector(connection.point) - vector(connection.start);
+            let mean = mean_inserted(&bridge, extinction, vector(connection.arriving), way);
             let mut rest = 1.0;
             for edges in 1..=longest - events as u32 {
-                let p = count_probability(&bridge, extinction, longest, events as u32, distance, edges);
+                let p = count_probability(&bridge, longest, events as u32, mean, edges);
                 expected[edges as usize] += p;
                 rest -= p;
             }
@@ -96,6 +97,7 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
         ("two vertices at most", Bridge { max_inserted: 2, ..ALIGNED }, 0.5, 60, 1),
         ("dense, no vertices", Bridge { max_inserted: 0, ..ALIGNED }, 2.0, 60, 1),
         ("Poisson", mixed(0.0), 0.5, 60, 1),
+        ("Poisson of mean mu_t s", ALIGNED.with_poisson_counts(), 0.5, 60, 2),
         ("half and half", mixed(0.5), 1.0, 9, 2),
         ("uniform", mixed(1.0), 0.5, 9, 1),
     ] {
@@ -133,9 +135,9 @@ fn any_density_over_that_of_bridges_has_mean_one() {
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
         bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
             let edges = chain.len() - 1;
-            let distance = chain[0].distance(chain[edges]);
+            let mean = mean_inserted(&bridge, extinction, arriving, chain[edges] - chain[0]);
             let made = density(&bridge, extinction, f64::from(g), longest, 2, arriving, chain, 1.0).value();
-            let count = count_probability(&bridge, extinction, longest, 2, distance, edges as u32);
+            let count = count_probability(&bridge, longest, 2, mean, edges as u32);
             // A very short edge may be rounded to nothing.
             degenerate += u32::from(made == 0.0);
             quotients[edges].add(if made > 0.0 { walk_density(f64::from(g), chain, 0.3) * count / made } else { 0.0 });
@@ -231,7 +233,8 @@ fn one_vertex_of_a_bridge_matches_its_density() {
                 let across = (l1 * l1 - along * along).max(0.0).sqrt();
                 let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
                 let made = density(&bridge, extinction, f64::from(g), 60, 1, DVec3::Z, &chain, 1.0).value();
-                let count = count_probability(&bridge, extinction, 60, 1, 1.0, 2);
+                let mean = mean_inserted(&bridge, extinction, DVec3::Z, DVec3::Z);
+                let count = count_probability(&bridge, 60, 1, mean, 2);
                 expected[cell(x, y)] += total * made / count * volume;
             }
         }

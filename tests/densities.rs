@@ -61,7 +61,7 @@ fn quotient(found: f64, recorded: f64) -> f64 {
 
 /// Bridges with the counts that were recorded: nothing but Poisson.
 fn poisson_bridge(roll: Roll) -> Bridge {
-    Bridge { defensive: 0.0, ..Bridge::new(roll) }
+    Bridge::new(roll).with_poisson_counts()
 }
 
 /// The techniques whose ratios were recorded, and their sum over the starts from `first` on.

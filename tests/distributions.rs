@@ -333,11 +333,12 @@ fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
     let bridge = frame.techniques.bridge.expect("a frame with bridges");
     after_walks(frame, SAMPLES, 2, |wavefront| {
         recorded::build_bridges(wavefront, frame, &bridge);
-        let Wavefront { buckets, bridged, chains, paths, vertices, suffix, step, .. } = wavefront;
+        let Wavefront { buckets, bridged, chains, paths, vertices, trail, suffix, step, .. } = wavefront;
         let threshold = Threshold { contribution: frame.roulette, purpose: random::BRIDGE_LIGHT };
         for bucket in buckets.buckets() {
             let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
-            let columns = mis_weight::Columns { bucket: *bucket, candidates: bridged, chains, paths, vertices, suffix };
+            let columns =
+                mis_weight::Columns { bucket: *bucket, candidates: bridged, chains, paths, vertices, trail, suffix };
             (SIMD.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
             let weights: Vec<_> = bucket.rows().map(|row| f64::from(bridged.weight.rows()[row])).collect();
             let columns = roulette::Columns { bucket: *bucket, candidates: bridged, paths };

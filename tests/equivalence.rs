@@ -139,12 +139,17 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         ColumnMut::F32(values) => values.fill(f32::NAN),
         ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
     };
-    let Wavefront { paths, vertices, rays, flights, hits, views, light_hits, connections, bridged, chains, .. } =
-        wavefront;
+    let Wavefront {
+        paths, vertices, rays, trail, flights, hits, views, light_hits, connections, bridged, chains, ..
+    } = wavefront;
     let mut tables: Vec<&mut dyn ColumnSet> = vec![&mut paths.columns, flights, hits];
     tables.iter_mut().for_each(|table| table.visit_mut(&mut fill));
     (0..vertices.slots() as u32).for_each(|slot| vertices.at_mut(slot).visit_mut(&mut fill));
     (0..rays.slots() as u32).for_each(|slot| rays.at_mut(slot).visit_mut(&mut fill));
+    let (rows, slots) = (trail.lanes(), trail.slots() as u32);
+    for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
+        trail.set_numbers(lane, slot, [f32::NAN; 8]);
+    }
     for queue in [views, light_hits, connections, bridged] {
         queue.visit_mut(&mut fill);
         // One light is all that every frame has.

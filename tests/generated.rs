@@ -74,6 +74,8 @@ fn permuted_lanes_give_permuted_results() {
         let permuted = after_bounce(&frame, |wavefront| {
             fill(wavefront, &frame, 1, &live);
             let (paths, vertices, rays) = (wavefront.paths.save(), wavefront.vertices.save(), wavefront.rays.save());
+            let trail = wavefront.trail.save();
+            wavefront.trail.restore(&trail.permuted(&order));
             wavefront.paths.restore(&paths.permuted(&order));
             wavefront.vertices.restore(&vertices.permuted(&order));
             wavefront.rays.restore(&rays.permuted(&order));
@@ -102,6 +104,8 @@ fn what_dead_lanes_hold_does_not_matter() {
                 let dead = |lane: usize| !live.contains(&lane);
                 let (paths, vertices, rays) =
                     (wavefront.paths.save(), wavefront.vertices.save(), wavefront.rays.save());
+                let trail = wavefront.trail.save();
+                wavefront.trail.restore(&trail.poisoned(dead));
                 wavefront.paths.restore(&paths.poisoned(dead));
                 wavefront.vertices.restore(&vertices.poisoned(dead));
                 wavefront.rays.restore(&rays.poisoned(dead));

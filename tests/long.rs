@@ -7,7 +7,6 @@
 use fogbow::frame::Frame;
 use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
-use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::random;
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -103,7 +102,7 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
         "render.min_segments=6",
     ];
     let mixed = small_light(&near);
-    let bridge = Bridge { defensive: 0.0, ..mixed.techniques.bridge.expect("a frame with bridges") };
+    let bridge = mixed.techniques.bridge.expect("a frame with bridges").with_poisson_counts();
     let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..mixed.techniques }, ..mixed.clone() };
     let (mixed, poisson) = (variances(&mixed), variances(&poisson));
     println!("long detours, variances of ten seeds: {mixed:.1?}, of Poisson counts {poisson:.1?}");

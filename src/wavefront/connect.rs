@@ -45,10 +45,10 @@ impl Wavefront<'_> {
 
     fn connect_nee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, nee::REACH, stats);
-        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
+        let Self { connections, vertices, trail, paths, chains, suffix, step, .. } = self;
         stats.connections(Connector::Nee).tried += connections.len as u64;
         let bucket = connections.direct();
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
         settle.connection(Connector::Nee, bucket, connections);
     }
 
@@ -84,22 +84,22 @@ impl Wavefront<'_> {
 
     fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, omnee::reach(frame.lengths), stats);
-        let Self { connections, vertices, paths, chains, suffix, step, .. } = self;
+        let Self { connections, vertices, trail, paths, chains, suffix, step, .. } = self;
         stats.connections(Connector::Omnee).tried += connections.len as u64;
         stats.run(Stage::OmneeBuild, rows(connections.len), || {
             let columns = omnee_sample::BuildColumns { paths, connections, chains };
             (pipeline.omnee_build)(&frame.medium, *step, columns);
         });
         let bucket = Bucket { inserted: 1, ..connections.direct() };
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
         settle.connection(Connector::Omnee, bucket, connections);
     }
 
     /// What becomes of connections that were sorted and built.
     fn settle_buckets(&mut self, connector: Connector, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        let Self { connections, buckets, bridged, vertices, paths, chains, suffix, step, .. } = self;
+        let Self { connections, buckets, bridged, vertices, trail, paths, chains, suffix, step, .. } = self;
         stats.connections(connector).tried += connections.len as u64;
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
         for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
             settle.connection(connector, *bucket, bridged);
         }

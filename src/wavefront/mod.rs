@@ -7,6 +7,7 @@ use bumpalo::Bump;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
 use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable};
+use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::lanes;
@@ -31,18 +32,20 @@ const VACANT_DIVISOR: usize = 4;
 /// history stays above zero.
 const FIRST_CLOCK: u32 = 1 << 12;
 
-/// Bytes that the histories of a worker should not exceed: half of a 512 KiB second-level cache.
-const HISTORY_BYTES: usize = 256 << 10;
+/// Bytes that the trails of a worker should not exceed: half of a 512 KiB second-level cache.
+const TRAIL_BYTES: usize = 256 << 10;
 
 /// Paths in flight per worker for `frame`.
 pub fn default_lanes(frame: &Frame) -> usize {
-    let bytes_per_path = 20 * (remembered(frame) + 2);
-    (HISTORY_BYTES / bytes_per_path / LANES * LANES).clamp(64, LANES_PER_WORKER)
+    let bytes_per_path = 32 * remembered(frame).max(1);
+    (TRAIL_BYTES / bytes_per_path / LANES * LANES).clamp(64, LANES_PER_WORKER)
 }
 
-/// Vertices before the current one that some stage may read.
+/// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone.
 fn remembered(frame: &Frame) -> usize {
-    if frame.techniques.any() { frame.walk_segments().max(2) as usize - 1 } else { 1 }
+    let Techniques { nee: _, mvnee, omnee, bridge } = frame.techniques;
+    let looks_back = mvnee.is_some() || omnee || bridge.is_some();
+    if looks_back { frame.walk_segments() as usize } else { 0 }
 }
 
 /// All state of one worker: tables and queues of fixed capacity in one arena.
@@ -51,10 +54,12 @@ pub struct Wavefront<'q> {
     pub requests: RequestTable<'q>,
     /// The paths.
     pub paths: PathTable<'q>,
-    /// Their histories.
+    /// Where they are.
     pub vertices: VertexTable<'q>,
     /// Their rays.
     pub rays: RayTable<'q>,
+    /// Where they were before.
+    pub trail: TrailTable<'q>,
     /// The steps they are about to take.
     pub flights: FlightTable<'q>,
     /// Rays that met a disk.
@@ -121,7 +126,9 @@ impl<'q> Wavefront<'q> {
         Self {
             requests: RequestTable::new_in(arena, lanes),
             paths: PathTable::new_in(arena, lanes, frame.channels()),
+            vertices: VertexTable::new_in(arena, lanes),
             rays: RayTable::new_in(arena, lanes),
+            trail: TrailTable::new_in(arena, lanes, remembered(frame)),
             flights: FlightTable::new_in(arena, lanes),
             hits: HitQueue::new_in(arena, lanes),
             views: CandidateQueue::new_in(arena, lanes),
@@ -132,7 +139,6 @@ impl<'q> Wavefront<'q> {
             chains: ChainTable::new_in(arena, bridged, longest),
             suffix: Suffix::new_in(arena, segments),
             step: Step { seed: frame.seed, clock: FIRST_CLOCK },
-            vertices: VertexTable::new_in(arena, lanes, remembered(frame)),
         }
     }
 
@@ -212,6 +218,7 @@ impl<'q> Wavefront<'q> {
     /// One segment of every live path, and everything that connects from its end.
     pub fn bounce(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         stats.segments += self.paths.live.count() as u64;
+        self.trail.remember(self.step.clock, &self.paths.live, &self.vertices, &self.rays);
         self.fly(frame, pipeline, stats);
         self.extend(frame, pipeline, stats);
         self.hit_lights(frame, pipeline, stats);
@@ -254,7 +261,7 @@ impl<'q> Wavefront<'q> {
 
     /// Lights met on the way: weighed and counted before the other paths scatter.
     fn hit_lights(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        let Self { hits, vertices, rays, flights, paths, views, light_hits, chains, suffix, step, .. } = self;
+        let Self { hits, vertices, rays, trail, flights, paths, views, light_hits, chains, suffix, step, .. } = self;
         if hits.len == 0 {
             return;
         }
@@ -264,7 +271,7 @@ impl<'q> Wavefront<'q> {
             (pipeline.light_hit)(&frame.medium, &frame.lights, *step, columns);
         });
         let bucket = light_hits.direct();
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, chains, suffix, stats };
+        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
         settle.weigh(bucket, light_hits);
         settle.accumulate(views.direct(), views);
         settle.accumulate(bucket, light_hits);

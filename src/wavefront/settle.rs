@@ -2,6 +2,7 @@
 
 use fogbow_kernels::columns::paths::{PathTable, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::{Pipeline, Stage};
 use fogbow_kernels::roulette::{self, Threshold};
@@ -18,6 +19,7 @@ pub(super) struct Settle<'a, 'q> {
     pub step: Step,
     pub paths: &'a mut PathTable<'q>,
     pub vertices: &'a VertexTable<'q>,
+    pub trail: &'a TrailTable<'q>,
     pub chains: &'a ChainTable<'q>,
     pub suffix: &'a mut Suffix<'q>,
     pub stats: &'a mut Stats,
@@ -68,9 +70,9 @@ impl<'q> Settle<'_, 'q> {
     }
 
     pub fn weigh(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
-        let Self { frame, pipeline, step, paths, vertices, chains, suffix, .. } = self;
+        let Self { frame, pipeline, step, paths, vertices, trail, chains, suffix, .. } = self;
         self.stats.run(Stage::MisWeight, rows(bucket.len), || {
-            let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix };
+            let columns = mis_weight::Columns { bucket, candidates, chains, paths, vertices, trail, suffix };
             let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
             (pipeline.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
         });

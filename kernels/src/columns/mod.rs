@@ -8,6 +8,7 @@ mod field;
 mod macros;
 pub mod paths;
 pub mod queues;
+pub mod trail;
 
 use bumpalo::Bump;
 use bytemuck::Pod;

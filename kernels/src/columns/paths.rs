@@ -1,10 +1,10 @@
-//! The state of every path in flight: one lane of [`PathTable`] each, and its history in [`VertexTable`]
+//! The state of every path in flight: one lane of [`PathTable`] each, its last vertices and rays in [`VertexTable`]
 //! and [`RayTable`].
 //!
-//! A path keeps its lane from birth to death. The history is a ring over the bounce clock: at clock `t` every live
+//! A path keeps its lane from birth to death. Vertices and rays are rings over the bounce clock: at clock `t` every live
 //! path, whatever its depth, has its current vertex and the ray that leaves it in the slot of `t`, its previous vertex
-//! in the slot of `t - 1`, and so on. No row is ever copied, a walk towards the camera reads whole batches, and the
-//! depth of a path is the clock minus its birth.
+//! in the slot of `t - 1`, its next one in that of `t + 1`. The depth of a path is the clock minus its birth. What lies
+//! farther back stands in the [`TrailTable`](super::trail::TrailTable).
 
 use bumpalo::Bump;
 use wide::{f32x8, u32x8};
@@ -41,9 +41,8 @@ columns! {
     table VertexColumns of Vertex {
         /// Where the vertex is `[m]`.
         position: [f32; 3],
-        /// One over the density with which the direction of the ray that leaves it was sampled `[sr]`; the phase
-        /// function's at a medium vertex. Undefined at the camera.
-        inverse_density: f32,
+        /// Length of the path from its first vertex after the camera to this one `[m]`; 0 at the camera.
+        arc: f32,
         /// Normalisation of the light selection at this vertex, sum over lights of share / distance [1/m]; undefined
         /// where the selection does not depend on the vertex.
         light_sum: f32,
@@ -143,18 +142,16 @@ pub struct Ring<'q, T> {
     slots: &'q mut [T],
 }
 
-/// The histories of all paths: in each slot, one vertex of every path.
+/// The vertices at which all paths are: the current one, the one before, and the one after.
 pub type VertexTable<'q> = Ring<'q, VertexColumns<'q>>;
 
-/// The rays of all paths, as far as stages read them: the current one, the one before, and the one after. Kept apart from
-/// the vertices because connections look back at positions and densities only, and the less they share their cache with,
-/// the better.
+/// The rays that leave them.
 pub type RayTable<'q> = Ring<'q, RayColumns<'q>>;
 
 impl<'q> VertexTable<'q> {
-    /// A ring that remembers the current vertex, `remembered` vertices before it, and has room for the next one.
-    pub fn new_in(arena: &'q Bump, lanes: usize, remembered: usize) -> Self {
-        Self { slots: arena.alloc_slice_fill_with(remembered + 2, |_| VertexColumns::new_in(arena, lanes)) }
+    /// The three vertices of every lane.
+    pub fn new_in(arena: &'q Bump, lanes: usize) -> Self {
+        Self { slots: arena.alloc_slice_fill_with(3, |_| VertexColumns::new_in(arena, lanes)) }
     }
 }
 
@@ -203,13 +200,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ring_remembers_as_many_vertices_as_it_was_made_for() {
+    fn a_ring_remembers_the_vertex_before() {
         let arena = Bump::new();
-        let mut vertices = VertexTable::new_in(&arena, 8, 3);
+        let mut vertices = VertexTable::new_in(&arena, 8);
         let start = 100;
         for clock in start..start + 20 {
             vertices.step(clock).1.position.set_row(2, [clock as f32, 0.0, 0.0]);
-            for back in 0..=3.min(clock - start) {
+            for back in 0..=1.min(clock - start) {
                 assert_eq!(vertices.at(clock + 1 - back).position.row(2)[0], (clock - back) as f32);
             }
         }

@@ -11,10 +11,16 @@
 //! t(v) = delta + D cot((1 - v) span) = sqrt(delta^2 + D^2) sin(v span) / sin((1 - v) span)
 //! ```
 //!
-//! The flight's density is the mixture `(1 - share) mu_t e^{-mu_t t} + share sum_l share_l q_l(t)`, with `share_l` the
-//! light's share of all intensity, whichever part drew it. All techniques have the first flight in common, so it enters
-//! neither ratios nor weights: the path's throughput takes the quotient of the free flight's density and the mixture's,
-//! at most `1 / (1 - share)`.
+//! The others are free flights through a medium that is thinner by [`THINNED`], because vertices farther along have less
+//! in front of them and, mostly, more light around them. The flight's density is the mixture
+//!
+//! ```text
+//! p(t) = (1 - share) c mu_t e^{-c mu_t t} + share sum_l share_l q_l(t),    c = THINNED
+//! ```
+//!
+//! with `share_l` the light's share of all intensity, whichever part drew it. All techniques have the first flight in common,
+//! so it enters neither ratios nor weights: the path's throughput takes the quotient of the free flight's density and the
+//! mixture's, at most `1 / (c (1 - share))`.
 
 pub mod reference;
 pub mod simd;
@@ -35,13 +41,18 @@ pub struct Columns<'a, 'q> {
     pub vertices: &'a VertexTable<'q>,
     /// Read: the camera rays, in the slot of the clock.
     pub rays: &'a RayTable<'q>,
-    /// Filled for requested lanes: weight; flight, where it is drawn equiangularly.
+    /// Read for requested lanes: the free flight. Filled: flight and weight.
     pub flights: &'a mut FlightTable<'q>,
 }
 
-/// Draws a share of the camera's flights towards the lights, and weighs all of them.
+/// Extinction of the medium through which the camera's flights are drawn, over that of the real one. Measured over fog
+/// scenes: 0.85 and 0.7 take a tenth of the variance of single starts and a sixth of that of all starts; from 0.5 on the
+/// variance grows.
+pub const THINNED: f32 = 0.75;
+
+/// Draws a share of the camera's flights towards the lights, stretches the others, and weighs all of them.
 ///
 /// With u and v the third and fourth uniform of the CAMERA block: the flight is drawn equiangularly, with v, if
 /// `u < share`, towards the first light l with `u < share (share_0 + .. + share_l)`, the last one if rounding leaves none,
-/// and stays the free flight it is otherwise.
+/// and is the free flight divided by [`THINNED`] otherwise.
 pub type Kernel = fn(&Medium, &Lights, f32, Step, Columns<'_, '_>);

@@ -7,14 +7,16 @@
 //! delta = (c - x) . d,      D^2 = |x + delta d - c|^2 + R^2
 //! span = pi / 2 + atan(delta / D) = atan2(D, -delta)
 //! t = delta + D cot((1 - v) span) = sqrt(delta^2 + D^2) sin(v span) / sin((1 - v) span)
-//! weight = mu_t e^{-mu_t t} / ((1 - share) mu_t e^{-mu_t t} + share sum_l share_l q_l(t))
+//! weight = mu_t e^{-mu_t t} / ((1 - share) c mu_t e^{-c mu_t t} + share sum_l share_l q_l(t))
 //! ```
+//!
+//! with c the thinning of the flights that are not aimed.
 //!
 //! where the quotient of sines neither cancels nor becomes negative.
 
 use glam::DVec3;
 
-use super::Columns;
+use super::{Columns, THINNED};
 use crate::columns::LANES;
 use crate::tables::lights::{Disk, Lights};
 use crate::tables::media::Medium;
@@ -46,11 +48,11 @@ pub fn uniforms(pixel: u32, sample: u32, seed: u32) -> [f64; 2] {
     [choice, aimed].map(random::uniform)
 }
 
-/// The first flight of the ray `[m]`, >= 0: `free`, or drawn towards a light if `u` says so.
+/// The first flight of the ray `[m]`, >= 0: a stretched `free` one, or drawn towards a light if `u` says so.
 pub fn flight(lights: &Lights, share: f64, origin: DVec3, direction: DVec3, free: f64, u: [f64; 2]) -> f64 {
     match choose_light(lights, share, u[0]) {
         Some(light) => aimed_flight(&lights.disks()[light], origin, direction, u[1]),
-        None => free,
+        None => free / f64::from(THINNED),
     }
 }
 
@@ -98,14 +100,15 @@ pub fn density(disk: &Disk, origin: DVec3, direction: DVec3, t: f64) -> f64 {
     offset / (span(delta, offset) * (offset.powi(2) + (t - delta).powi(2)))
 }
 
-/// The density of a free flight over that of the mixture, at `t`, [0, 1 / (1 - share)]. There must be a medium.
+/// The density of a free flight over that of the mixture, at `t`, [0, 1 / (c (1 - share))]. There must be a medium.
 pub fn weight(extinction: f64, lights: &Lights, share: f64, origin: DVec3, direction: DVec3, t: f64) -> f64 {
-    let free = extinction * (-extinction * t).exp();
+    let thinned = f64::from(THINNED) * extinction;
+    let flight = |extinction: f64| extinction * (-extinction * t).exp();
     let mut aimed = 0.0;
     for (disk, intensity) in lights.disks().iter().zip(lights.intensities()) {
         aimed += f64::from(*intensity) * density(disk, origin, direction, t);
     }
-    free / ((1.0 - share) * free + share * aimed)
+    flight(extinction) / ((1.0 - share) * flight(thinned) + share * aimed)
 }
 
 #[cfg(test)]
@@ -195,7 +198,7 @@ mod tests {
         let (lights, extinction, share) = (lights(), 0.2_f64, 0.5);
         for (origin, direction) in rays() {
             for t in [0.5, 3.0, 20.0] {
-                let mut expected = (1.0 - share) * -(-extinction * t).exp_m1();
+                let mut expected = (1.0 - share) * -(-f64::from(THINNED) * extinction * t).exp_m1();
                 for (disk, part) in lights.disks().iter().zip([0.25, 0.75]) {
                     expected += share * part * integral(t, |s| density(disk, origin, direction, s));
                 }
@@ -228,11 +231,11 @@ mod tests {
     }
 
     #[test]
-    fn weights_are_bounded_by_the_share_of_free_flights() {
+    fn weights_are_bounded_by_the_share_of_flights_that_are_not_aimed() {
         let lights = lights();
         for (origin, direction) in rays() {
             for (extinction, share) in [(1e-3, 0.1), (0.3, 0.5), (50.0, 0.99)] {
-                let bound = 1.0 / (1.0 - share);
+                let bound = 1.0 / (f64::from(THINNED) * (1.0 - share));
                 for t in [0.0, 1e-6, 0.1, 3.0, 40.0, 1e4] {
                     let weight = weight(extinction, &lights, share, origin, direction, t);
                     assert!((0.0..=bound * (1.0 + 1e-15)).contains(&weight), "{weight} at {t}, share {share}");
@@ -241,7 +244,8 @@ mod tests {
         }
         // Dense fog, far from all lights: next to no aimed flight ends here.
         let far = weight(50.0, &lights, 0.5, DVec3::new(0.0, 0.0, -900.0), DVec3::Z, 0.01);
-        assert!((far - 2.0).abs() < 1e-4, "{far}");
+        let expected = 2.0 / 0.75 * (-0.25_f64 * 50.0 * 0.01).exp();
+        assert!((far - expected).abs() < 1e-4, "{far}, expected {expected}");
     }
 
     #[test]
@@ -260,13 +264,13 @@ mod tests {
     }
 
     #[test]
-    fn only_aimed_flights_and_the_weights_of_requested_lanes_are_written() {
+    fn only_requested_lanes_are_written() {
         let arena = Bump::new();
         let lanes = 4000;
         let step = Step { seed: 5, clock: 50 };
         let mut requests = RequestTable::new_in(&arena, lanes);
         let mut paths = PathTable::new_in(&arena, lanes, 1);
-        let mut vertices = VertexTable::new_in(&arena, lanes, 1);
+        let mut vertices = VertexTable::new_in(&arena, lanes);
         let mut rays = RayTable::new_in(&arena, lanes);
         let mut flights = FlightTable::new_in(&arena, lanes);
         let before = Flight { flight: 0.7, cosine: 8, azimuth: 9, weight: -1.0 };
@@ -295,7 +299,8 @@ mod tests {
                 continue;
             }
             let [u, _] = uniforms(lane as u32, 3, step.seed);
-            assert_eq!(after.flight != before.flight, u < 0.25, "lane {lane}");
+            let stretched = (after.flight - before.flight / THINNED).abs() < 1e-6;
+            assert_eq!(stretched, u >= 0.25, "lane {lane}: {}", after.flight);
             let start = DVec3::from(origin(lane).map(f64::from));
             let expected = weight(0.5, &lights(), 0.25, start, DVec3::Z, f64::from(after.flight));
             assert!((f64::from(after.weight) - expected).abs() < 1e-5, "lane {lane}: {}", after.weight);

@@ -1,6 +1,7 @@
 //! ```text
 //! u < share: t = sqrt(delta^2 + D^2) sin(v span) / sin((1 - v) span)          u, v: last words of the CAMERA block
-//! weight = 1 / (1 - share + share sum_l share_l q_l(t) e^{mu_t t} / mu_t)
+//! else       t = free / c
+//! weight = 1 / ((1 - share) c e^{(1 - c) mu_t t} + share sum_l share_l q_l(t) e^{mu_t t} / mu_t)
 //! ```
 //!
 //! 1. Requests are mostly whole batches; the others are blended in.
@@ -9,7 +10,7 @@
 
 use wide::f32x8;
 
-use super::Columns;
+use super::{Columns, THINNED};
 use crate::columns::queues::FlightTable;
 use crate::random::{self, uniform_x8};
 use crate::tables::lights::{Disk, Lights};
@@ -30,7 +31,7 @@ pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Co
         let [.., u, v] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
         let (origin, direction) = (position.batch(b), direction.batch(b));
 
-        let mut t = flight.batch(b);
+        let mut t = flight.batch(b) * f32x8::splat(1.0 / THINNED);
         let (mut open, mut below) = (u.simd_lt(share), f32x8::ZERO);
         for (index, (disk, part)) in lights.disks().iter().zip(lights.intensities()).enumerate() {
             below += share * f32x8::splat(*part);
@@ -43,8 +44,9 @@ pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Co
         for (disk, part) in lights.disks().iter().zip(lights.intensities()) {
             density += f32x8::splat(*part) * Sight::new(disk, origin, direction).density(t);
         }
-        let free = exp(extinction * t) / extinction;
-        let quotient = f32x8::ONE / (share * density).mul_add(free, f32x8::ONE - share);
+        let optical = extinction * t;
+        let thinned = (f32x8::ONE - share) * f32x8::splat(THINNED) * exp(optical * f32x8::splat(1.0 - THINNED));
+        let quotient = f32x8::ONE / (share * density).mul_add(exp(optical) / extinction, thinned);
         let requested = lanes::mask(requested);
         flight.set_batch(b, requested.select(t, flight.batch(b)));
         weight.set_batch(b, requested.select(quotient, weight.batch(b)));

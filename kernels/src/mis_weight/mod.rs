@@ -21,6 +21,7 @@ use suffix::Suffix;
 
 use crate::columns::paths::{PathTable, VertexTable};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use crate::columns::trail::TrailTable;
 use crate::connect::Techniques;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
@@ -36,8 +37,10 @@ pub struct Columns<'a, 'q> {
     pub chains: &'a ChainTable<'q>,
     /// Read: birth, last surface vertex, first vertex near a light.
     pub paths: &'a PathTable<'q>,
-    /// Read: the history up to the start, which is the vertex of the clock.
+    /// Read: the vertex of the clock, which is the start.
     pub vertices: &'a VertexTable<'q>,
+    /// Read: the vertices before it, as far as the active techniques look back.
+    pub trail: &'a TrailTable<'q>,
     /// Room for the suffix of eight candidates; holds nothing between calls.
     pub suffix: &'a mut Suffix<'q>,
 }

@@ -21,6 +21,8 @@
 use glam::DVec3;
 
 use super::Columns;
+use crate::columns::paths::VertexTable;
+use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::reference::light_density;
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::reference as phase;
@@ -38,13 +40,13 @@ pub fn run(
     step: Step,
     columns: Columns<'_, '_>,
 ) {
-    let Columns { bucket, candidates, chains, paths, vertices, suffix: _ } = columns;
+    let Columns { bucket, candidates, chains, paths, vertices, trail, suffix: _ } = columns;
     let mut path = Vec::new();
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
         path.clear();
         for back in (1..=paths.depth(step.clock, lane)).rev() {
-            path.push(DVec3::from(vertices.at(step.clock - back).position.row(lane).map(f64::from)));
+            path.push(position_before(vertices, trail, step, lane, back).map_or(DVec3::NAN, DVec3::from));
         }
         path.push(DVec3::from(candidates.start.row(row).map(f64::from)));
         for vertex in &chains.vertices[..bucket.inserted] {
@@ -56,6 +58,26 @@ pub fn run(
         let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, light);
         candidates.weight.rows_mut()[row] = weight as f32;
     }
+}
+
+/// Where a path was `back` >= 1 vertices before the current one, if it remembers.
+///
+/// Without a trail only the vertex before is known: no active technique then starts earlier than at the current vertex,
+/// and NaN in the place of the others does not reach the weight.
+pub fn position_before(
+    vertices: &VertexTable<'_>,
+    trail: &TrailTable<'_>,
+    step: Step,
+    lane: usize,
+    back: u32,
+) -> Option<[f64; 3]> {
+    let clock = step.clock - back;
+    let position = match back {
+        1 => vertices.at(clock).position.row(lane),
+        _ if (back as usize) < trail.slots() => trail.row(lane, clock).position,
+        _ => return None,
+    };
+    Some(position.map(f64::from))
 }
 
 /// The weight of `path`, from the camera vertex to a point on `light`, with starts from `first_start` on.
@@ -297,11 +319,11 @@ mod tests {
             let cos_light = direction(4).z;
             let common = 1.0 / (area * phase::density(g, direction(start - 1).dot(direction(start))) * cos_light);
             let factorial: f64 = (1..n).map(f64::from).product();
-            let mean = extinction * s;
-            let count = 0.95 * (-mean).exp() * mean.powi(n - 1) / factorial + 0.05 / f64::from(9 - start as i32);
-            let uniform =
-                common * count * factorial * mean * s * s * (extinction * length).exp() / (extinction * length).powi(n);
             let axis = (path[5] - path[start]) / s;
+            let mean = extinction * s * (2.95 - 2.0 * direction(start - 1).dot(axis));
+            let count = 0.95 * (-mean).exp() * mean.powi(n - 1) / factorial + 0.05 / f64::from(9 - start as i32);
+            let uniform = common * count * factorial * extinction * s.powi(3) * (extinction * length).exp()
+                / (extinction * length).powi(n);
             let roll = bridge::reference::roll_density(g, direction(start - 1), axis, direction(start));
             for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll)] {
                 let found = sum(&Techniques { bridge: Some(Bridge::new(kind)), ..Techniques::default() }, start);

@@ -5,7 +5,7 @@
 //!
 //! 1. A bucket's rows have the same number of inserted vertices, so the walk meets the start at the same index in all
 //!    lanes; what differs is only which starts are eligible.
-//! 2. Inserted vertices and start are read as batches, history is gathered.
+//! 2. Inserted vertices and start are read as batches, history as rows of the trail, which knows directions and lengths.
 //! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase functions
 //!    only for the techniques that ask for them: bridges do not.
 //! 4. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
@@ -15,8 +15,9 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use super::suffix::{Arrival, Suffix, SuffixVertex};
 use crate::columns::LANES;
-use crate::columns::paths::{PathTable, VertexTable};
+use crate::columns::paths::{PathTable, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
+use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::{HenyeyGreensteinX8, forward_share};
@@ -39,7 +40,7 @@ pub fn run(
     step: Step,
     columns: Columns<'_, '_>,
 ) {
-    let Columns { bucket, candidates, chains, paths, vertices, suffix } = columns;
+    let Columns { bucket, candidates, chains, paths, vertices, trail, suffix } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
     let share = forward_share(f64::from(medium.phase.g)) as f32;
     for (b, rows) in bucket.batches() {
@@ -59,10 +60,10 @@ pub fn run(
         let needed = needed.max(farthest_near);
 
         let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
-        batch.walk_history(vertices, step, suffix, needed);
+        batch.walk_history(vertices.at(step.clock), trail, step, suffix, needed);
         for a in nearest..=needed {
             suffix.vertices[a].eligible = starts.eligible(a);
-            suffix.vertices[a].attempt = batch.selection(vertices, step, suffix, a) * batch.reach(&starts, a);
+            suffix.vertices[a].attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
         }
         let mut sum = batch.reach_of_walk(&starts, walk);
         if techniques.nee && nearest == 1 {
@@ -243,27 +244,36 @@ impl Batch<'_> {
 
     /// Extends the suffix beyond the start, along the history, to `farthest` segments, and notes how the path arrives there.
     #[inline(always)]
-    fn walk_history(&self, vertices: &VertexTable<'_>, step: Step, suffix: &mut Suffix<'_>, farthest: usize) {
-        for a in self.inserted + 2..=farthest {
-            let slot = vertices.at(self.clock_of(step, a));
-            let position = slot.position.gather(&self.lane_of);
-            let (length, direction) = segment(position, suffix.vertices[a - 1].position);
-            if self.densities {
-                let after = &mut suffix.vertices[a - 1];
-                after.spread = length * length * after.inverse_density;
-                suffix.vertices[a].inverse_density = slot.inverse_density.gather(&self.lane_of);
-            }
-            let arc = suffix.vertices[a - 1].arc + length;
-            let vertex = &mut suffix.vertices[a];
-            (vertex.position, vertex.arc) = (position, arc);
-            // The vertex before the start keeps the direction that was sampled.
-            if a > self.inserted + 2 {
-                vertex.leaving = direction;
-            }
+    fn walk_history(
+        &self,
+        current: &VertexColumns<'_>,
+        trail: &TrailTable<'_>,
+        step: Step,
+        suffix: &mut Suffix<'_>,
+        farthest: usize,
+    ) {
+        let start = self.inserted + 1;
+        if self.lights.selection_depends_on_start() {
+            suffix.vertices[start].light_sum = current.light_sum.gather(&self.lane_of);
         }
-        if farthest > self.inserted + 1 {
-            let before = vertices.at(self.clock_of(step, farthest + 1)).position.gather(&self.lane_of);
-            suffix.vertices[farthest + 1].leaving = segment(before, suffix.vertices[farthest].position).1;
+        if farthest <= start {
+            return;
+        }
+        let whole = suffix.vertices[start].arc + current.arc.gather(&self.lane_of);
+        for a in start + 1..=farthest + 1 {
+            let mark = trail.gather(&self.lane_of, self.clock_of(step, a));
+            let vertex = &mut suffix.vertices[a];
+            (vertex.position, vertex.arc) = (mark.position, whole - mark.arc);
+            (vertex.leaving, vertex.light_sum) = (mark.leaving, mark.light_sum);
+        }
+        if self.densities {
+            for a in start + 1..=farthest {
+                let [before, vertex, after] =
+                    suffix.vertices.get_disjoint_mut([a - 1, a, a + 1]).expect("three vertices");
+                let length_squared = (before.position - vertex.position).length_squared();
+                before.spread = length_squared * before.inverse_density;
+                vertex.inverse_density = self.phase.inverse_density(self.phase.h(after.leaving, vertex.leaving));
+            }
         }
     }
 
@@ -275,15 +285,10 @@ impl Batch<'_> {
 
     /// Probability of selecting the candidates' lights from suffix vertex `a`.
     #[inline(always)]
-    fn selection(&self, vertices: &VertexTable<'_>, step: Step, suffix: &Suffix<'_>, a: usize) -> f32x8 {
-        let position = suffix.vertices[a].position;
-        let sum = if !self.lights.selection_depends_on_start() {
-            f32x8::ONE
-        } else if a <= self.inserted {
-            selection::light_sum(self.lights, position)
-        } else {
-            vertices.at(self.clock_of(step, a)).light_sum.gather(&self.lane_of)
-        };
+    fn selection(&self, suffix: &Suffix<'_>, a: usize) -> f32x8 {
+        let SuffixVertex { position, light_sum, .. } = suffix.vertices[a];
+        let is_inserted = a <= self.inserted && self.lights.selection_depends_on_start();
+        let sum = if is_inserted { selection::light_sum(self.lights, position) } else { light_sum };
         selection::probability(self.lights, &self.light_of, position, sum)
     }
 }

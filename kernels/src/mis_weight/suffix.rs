@@ -3,7 +3,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
-use crate::connect::bridge;
+use crate::connect::bridge::simd::CountTerms;
 use crate::vec3x8::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
@@ -19,6 +19,8 @@ pub struct SuffixVertex {
     pub spread: f32x8,
     /// Unit direction in which the path leaves.
     pub leaving: Vec3x8,
+    /// Normalisation of the light selection from here [1/m]; where it depends on the vertex, and only from the start on.
+    pub light_sum: f32x8,
     /// Probability that a walk gets here and selects the candidate's light.
     pub attempt: f32x8,
     /// Whether a connection may start here.
@@ -44,7 +46,7 @@ pub struct Suffix<'q> {
     /// Scratch for one start at a time.
     pub projections: &'q mut [Projection],
     /// What the weight of a bridge knows of its number of edges alone, by that number.
-    pub count_terms: &'q [f32],
+    pub counts: &'q [CountTerms],
 }
 
 impl<'q> Suffix<'q> {
@@ -57,6 +59,7 @@ impl<'q> Suffix<'q> {
             inverse_density: zero,
             spread: zero,
             leaving: Vec3x8::ZERO,
+            light_sum: zero,
             attempt: zero,
             eligible: zero,
         };
@@ -65,7 +68,7 @@ impl<'q> Suffix<'q> {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
-            count_terms: arena.alloc_slice_fill_with(longest + 1, |edges| bridge::simd::count_term(edges.max(1))),
+            counts: arena.alloc_slice_fill_with(longest + 1, |edges| CountTerms::new(edges.max(1))),
         }
     }
 }

@@ -39,8 +39,6 @@ pub struct HenyeyGreensteinX8 {
     cosine_scale: f32x8,
     /// 2 (1 - g^2)
     sine_scale: f32x8,
-    /// 4 pi (1 - g^2)^2
-    sampled_scale: f32x8,
     /// (1 - |g|)^2
     smallest_h: f32x8,
     /// 4 pi / (1 - g^2)
@@ -63,8 +61,6 @@ pub struct Deflection {
     pub cosine: f32x8,
     /// Sine of the turn, [0, 1].
     pub sine: f32x8,
-    /// One over the phase function there `[sr]`.
-    pub inverse_density: f32x8,
 }
 
 impl HenyeyGreensteinX8 {
@@ -81,7 +77,6 @@ impl HenyeyGreensteinX8 {
             back: splat(back),
             cosine_scale: splat(2.0 * back * back),
             sine_scale: splat(2.0 * width),
-            sampled_scale: splat(4.0 * PI * width * width),
             smallest_h: splat(back * back),
             inverse_scale: splat(4.0 * PI / width),
         }
@@ -99,7 +94,6 @@ impl HenyeyGreensteinX8 {
         Deflection {
             cosine: self.sign * (self.cosine_scale * rest).mul_neg_add(inverse_d2, one),
             sine: self.sine_scale * radicand.sqrt() * inverse_d2,
-            inverse_density: self.sampled_scale * inverse_d2 * inverse_d,
         }
     }
 

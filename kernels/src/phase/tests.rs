@@ -12,7 +12,7 @@ fn lane(batch: f32x8) -> f64 {
 }
 
 #[test]
-fn sampled_turns_and_densities_are_those_of_the_twin() {
+fn sampled_turns_are_those_of_the_twin() {
     for g in ASYMMETRIES {
         let phase = HenyeyGreensteinX8::new(HenyeyGreenstein { g });
         for word in (0..=u32::MAX).step_by(0x0100_3007) {
@@ -23,9 +23,6 @@ fn sampled_turns_and_densities_are_those_of_the_twin() {
             assert!((lane(found.cosine) - cosine).abs() < 6e-7, "g {g}, u {u}: {} {cosine}", lane(found.cosine));
             let sine = (1.0 - cosine * cosine).sqrt();
             assert!((lane(found.sine) - sine).abs() < 1e-6, "g {g}, u {u}: {} {sine}", lane(found.sine));
-            let density = reference::density(f64::from(g), cosine);
-            let ratio = lane(found.inverse_density) * density;
-            assert!((ratio - 1.0).abs() < 2e-6, "g {g}, u {u}: {ratio}");
         }
     }
 }

@@ -14,7 +14,7 @@ pub struct Columns<'a, 'q> {
     pub flights: &'a FlightTable<'q>,
     /// Multiplied by the albedo: throughput of live lanes, in the channels in use.
     pub paths: &'a mut PathTable<'q>,
-    /// Read: the vertex of the clock. Filled: position and inverse density in the next slot.
+    /// Read: the vertex of the clock. Filled: position and arc in the next slot.
     pub vertices: &'a mut VertexTable<'q>,
     /// Read: the ray of the clock. Filled: the next slot.
     pub rays: &'a mut RayTable<'q>,

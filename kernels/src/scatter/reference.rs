@@ -33,7 +33,9 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
         );
         next.position.set_row(lane, event.position.as_vec3().to_array());
         leaving.direction.set_row(lane, event.direction.as_vec3().to_array());
-        next.inverse_density.rows_mut()[lane] = (1.0 / event.density) as f32;
+        let leaves_camera = paths.depth(step.clock, lane) == 0;
+        let arc = if leaves_camera { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + f64::from(flight.flight) };
+        next.arc.rows_mut()[lane] = arc as f32;
         let channels = paths.columns.throughput.channels_mut().into_iter().take(paths.channels);
         for (throughput, albedo) in channels.zip(medium.albedo) {
             let throughput = &mut throughput.rows_mut()[lane];
@@ -49,18 +51,12 @@ pub struct Event {
     pub position: DVec3,
     /// Unit direction in which the path goes on.
     pub direction: DVec3,
-    /// Density with which that direction was drawn [1/sr].
-    pub density: f64,
 }
 
 /// The event at the end of `flight` from `origin` in `direction`; `u` decides on cosine and azimuth.
 pub fn scatter(g: f64, origin: DVec3, direction: DVec3, flight: f64, u: [f64; 2]) -> Event {
     let cosine = phase::sample_cosine(g, u[0]);
-    Event {
-        position: origin + flight * direction,
-        direction: phase::turn(direction, cosine, u[1]),
-        density: phase::density(g, cosine),
-    }
+    Event { position: origin + flight * direction, direction: phase::turn(direction, cosine, u[1]) }
 }
 
 #[cfg(test)]

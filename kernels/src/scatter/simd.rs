@@ -1,13 +1,12 @@
 //! ```text
-//! x' = x + flight d
+//! x' = x + flight d,   arc' = arc + flight, but 0 at the first vertex after the camera
 //! d' = d turned by the phase function's cosine, at azimuth 2 pi u
 //! T  = T * albedo
 //! ```
 //!
-//! 1. Sampling returns 1 / phase(d') with the direction, at the cost of two products; weights need it, the walk does not.
-//! 2. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
+//! 1. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::phase::HenyeyGreensteinX8;
@@ -25,13 +24,15 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
     let (origins, directions) = (from.position.view(n), arriving.direction.view(n));
     let (flight, cosine, azimuth) = (flights.flight.view(n), flights.cosine.view(n), flights.azimuth.view(n));
     let (mut positions, mut leaving) = (to.position.view_mut(n), leaving.direction.view_mut(n));
-    let inverse_density = to.inverse_density.view_mut(n);
+    let (arc, next_arc) = (from.arc.view(n), to.arc.view_mut(n));
+    let birth = paths.columns.birth.view(n);
     for (b, _) in paths.live.each_batch() {
         let direction = directions.at(b);
         positions.set(b, direction.mul_add(flight[b], origins.at(b)));
+        let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
+        next_arc[b] = at_camera.select(f32x8::ZERO, arc[b] + flight[b]);
         let deflection = phase.sample(uniform_x8(cosine[b]));
         leaving.set(b, deflection.apply(direction, uniform_x8(azimuth[b])));
-        inverse_density[b] = deflection.inverse_density;
     }
     let channels = paths.channels;
     for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(medium.albedo).take(channels) {

@@ -7,6 +7,7 @@ use std::cell::RefCell;
 
 use fogbow_kernels::columns::paths::{PathTable, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{Column3, LANES};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
@@ -14,6 +15,7 @@ use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
 use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
+use fogbow_kernels::mis_weight::reference::position_before;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::tables::camera::Camera;
@@ -237,7 +239,7 @@ fn check_scatter(medium: &Medium, step: Step, columns: scatter::Columns<'_, '_>)
     let allowed = [
         ("position", tolerances::POSITION),
         ("direction", tolerances::DIRECTION),
-        ("inverse_density", tolerances::INVERSE_DENSITY),
+        ("arc", tolerances::ARC),
         ("throughput", tolerances::CONTRIBUTION),
     ];
     let next = step.clock + 1;
@@ -428,13 +430,21 @@ fn check_mis_weight(
     step: Step,
     columns: mis_weight::Columns<'_, '_>,
 ) {
-    let mis_weight::Columns { bucket, candidates, chains, paths, vertices, suffix } = columns;
+    let mis_weight::Columns { bucket, candidates, chains, paths, vertices, trail, suffix } = columns;
     let (kernel, twin) = run_both!(
         mis_weight(medium, lights, techniques, walk, lengths, step),
         [candidates],
-        mis_weight::Columns { bucket, candidates: &mut *candidates, chains, paths, vertices, suffix: &mut *suffix }
+        mis_weight::Columns {
+            bucket,
+            candidates: &mut *candidates,
+            chains,
+            paths,
+            vertices,
+            trail,
+            suffix: &mut *suffix
+        }
     );
-    let sight = Sight { bucket, candidates, chains, paths, vertices, lights, step };
+    let sight = Sight { bucket, candidates, chains, paths, vertices, trail, lights, step };
     let (kernel_weights, twin_weights) = (kernel.0.reals("weight"), twin.0.reals("weight"));
     for at in bucket.rows() {
         count_rows(1);
@@ -463,6 +473,7 @@ struct Sight<'a, 'q> {
     chains: &'a ChainTable<'q>,
     paths: &'a PathTable<'q>,
     vertices: &'a VertexTable<'q>,
+    trail: &'a TrailTable<'q>,
     lights: &'a Lights,
     step: Step,
 }
@@ -471,8 +482,9 @@ impl Sight<'_, '_> {
     /// Vertices from the camera, as far as it is remembered, to the light.
     fn path(&self, at: usize) -> Vec<glam::DVec3> {
         let lane = self.candidates.lane.rows()[at] as usize;
-        let known = (self.vertices.slots() as u32 - 2).min(self.paths.depth(self.step.clock, lane));
-        let history = (1..=known).rev().map(|back| self.vertices.at(self.step.clock - back).position.row(lane));
+        let depth = self.paths.depth(self.step.clock, lane);
+        let before = |back| position_before(self.vertices, self.trail, self.step, lane, back);
+        let history = (1..=depth).rev().filter_map(before).map(|position| position.map(|x| x as f32));
         let inserted = self.chains.vertices[..self.bucket.inserted].iter().map(|vertex| vertex.row(at));
         let ends = [self.candidates.start.row(at), self.candidates.point.row(at)];
         let path = history.chain([ends[0]]).chain(inserted).chain([ends[1]]);

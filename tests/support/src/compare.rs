@@ -6,6 +6,7 @@ use std::fmt::Write;
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
 use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue};
+use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{ColumnMut, ColumnRef, ColumnSet};
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::lanes::{self, LaneSet};
@@ -213,6 +214,26 @@ impl Save for RayTable<'_> {
 
     fn restore(&mut self, saved: &Saved) {
         (0..).zip(&saved.tables).for_each(|(slot, table)| restore_columns(self.at_mut(slot), table));
+    }
+}
+
+/// One table per slot.
+impl Save for TrailTable<'_> {
+    fn save(&self) -> Saved {
+        let slot = |clock: u32| {
+            let numbers: Vec<[f32; 8]> = (0..self.lanes()).map(|lane| self.numbers(lane, clock)).collect();
+            (0..8).map(|i| ("trail", true, numbers.iter().map(|row| row[i].to_bits()).collect())).collect()
+        };
+        Saved::new((0..self.slots() as u32).map(slot).collect())
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        for (clock, columns) in (0..).zip(&saved.tables) {
+            for lane in 0..self.lanes() {
+                let numbers = core::array::from_fn(|i| f32::from_bits(columns[i].2[lane]));
+                self.set_numbers(lane, clock, numbers);
+            }
+        }
     }
 }
 

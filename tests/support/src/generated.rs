@@ -7,8 +7,8 @@ use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{Path, Ray, Vertex};
 use fogbow_kernels::columns::queues::{Flight, Request};
+use fogbow_kernels::columns::trail::Mark;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
-use fogbow_kernels::phase::reference::density;
 use fogbow_kernels::random;
 use glam::DVec3;
 
@@ -113,23 +113,27 @@ pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usi
     }
 }
 
-/// A history of `depth + 1` vertices whose densities are those of their positions, and the rays that go with it.
+/// A trail of `depth` vertices, the current vertex, and the rays that go with them.
 fn fill_history(wavefront: &mut Wavefront<'_>, frame: &Frame, numbers: &mut Numbers, lane: usize, depth: u32) {
     let clock = wavefront.step.clock;
     let points: Vec<DVec3> = (0..=depth).map(|_| numbers.point().as_vec3().as_dvec3()).collect();
     let ray = numbers.direction();
     let mut leaving: Vec<DVec3> = points.windows(2).map(|ends| (ends[1] - ends[0]).normalize()).collect();
     leaving.push(DVec3::from(ray.map(f64::from)));
+    let mut arc = 0.0;
     for j in 0..points.len() {
-        let turn = (j > 0).then(|| leaving[j - 1].dot(leaving[j]));
-        let vertex = Vertex {
-            position: points[j].as_vec3().to_array(),
-            inverse_density: turn.map_or(1.0, |c| 1.0 / density(f64::from(frame.medium.phase.g), c)) as f32,
-            light_sum: light_sum(&frame.lights, points[j]) as f32,
-        };
-        let at = clock - (points.len() - 1 - j) as u32;
-        if points.len() - 1 - j < wavefront.vertices.slots() - 1 {
-            wavefront.vertices.at_mut(at).set_row(lane, vertex);
+        if j > 1 {
+            arc += points[j].distance(points[j - 1]);
+        }
+        let [position, direction] = [points[j], leaving[j]].map(|v| v.as_vec3().to_array());
+        let (arc, light_sum) = (arc as f32, light_sum(&frame.lights, points[j]) as f32);
+        let back = points.len() - 1 - j;
+        let at = clock - back as u32;
+        if back < 2 {
+            wavefront.vertices.at_mut(at).set_row(lane, Vertex { position, arc, light_sum });
+        }
+        if (1..wavefront.trail.slots()).contains(&back) {
+            wavefront.trail.set_row(lane, at, Mark { position, arc, leaving: direction, light_sum });
         }
     }
     let before = if depth > 0 { leaving[depth as usize - 1] } else { DVec3::Z };

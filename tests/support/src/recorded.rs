@@ -19,7 +19,8 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &Frame, lanes: usize, bounces: u32)
     let mut tile = Tile::new(Region::whole(256, 256), frame.channels(), Unit::for_radiance(1.0));
     let mut stats = Stats::new(false);
     wavefront.advance(frame, &SIMD, 0..1, &mut tile, &mut stats, bounces);
-    let Wavefront { paths, vertices, rays, flights, hits, views, light_hits, step, .. } = &mut wavefront;
+    let Wavefront { paths, vertices, rays, trail, flights, hits, views, light_hits, step, .. } = &mut wavefront;
+    trail.remember(step.clock, &paths.live, vertices, rays);
     (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     hits.len = 0;
     (SIMD.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });

@@ -33,8 +33,8 @@ pub const POSITION: Tolerance = tolerance(1e-6, 3e-7);
 /// Directions: the turn's cosine is good to five roundings of a number up to 2, sine and azimuth to about as much.
 pub const DIRECTION: Tolerance = tolerance(2e-6, 0.0);
 
-/// One over a phase function that was just sampled: a product of eight factors.
-pub const INVERSE_DENSITY: Tolerance = tolerance(0.0, 2e-6);
+/// Lengths of paths so far: one sum.
+pub const ARC: Tolerance = tolerance(0.0, 2e-7);
 
 /// Normalisation of the light selection: a sum of quotients.
 pub const LIGHT_SUM: Tolerance = tolerance(0.0, 1e-6);

@@ -25,7 +25,8 @@ pub fn start(wavefront: &mut Wavefront<'_>, frame: &Frame, round: usize) {
 
 /// One scattering event of every path that survives until then.
 pub fn walk(wavefront: &mut Wavefront<'_>, frame: &Frame) {
-    let Wavefront { paths, vertices, rays, flights, step, .. } = wavefront;
+    let Wavefront { paths, vertices, rays, trail, flights, step, .. } = wavefront;
+    trail.remember(step.clock, &paths.live, vertices, rays);
     (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
     step.clock += 1;

@@ -2,12 +2,12 @@
 
 use bumpalo::Bump;
 use fogbow_kernels::columns::LANES;
-use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::paths::{PathTable, Vertex, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable};
+use fogbow_kernels::columns::trail::{Mark, TrailTable};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::mis_weight::{self, suffix::Suffix};
-use fogbow_kernels::phase::reference::density;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{PathLengths, Step, Walk};
@@ -57,7 +57,8 @@ impl<'a> Weigher<'a> {
         let arena = Bump::new();
         let lanes = 2 * LANES;
         let mut paths = PathTable::new_in(&arena, lanes, 1);
-        let mut vertices = VertexTable::new_in(&arena, lanes, n);
+        let mut vertices = VertexTable::new_in(&arena, lanes);
+        let mut trail = TrailTable::new_in(&arena, lanes, n + 1);
         let chains = ChainTable::new_in(&arena, lanes, made.inserted);
         let mut suffix = Suffix::new_in(&arena, n);
         let mut candidates = CandidateQueue::new_in(&arena, LANES);
@@ -68,15 +69,21 @@ impl<'a> Weigher<'a> {
         let f32s = |v: DVec3| v.as_vec3().to_array();
         for slot in 0..vertices.slots() as u32 {
             vertices.at_mut(slot).position.channels_mut().into_iter().for_each(|c| c.rows_mut().fill(f32::NAN));
-            vertices.at_mut(slot).inverse_density.rows_mut().fill(f32::NAN);
         }
+        for (lane, slot) in (0..lanes).flat_map(|lane| (0..=n as u32).map(move |slot| (lane, slot))) {
+            trail.set_numbers(lane, slot, [f32::NAN; 8]);
+        }
+        let mut arc = 0.0;
         for j in 0..=depth {
-            let vertex = vertices.at_mut(step.clock - (depth - j) as u32);
-            vertex.position.set_row(lane, f32s(made.vertices[j]));
-            vertex.light_sum.rows_mut()[lane] = light_sum(self.lights, made.vertices[j]) as f32;
-            if j > 0 {
-                let turn = direction(made, j - 1).dot(direction(made, j));
-                vertex.inverse_density.rows_mut()[lane] = (1.0 / density(f64::from(self.medium.phase.g), turn)) as f32;
+            if j > 1 {
+                arc += made.vertices[j].distance(made.vertices[j - 1]);
+            }
+            let [position, leaving] = [made.vertices[j], direction(made, j)].map(f32s);
+            let (arc, light_sum) = (arc as f32, light_sum(self.lights, made.vertices[j]) as f32);
+            let clock = step.clock - (depth - j) as u32;
+            trail.set_row(lane, clock, Mark { position, arc, leaving, light_sum });
+            if j + 2 > depth {
+                vertices.at_mut(clock).set_row(lane, Vertex { position, arc, light_sum });
             }
         }
         for (vertex, position) in chains.vertices.iter_mut().zip(&made.vertices[depth + 1..n]) {
@@ -97,6 +104,7 @@ impl<'a> Weigher<'a> {
             chains: &chains,
             paths: &paths,
             vertices: &vertices,
+            trail: &trail,
             suffix: &mut suffix,
         };
         let lengths = PathLengths { min: 1, max: self.longest };

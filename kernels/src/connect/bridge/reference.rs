@@ -31,18 +31,21 @@ pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
     limit.min(longest - depth)
 }
 
-/// lambda: the mean of the Poisson part of the number of inserted vertices.
-pub fn mean_inserted(extinction: f64, distance: f64) -> f64 {
-    (extinction * distance).min(LARGEST_MEAN)
+/// lambda: the mean of the Poisson part of the number of inserted vertices, for a start at which a path arrives in the
+/// unit direction `arriving`, and a light point `way` from there `[m]`.
+pub fn mean_inserted(bridge: &Bridge, extinction: f64, arriving: DVec3, way: DVec3) -> f64 {
+    let turned = 1.0 - arriving.dot(way.normalize_or(arriving));
+    let per_mean_free_path = f64::from(bridge.straight) + f64::from(bridge.turning) * turned;
+    (extinction * way.length() * per_mean_free_path).min(LARGEST_MEAN)
 }
 
-/// P(N): the probability of `edges` edges between a start at `depth` and a point at `distance` `[m]`.
-pub fn count_probability(bridge: &Bridge, extinction: f64, longest: u32, depth: u32, distance: f64, edges: u32) -> f64 {
+/// P(N): the probability of `edges` edges from a start at `depth`, for lambda = `mean`.
+pub fn count_probability(bridge: &Bridge, longest: u32, depth: u32, mean: f64, edges: u32) -> f64 {
     let room = room(bridge, longest, depth);
     if edges == 0 || edges > room {
         return 0.0;
     }
-    let (mean, inserted) = (mean_inserted(extinction, distance), edges - 1);
+    let inserted = edges - 1;
     // Nothing to the power of nothing is one: without a mean nothing is inserted.
     let log_power = if inserted == 0 { 0.0 } else { f64::from(inserted) * mean.ln() };
     let poisson = (log_power - mean - log_factorial(inserted)).exp();
@@ -97,8 +100,8 @@ pub fn density(
         return Density::ZERO;
     }
     let count = edges.len() as u32;
-    let counted =
-        Density::new(light_density).times(count_probability(bridge, extinction, longest, depth, distance, count));
+    let mean = mean_inserted(bridge, extinction, arriving, *point - *start);
+    let counted = Density::new(light_density).times(count_probability(bridge, longest, depth, mean, count));
     if count == 1 {
         return counted;
     }
@@ -128,29 +131,40 @@ mod tests {
 
     #[test]
     fn count_probabilities_add_up_to_one_with_room_and_to_less_without() {
-        let sum = |bridge: &Bridge, longest: u32, distance: f64| -> f64 {
-            (0..=longest + 2).map(|edges| count_probability(bridge, 2.0, longest, 1, distance, edges)).sum()
+        let sum = |longest: u32, mean: f64| -> f64 {
+            (0..=longest + 2).map(|edges| count_probability(&ALIGNED, longest, 1, mean, edges)).sum()
         };
-        for distance in [0.0, 1e-3, 0.5, 4.0, 30.0, 1e6] {
-            assert!((sum(&ALIGNED, 1024, distance) - 1.0).abs() < 1e-12, "{distance}");
-            let few = sum(&ALIGNED, 4, distance);
-            assert!((DEFENSIVE..=1.0 + 1e-12).contains(&few), "{distance}: {few}");
+        for mean in [0.0, 2e-3, 1.0, 8.0, 60.0] {
+            assert!((sum(1024, mean) - 1.0).abs() < 1e-12, "{mean}");
+            let few = sum(4, mean);
+            assert!((DEFENSIVE..=1.0 + 1e-12).contains(&few), "{mean}: {few}");
         }
-        // 2.2 is far below mu_t s = 60: the defensive part alone is left, and the counts beyond are dropped.
-        assert!((sum(&ALIGNED, 4, 30.0) - DEFENSIVE).abs() < 1e-12);
+        // Four edges are far below 60: the defensive part alone is left, and the counts beyond are dropped.
+        assert!((sum(4, 60.0) - DEFENSIVE).abs() < 1e-12);
+    }
+
+    #[test]
+    fn more_vertices_are_expected_where_the_path_has_to_turn() {
+        let mean = |bridge: &Bridge, arriving: DVec3| mean_inserted(bridge, 0.5, arriving, 6.0 * DVec3::X);
+        assert!((mean(&ALIGNED, DVec3::X) - 3.0 * 0.95).abs() < 1e-6);
+        assert!((mean(&ALIGNED, DVec3::Y) - 3.0 * 2.95).abs() < 1e-6);
+        assert!((mean(&ALIGNED, -DVec3::X) - 3.0 * 4.95).abs() < 1e-6);
+        assert_eq!(mean(&ALIGNED.with_poisson_counts(), -DVec3::X), 3.0);
+        assert_eq!(mean_inserted(&ALIGNED, 2.0, DVec3::Z, DVec3::ZERO), 0.0);
+        assert_eq!(mean_inserted(&ALIGNED, 2.0, DVec3::Z, 1e9 * DVec3::Z), LARGEST_MEAN);
     }
 
     #[test]
     fn counts_are_a_mixture_of_poisson_and_uniform_within_the_room() {
         let limited = Bridge { max_inserted: 2, ..ALIGNED };
-        // mu_t s = 1.5, two inserted vertices; room min(9 - 4, 3).
+        // Two inserted vertices where 1.5 are expected; room min(9 - 4, 3).
         let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 3.0;
-        assert!((count_probability(&limited, 0.5, 9, 4, 3.0, 3) - expected).abs() < 1e-15);
+        assert!((count_probability(&limited, 9, 4, 1.5, 3) - expected).abs() < 1e-15);
         let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 5.0;
-        assert!((count_probability(&ALIGNED, 0.5, 9, 4, 3.0, 3) - expected).abs() < 1e-15);
-        assert_eq!([0, 4].map(|edges| count_probability(&limited, 0.5, 9, 4, 3.0, edges)), [0.0; 2]);
-        assert_eq!([9, 12].map(|depth| count_probability(&ALIGNED, 0.5, 9, depth, 3.0, 1)), [0.0; 2]);
-        let most = count_probability(&ALIGNED, 1e9, 2000, 1, 1.0, 65);
+        assert!((count_probability(&ALIGNED, 9, 4, 1.5, 3) - expected).abs() < 1e-15);
+        assert_eq!([0, 4].map(|edges| count_probability(&limited, 9, 4, 1.5, edges)), [0.0; 2]);
+        assert_eq!([9, 12].map(|depth| count_probability(&ALIGNED, 9, depth, 1.5, 1)), [0.0; 2]);
+        let most = count_probability(&ALIGNED, 2000, 1, LARGEST_MEAN, 65);
         let mode = (64.0 * 64.0_f64.ln() - 64.0 - (2..=64).map(|k| f64::from(k).ln()).sum::<f64>()).exp();
         assert!((most / ((1.0 - DEFENSIVE) * mode + DEFENSIVE / 1999.0) - 1.0).abs() < 1e-12, "{most}");
     }
@@ -207,7 +221,7 @@ mod tests {
                 }
             }
             sum *= PI * TAU / f64::from(turns * shares * azimuths);
-            let expected = 2.0 * count_probability(&bridge, 0.7, 9, 2, distance, 2);
+            let expected = 2.0 * count_probability(&bridge, 9, 2, mean_inserted(&bridge, 0.7, arriving, point), 2);
             assert!((sum / expected - 1.0).abs() < 1e-3, "{bridge:?}, g = {g}: {sum}, expected {expected}");
         }
     }
@@ -218,7 +232,8 @@ mod tests {
         let s = (point - start).length();
         for bridge in [ALIGNED, UNIFORM] {
             let p = density(&bridge, 0.8, 0.9, 9, 1, DVec3::X, &[start, point], 3.0).value();
-            let many = 3.0 * count_probability(&bridge, 0.8, 9, 1, s, 1) * s.powi(3) / s / (s * s);
+            let mean = mean_inserted(&bridge, 0.8, DVec3::X, point - start);
+            let many = 3.0 * count_probability(&bridge, 9, 1, mean, 1) * s.powi(3) / s / (s * s);
             assert!((p / many - 1.0).abs() < 1e-14, "{p} and {many}");
         }
     }

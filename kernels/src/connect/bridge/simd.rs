@@ -1,6 +1,6 @@
 //! ```text
 //! for each start a, counted from the light (N = a edges), within reach:
-//!     x = mu_t L, lambda = min(mu_t s, largest mean)
+//!     x = mu_t L, lambda = min(mu_t s (straight + turning (1 - cos gamma)), largest mean)
 //!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) Poisson(N - 1; lambda) + eps / room ] (N - 1)! e^x / x^N * turn
 //!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll)
 //! ```
@@ -47,35 +47,29 @@ pub fn ratios(
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST_LENGTH)));
 
+        let arriving = angle(suffix.vertices[a + 1].leaving, axis);
         let h = phase.h(suffix.vertices[a + 1].leaving, start.leaving);
         let turn = match bridge.roll {
             Roll::Aligned => {
-                let (near, far) =
-                    phase.h_in_plane(angle(suffix.vertices[a + 1].leaving, axis), angle(start.leaving, axis));
+                let (near, far) = phase.h_in_plane(arriving, angle(start.leaving, axis));
                 (h * near * far).sqrt()
             }
             Roll::Uniform => h * h.sqrt(),
         };
-        let (mean, depth) = (extinction * distance, extinction * start.arc);
-        let shape = counts(a, suffix.count_terms[a], mean, depth, room(a), bridge.defensive) * distance_squared * mean;
-        let ratio = start.attempt * shape * turn;
+        let (straight, depth) = (extinction * distance, extinction * start.arc);
+        let mean = mean_inserted(bridge, straight, arriving.cosine);
+        let counts = suffix.counts[a].over(mean, depth, room(a), bridge.defensive);
+        let ratio = start.attempt * counts * distance_squared * straight * turn;
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.inverse_scale() * arrival.inverse_area / arrival.cos_light
 }
 
-/// `P(N) (N-1)! e^x / x^N` for N = `edges`, x = `depth` = mu_t L and mu_t s = `mean`; `term` is c_N.
+/// lambda, for `straight` = mu_t s and the cosine between axis and arriving direction.
 #[inline(always)]
-fn counts(edges: usize, term: f32, mean: f32x8, depth: f32x8, room: f32x8, defensive: f32) -> f32x8 {
-    let (n, one) = (edges as f32, f32x8::ONE);
-    let y = depth * f32x8::splat(1.0 / n);
-    let minus_ln_y = neg_ln(y);
-    let spread = exp((y - one + minus_ln_y).mul_add(f32x8::splat(n), f32x8::splat(term)));
-    let mean = mean.fast_min(f32x8::splat(LARGEST_MEAN as f32));
-    let minus_ln_depth = minus_ln_y - f32x8::splat(n.ln());
-    let poisson = exp(neg_ln(mean / depth).mul_neg_add(f32x8::splat(n - 1.0), depth - mean + minus_ln_depth));
-    let share = f32x8::splat(defensive) / room;
-    poisson.mul_add(f32x8::splat(1.0 - defensive), share * spread)
+pub fn mean_inserted(bridge: &Bridge, straight: f32x8, cosine: f32x8) -> f32x8 {
+    let turned = f32x8::splat(bridge.turning) * (f32x8::ONE - cosine);
+    (straight * (f32x8::splat(bridge.straight) + turned)).fast_min(f32x8::splat(LARGEST_MEAN as f32))
 }
 
 /// The angle between unit vectors.
@@ -85,9 +79,34 @@ fn angle(direction: Vec3x8, axis: Vec3x8) -> PlaneAngle {
     PlaneAngle { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
 }
 
-/// The part of the weight that depends on the number of edges alone: `N - N ln N + ln (N - 1)!`, for N >= 1.
-pub fn count_term(edges: usize) -> f32 {
-    let n = edges as f64;
-    let log_factorial: f64 = (1..edges).map(|k| (k as f64).ln()).sum();
-    (n - n * n.ln() + log_factorial) as f32
+/// What the weight of a bridge knows of its number of edges N alone.
+#[derive(Clone, Copy, Debug)]
+pub struct CountTerms {
+    edges: f32,
+    inverse: f32,
+    ln: f32,
+    /// c_N = N - N ln N + ln (N - 1)!
+    scale: f32,
+}
+
+impl CountTerms {
+    /// Those of `edges` edges, >= 1.
+    pub fn new(edges: usize) -> Self {
+        let n = edges as f64;
+        let log_factorial: f64 = (1..edges).map(|k| (k as f64).ln()).sum();
+        let scale = n - n * n.ln() + log_factorial;
+        Self { edges: n as f32, inverse: (1.0 / n) as f32, ln: n.ln() as f32, scale: scale as f32 }
+    }
+
+    /// `P(N) (N-1)! e^x / x^N` for x = `depth` = mu_t L and lambda = `mean`.
+    #[inline(always)]
+    fn over(&self, mean: f32x8, depth: f32x8, room: f32x8, defensive: f32) -> f32x8 {
+        let [n, inverse, ln, scale] = [self.edges, self.inverse, self.ln, self.scale].map(f32x8::splat);
+        let y = depth * inverse;
+        let minus_ln_y = neg_ln(y);
+        let uniform = exp((y - f32x8::ONE + minus_ln_y).mul_add(n, scale));
+        let minus_ln_depth = minus_ln_y - ln;
+        let poisson = exp(neg_ln(mean / depth).mul_neg_add(n - f32x8::ONE, depth - mean + minus_ln_depth));
+        poisson.mul_add(f32x8::splat(1.0 - defensive), f32x8::splat(defensive) / room * uniform)
+    }
 }

@@ -234,7 +234,7 @@ mod tests {
         let arena = Bump::new();
         let lights = lights(Selection::IntensityDistance);
         let mut paths = PathTable::new_in(&arena, 3, 1);
-        let mut vertices = VertexTable::new_in(&arena, 3, 4);
+        let mut vertices = VertexTable::new_in(&arena, 3);
         let rays = RayTable::new_in(&arena, 3);
         let mut connections = CandidateQueue::new_in(&arena, 3);
         // Depths 1, 2 and 3.

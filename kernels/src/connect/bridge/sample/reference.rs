@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! count:  u < e:  N = 1 + floor(v room);      else  N - 1 = min { m : sum_{k <= m} e^-lambda lambda^k / k! > v }
+//!         lambda = mu_t s (straight + turning (1 - cos gamma))
 //! walk:   y_0 = 0,  d_0 = z;      y_{k+1} = y_k - ln(1 - u) d_k,    d_{k+1} = d_k turned by the phase function
 //! bridge: x_k = x + s / |y_N| * ((y_k . e) w + (y_k . p) a + (y_k . q) b)
 //! roll:   tan(psi / 2) = sqrt((a - b) / (a + b)) tan(pi (u - 1/2)),       a = 1 + g^2 - 2 g cos beta cos gamma,
@@ -28,14 +29,16 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
-        let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+        let [start, arriving, point] =
+            [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws {
             pixel: paths.columns.pixel.rows()[lane],
             sample: paths.columns.sample.rows()[lane],
             depth: paths.depth(step.clock, lane),
             seed: step.seed,
         };
-        let inserted = count_edges(bridge, f64::from(medium.extinction), (point - start).length(), lengths, &draws);
+        let mean = mean_inserted(bridge, f64::from(medium.extinction), arriving, point - start);
+        let inserted = count_edges(bridge, mean, lengths, &draws);
         buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
@@ -108,14 +111,8 @@ impl Draws {
     }
 }
 
-/// Number of vertices to insert, one less than edges; None if that exceeds the room.
-pub fn count_edges(
-    bridge: &Bridge,
-    extinction: f64,
-    distance: f64,
-    lengths: PathLengths,
-    draws: &Draws,
-) -> Option<u32> {
+/// Number of vertices to insert, one less than edges, where lambda is `mean`; None if that exceeds the room.
+pub fn count_edges(bridge: &Bridge, mean: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
     let room = room(bridge, lengths.max, draws.depth);
     let [which, count] = draws.count();
     if room == 0 {
@@ -124,7 +121,6 @@ pub fn count_edges(
     if which < f64::from(bridge.defensive) {
         return Some((count * f64::from(room)).floor() as u32);
     }
-    let mean = mean_inserted(extinction, distance);
     let mut probability = (-mean).exp();
     let mut cumulative = probability;
     for inserted in 0..room {
@@ -211,18 +207,18 @@ mod tests {
     #[test]
     fn counts_follow_their_probabilities() {
         let samples = 40_000;
-        for (bridge, distance, max) in
-            [(ALIGNED, 1.6, 30), (ALIGNED, 9.0, 8), (Bridge { max_inserted: 2, ..ALIGNED }, 1.6, 30)]
+        for (bridge, mean, max) in
+            [(ALIGNED, 2.4, 30), (ALIGNED, 13.5, 8), (Bridge { max_inserted: 2, ..ALIGNED }, 2.4, 30)]
         {
             let mut made = [0; 31];
             for pixel in 0..samples {
                 let lengths = PathLengths { min: 1, max };
-                if let Some(inserted) = count_edges(&bridge, 1.5, distance, lengths, &draws(pixel)) {
+                if let Some(inserted) = count_edges(&bridge, mean, lengths, &draws(pixel)) {
                     made[inserted as usize + 1] += 1;
                 }
             }
             for (edges, made) in made.into_iter().enumerate() {
-                let p = count_probability(&bridge, 1.5, max, 2, distance, edges as u32);
+                let p = count_probability(&bridge, max, 2, mean, edges as u32);
                 let (expected, deviation) = (p * f64::from(samples), (p * f64::from(samples)).sqrt());
                 assert!((f64::from(made) - expected).abs() <= 4.5 * deviation, "{edges} edges: {made}, not {expected}");
             }
@@ -231,7 +227,7 @@ mod tests {
 
     #[test]
     fn without_room_bridges_are_dropped() {
-        let count = |max: u32| count_edges(&ALIGNED, 0.0, 1.0, PathLengths { min: 1, max }, &draws(0));
+        let count = |max: u32| count_edges(&ALIGNED, 0.0, PathLengths { min: 1, max }, &draws(0));
         assert_eq!([1, 2, 3].map(count), [None, None, Some(0)]);
     }
 
@@ -301,7 +297,8 @@ mod tests {
             let samples = if inserted == 1 { 100_000 } else { 1_000_000 };
             let (mut sum, mut squares) = (0.0, 0.0);
             // Given the number of edges, so without its probability.
-            let probability = count_probability(&bridge, 1.0, 9, 2, 1.0, inserted as u32 + 1);
+            let mean = mean_inserted(&bridge, 1.0, arriving, point - start);
+            let probability = count_probability(&bridge, 9, 2, mean, inserted as u32 + 1);
             for pixel in 0..samples {
                 let mut chain = vec![start; inserted + 2];
                 place(&bridge, g, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);

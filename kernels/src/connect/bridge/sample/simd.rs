@@ -1,5 +1,6 @@
 //! ```text
-//! count: u < eps ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
+//! count: lambda = min(mu_t s (straight + turning (1 - cos gamma)), largest mean)
+//!        u < eps ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
@@ -18,7 +19,8 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::queues::CandidateBatch;
 use crate::columns::{Column3, LANES};
-use crate::connect::bridge::{Bridge, LARGEST_MEAN, Roll};
+use crate::connect::bridge::simd::mean_inserted;
+use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
@@ -39,8 +41,10 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
         let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
         let [choice, number, ..] = sequence.uniforms(random::BRIDGE_COUNT);
         let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
-        let distance = (connections.point.batch(b) - connections.start.batch(b)).length_squared().sqrt();
-        let mean = (f32x8::splat(medium.extinction) * distance).fast_min(f32x8::splat(LARGEST_MEAN as f32));
+        let to_light = connections.point.batch(b) - connections.start.batch(b);
+        let distance = to_light.length_squared().sqrt();
+        let cosine = connections.arriving.batch(b).dot(to_light) / distance.fast_max(f32x8::splat(LEAST));
+        let mean = mean_inserted(bridge, f32x8::splat(medium.extinction) * distance, cosine);
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
