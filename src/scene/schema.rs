@@ -151,7 +151,7 @@ pub struct Render {
     /// and no more than 16 lights, 0 otherwise.
     pub aimed: NumberOrAuto,
     /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)], >= 0; 0 for none. Pays where
-    /// tracing is dear; testing disks is not.
+    /// tracing is dear; with nothing but disks it gains nothing.
     pub roulette: f64,
     /// Longest MVNEE connection in expected segments: extinction times distance, > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
