@@ -21,6 +21,7 @@ pub mod random;
 pub mod roulette;
 pub mod scatter;
 pub mod tables;
+pub mod trace;
 pub mod transcendental;
 pub mod vec3x8;
 

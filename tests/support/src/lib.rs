@@ -4,6 +4,8 @@ pub mod checked;
 pub mod compare;
 pub mod frames;
 pub mod generated;
+pub mod meshes;
+pub mod rays;
 pub mod recorded;
 pub mod render;
 pub mod statistics;

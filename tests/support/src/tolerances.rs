@@ -71,6 +71,17 @@ pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64)
     3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))
 }
 
+/// Where a ray passes the outline of a triangle: 12 units of rounding of the largest coordinates, as derived in
+/// `trace::ray`, along each of two axes.
+pub const EDGE: Tolerance = tolerance(0.0, 2.0 * 12.0 * 6e-8);
+
+/// Distances along rays over the largest coordinates and over the cosine at which triangles are met: a corner is misplaced
+/// by 7 units of rounding along each of two axes, and a mean of three numbers adds a few.
+pub const RAY_DISTANCE: Tolerance = tolerance(0.0, 20.0 * 6e-8);
+
+/// Share of random rays in which kernel and twin may decide differently: those that pass an edge within rounding.
+pub const DIFFERENT_HITS: f64 = 2e-3;
+
 /// Share of rows in which kernel and twin may decide differently: a ray that grazes the rim of a disk, a seed next to
 /// the light, a start at the limit of reach.
 pub const DIFFERENT_DECISIONS: f64 = 2e-5;

@@ -1,0 +1,45 @@
+//! Rays against triangles: the closest hit, and whether there is any.
+//!
+//! One ray at a time, eight boxes or eight triangles at a time. Rays of a scattering medium are short and point
+//! everywhere, so neighbours in a batch would share few nodes.
+//!
+//! What is promised:
+//!
+//! - **Closed meshes do not leak.** Two triangles that share an edge decide about it in the same arithmetic, so that no ray
+//!   passes between them, and boxes are as much wider as triangles may be misplaced by rounding ([`ray`]).
+//! - **The tree does not show.** A hit is a function of ray and triangle alone, on equal distances the smaller index wins,
+//!   and no box that contains a winner is passed by. `any` is `closest(..).is_some()`.
+//! - **No length is built in.** There is no epsilon: rays start beyond the surface they leave by the bound of the
+//!   position's rounding ([`surface`]).
+//!
+//! Both sides of a triangle are hit.
+
+pub mod ray;
+pub mod reference;
+pub mod simd;
+pub mod surface;
+mod triangles;
+
+pub use simd::{any, closest};
+
+/// A ray: the points `origin + t direction` for t in `(0, max)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts `[m]`, within 10^12 of zero.
+    pub origin: [f32; 3],
+    /// Where it goes, of any length from 10^-12 to 10^12 `[m]`; t counts in it. A ray of no direction meets nothing.
+    pub direction: [f32; 3],
+    /// Bound of t, exclusive, > 0; may be infinite.
+    pub max: f32,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Parameter t of the ray, `(0, max)`: a distance where the direction is a unit vector.
+    pub distance: f32,
+    /// Weights of the second and of the third corner, `[0, 1]`; the first has the rest.
+    pub barycentric: [f32; 2],
+}

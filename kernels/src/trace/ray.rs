@@ -1,0 +1,97 @@
+//! A ray made ready: what the tests of boxes and of triangles need, once per ray.
+//!
+//! **Triangles** are seen along the ray (Woop, Benthin and Wald, Watertight Ray/Triangle Intersection, JCGT 2013). With z
+//! the axis along which the direction d is longest, and A a corner less the origin,
+//!
+//! ```text
+//! x = A_x - (d_x / d_z) A_z,    y = A_y - (d_y / d_z) A_z,    t = A_z / d_z
+//! ```
+//!
+//! puts the ray on the t axis. A corner's x and y depend on the corner and on the ray alone, so that triangles which share
+//! it place it alike.
+//!
+//! **Boxes.** The ray is within two planes b of an axis for t between the two values of `(b - o) / d`, computed as
+//! `b r + c` with `r = 1 / d`, `c = -o r`, and in the box where the three intervals overlap. A box must not be missed whose
+//! triangle is hit. Let u = 2^-24 and L be the largest size of a coordinate of any box and of the origin together, so that
+//! no `b - o` exceeds it. To first order in u
+//!
+//! - a corner's x and y are off by at most 7 u L: A_x and A_z round once, the quotient twice, the product where it is not
+//!   fused and the difference once each, and neither `|d_x / d_z|` nor `|d_y / d_z|` exceeds 1;
+//! - `b r + c` is off by what 4 u L in b makes of it: r and c and their product and sum round once each.
+//!
+//! So the origin is moved by 12 u L against the box, once backwards for the near planes and once for the far ones, in c: in
+//! the loop it costs nothing. A component of the direction that is less than 2^-40 of the longest is raised to that, which
+//! moves the ray by less than 2^-40 L; so r is finite, no NaN can arise, and a ray that runs in a box's plane is in the box.
+//!
+//! `b r + c` does not decrease when b r does not: a box's near value is never beyond that of a box within it.
+
+use wide::f32x8;
+
+use super::Ray;
+use crate::tables::geometry::Tree;
+
+/// Half a unit in the last place of 1.
+const UNIT: f32 = f32::EPSILON / 2.0;
+/// Rounding that boxes are widened by, in units of [`UNIT`] times the largest coordinates.
+const WIDENING: f32 = 12.0 * UNIT;
+/// Least share of a direction's component in its longest: 2^-40.
+const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
+
+/// Axes of the view by whether y is longest, + 2 if z is.
+const VIEWS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+
+/// What the tests need of a ray.
+pub(super) struct Ready {
+    /// The origin `[m]`.
+    pub origin: [f32x8; 3],
+    /// The direction.
+    pub direction: [f32; 3],
+    /// Axes x, y and z of the view along the ray: z is the longest.
+    pub axes: [usize; 3],
+    /// `d_x / d_z`, `d_y / d_z` and `1 / d_z` along those axes.
+    pub shear: [f32x8; 3],
+    /// r: one over the direction.
+    pub inverse: [f32x8; 3],
+    /// c of near planes.
+    pub near: [f32x8; 3],
+    /// c of far planes.
+    pub far: [f32x8; 3],
+    /// Rows of a node's planes that are near, by axis; the far ones are the others.
+    pub near_planes: [usize; 3],
+    /// See `near_planes`.
+    pub far_planes: [usize; 3],
+}
+
+impl Ready {
+    /// `None` for a ray that has no direction.
+    #[inline(always)]
+    pub fn new(ray: &Ray, tree: &Tree) -> Option<Self> {
+        let (o, d) = (ray.origin, ray.direction);
+        let [x, y, z] = d.map(f32::abs);
+        // Without branches: directions of incoherent rays are not predicted.
+        let longest = x.max(y).max(z);
+        let axes = VIEWS[usize::from(y == longest) + 2 * usize::from(z == longest)];
+        if !(longest > 0.0 && longest < f32::INFINITY) {
+            return None;
+        }
+        let least = LEAST * longest;
+        let inverse = d.map(|d| 1.0 / d.abs().max(least).copysign(d));
+        let reach = tree.reach + o[0].abs().max(o[1].abs()).max(o[2].abs());
+        let widening = WIDENING * reach;
+        let towards = |axis: usize| widening.copysign(d[axis]);
+        let constant = |axis: usize, sign: f32| f32x8::splat(-(o[axis] + sign * towards(axis)) * inverse[axis]);
+        let plane = |axis: usize, near: bool| if d[axis].is_sign_negative() == near { 3 + axis } else { axis };
+        let over_z = inverse[axes[2]];
+        Some(Self {
+            origin: o.map(f32x8::splat),
+            direction: d,
+            axes,
+            shear: [d[axes[0]] * over_z, d[axes[1]] * over_z, over_z].map(f32x8::splat),
+            inverse: inverse.map(f32x8::splat),
+            near: [constant(0, 1.0), constant(1, 1.0), constant(2, 1.0)],
+            far: [constant(0, -1.0), constant(1, -1.0), constant(2, -1.0)],
+            near_planes: [plane(0, true), plane(1, true), plane(2, true)],
+            far_planes: [plane(0, false), plane(1, false), plane(2, false)],
+        })
+    }
+}

@@ -1,0 +1,146 @@
+//! Leaving a surface: where a hit is, how wrong that is, and how far from there a ray has to start.
+//!
+//! A ray that starts on the computed point may start on the wrong side, and hit the surface it leaves, or miss what it
+//! should hit. So the point comes with a bound of its error, and rays start beyond it (Pharr, Jakob and Humphreys,
+//! Physically Based Rendering, 4th ed., 6.8). With u = 2^-24 and `gamma(n) = n u / (1 - n u)`, n roundings in a row are a
+//! factor within `1 +- gamma(n)`.
+//!
+//! **The point.** With weights b1, b2 and `b0 = max(0, (1 - b1) - b2)` the point is `p = b0 A + b1 B + b2 C`. Every term
+//! rounds at most three times, a product and two sums: p is off by at most `gamma(3) (|b0 A| + |b1 B| + |b2 C|)` from the
+//! sum with these very weights. Their sum S is off 1 by less than 4 u, so that the sum is off by less than
+//! `4 u (|b0 A| + ..)` from the same over S, which is a point of the triangle. Together, and with two u for the bound's own
+//! rounding,
+//!
+//! ```text
+//! error = gamma(9) (|b0 A| + |b1 B| + |b2 C|)        per component
+//! ```
+//!
+//! Moving p into the triangle's box moves it towards every point of the triangle, so the bound stands; and a point of an
+//! upright wall is in that wall exactly.
+//!
+//! **The start.** The point is within `D = |n_x| e_x + |n_y| e_y + |n_z| e_z` of the plane with unit normal n. A start at
+//! `p + D n` is on n's side or on the plane. D is taken 16 u larger, for the roundings of n, of D and of their product, and
+//! every component is then moved to the next number in its direction, which makes up for the last sum and leaves the plane
+//! where all errors are 0. All of it goes the way of n, so nothing takes the start back.
+//!
+//! The tracer settles in f64 on which side of its plane the start is, where that is close. What this cannot do: a start
+//! within D of a second surface, in the corner that it makes with the first, may lie beyond that. D is a few u of the
+//! coordinates.
+
+use glam::DVec3;
+
+/// Half a unit in the last place of 1.
+const UNIT: f32 = f32::EPSILON / 2.0;
+
+/// Bound of the relative error of n roundings.
+const fn gamma(n: u32) -> f32 {
+    n as f32 * UNIT / (1.0 - n as f32 * UNIT)
+}
+
+/// A point of a triangle as f32 knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where it is `[m]`.
+    pub position: [f32; 3],
+    /// Bound of the distance of every component from that of a point of the triangle `[m]`, >= 0.
+    pub error: [f32; 3],
+}
+
+/// The point with the weights `barycentric` of the second and third corner, `[0, 1]` and of sum up to 1 but for rounding.
+#[inline]
+pub fn point(corners: [[f32; 3]; 3], barycentric: [f32; 2]) -> Point {
+    let [b1, b2] = barycentric;
+    let b0 = ((1.0 - b1) - b2).max(0.0);
+    let [a, b, c] = corners;
+    let terms = |axis: usize| [b0 * a[axis], b1 * b[axis], b2 * c[axis]];
+    let position = |axis: usize| {
+        let [x, y, z] = terms(axis);
+        let least = a[axis].min(b[axis]).min(c[axis]);
+        let most = a[axis].max(b[axis]).max(c[axis]);
+        (x + y + z).clamp(least, most)
+    };
+    let error = |axis: usize| gamma(9) * terms(axis).iter().map(|term| term.abs()).sum::<f32>();
+    Point { position: [0, 1, 2].map(position), error: [0, 1, 2].map(error) }
+}
+
+/// The unit normal of a triangle's plane, right-handed around its corners; every component is off by one rounding.
+/// Zero where the triangle has no area.
+#[inline]
+pub fn normal(corners: [[f32; 3]; 3]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
+    (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
+}
+
+/// The start of a ray in `direction` from a point of a plane with unit `normal`: beyond the point's error, on the side that
+/// the direction goes to.
+///
+/// Which side that is follows from the sign of `direction . normal`; directions within a few units in the last place of
+/// the plane may be taken for either.
+#[inline]
+pub fn leave(point: &Point, normal: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
+    let products = |a: [f32; 3], b: [f32; 3]| [a[0] * b[0], a[1] * b[1], a[2] * b[2]];
+    let towards: f64 = (0..3).map(|axis| f64::from(direction[axis]) * f64::from(normal[axis])).sum();
+    let clearance = products(normal.map(f32::abs), point.error).iter().sum::<f32>() * (1.0 + 16.0 * UNIT);
+    let outwards = normal.map(|component| if towards < 0.0 { -component } else { component });
+    [0, 1, 2].map(|axis| {
+        let moved = point.position[axis] + clearance * outwards[axis];
+        match outwards[axis] {
+            component if component > 0.0 => moved.next_up(),
+            component if component < 0.0 => moved.next_down(),
+            _ => point.position[axis],
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{uniform, words};
+
+    /// Triangles near and far, large and small, and weights in them.
+    fn cases() -> impl Iterator<Item = ([[f32; 3]; 3], [f32; 2])> {
+        (0..100_000).map(|i| {
+            let random = |block: u32| words(i, 0, block, 3).map(|word| uniform(word) as f32);
+            let [far, size, u, v] = random(0);
+            let (far, size) = (10_f32.powf(12.0 * far - 6.0), 10_f32.powf(12.0 * size - 6.0));
+            let center = random(1);
+            let corner = |block: u32| {
+                let offset = random(block);
+                [0, 1, 2].map(|axis| far * (2.0 * center[axis] - 1.0) + size * (offset[axis] - 0.5))
+            };
+            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+            ([corner(2), corner(3), corner(4)], weights)
+        })
+    }
+
+    #[test]
+    fn points_are_within_their_error_of_the_triangle() {
+        for (corners, [b1, b2]) in cases() {
+            let found = point(corners, [b1, b2]);
+            let weights = [1.0 - f64::from(b1) - f64::from(b2), f64::from(b1), f64::from(b2)];
+            for axis in 0..3 {
+                let exact: f64 = (0..3).map(|i| weights[i] * f64::from(corners[i][axis])).sum();
+                let off = (f64::from(found.position[axis]) - exact).abs();
+                assert!(off <= f64::from(found.error[axis]), "{corners:?} at {b1}, {b2}, axis {axis}: off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn starts_are_strictly_on_the_side_that_the_ray_goes_to() {
+        for (corners, weights) in cases() {
+            let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
+            let exact_normal = (b - a).cross(c - a).normalize_or_zero();
+            let normal = normal(corners);
+            // Differences of corners that are hardly apart are in line by chance.
+            if exact_normal == DVec3::ZERO {
+                continue;
+            }
+            for sign in [1.0, -1.0] {
+                let start = leave(&point(corners, weights), normal, normal.map(|component| sign * component));
+                let height = (DVec3::from(start.map(f64::from)) - a).dot(exact_normal);
+                assert!(f64::from(sign) * height > 0.0, "{corners:?} at {weights:?}: {height:e} on the side {sign}");
+            }
+        }
+    }
+}
