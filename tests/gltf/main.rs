@@ -1,0 +1,9 @@
+//! glTF files: what good ones become, what is said about malformed ones, and that no bytes make the reader panic.
+
+mod cameras_and_lights;
+mod hierarchy;
+mod materials;
+mod meshes;
+mod storage;
+mod support;
+mod textures;
