@@ -2,6 +2,7 @@
 
 mod cameras_and_lights;
 mod hierarchy;
+mod malformed;
 mod materials;
 mod meshes;
 mod storage;
