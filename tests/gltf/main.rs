@@ -5,6 +5,7 @@ mod hierarchy;
 mod malformed;
 mod materials;
 mod meshes;
+mod mutations;
 mod storage;
 mod support;
 mod textures;
