@@ -6,6 +6,7 @@ pub mod cpu;
 pub mod error;
 pub mod film;
 pub mod frame;
+pub mod gltf;
 pub mod image;
 pub mod pilot;
 pub mod reference;

@@ -1,0 +1,106 @@
+//! The two forms of a glTF file: JSON alone, or JSON and one buffer in a binary container (GLB).
+
+use super::fault::{Checked, Fault, require};
+use super::warnings::Warnings;
+
+/// Bytes of the header: magic, version, length of the file.
+const HEADER: usize = 12;
+/// Bytes before the content of a chunk: its length and type.
+const CHUNK_HEADER: usize = 8;
+const MAGIC: &[u8] = b"glTF";
+const JSON: &[u8] = b"JSON";
+const BINARY: &[u8] = b"BIN\0";
+
+const EXPORT_AGAIN: &str = "copy or export the file again";
+
+/// The parts of a file.
+#[derive(Debug)]
+pub struct Container<'a> {
+    /// The JSON text.
+    pub json: &'a [u8],
+    /// The buffer without a URI; only in GLB files, and not in all.
+    pub binary: Option<&'a [u8]>,
+    /// Whether the JSON is the whole file, so that its lines are the file's.
+    pub is_text: bool,
+}
+
+/// The parts of a file with the content `bytes`.
+pub fn open<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'a>> {
+    if bytes.starts_with(MAGIC) {
+        return binary(bytes, warnings);
+    }
+    let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let first = json.iter().find(|byte| !byte.is_ascii_whitespace());
+    let finding = || match first {
+        Some(_) => "is no glTF: it begins neither with \"glTF\", as .glb files do, nor with '{', as .gltf files do",
+        None => "is empty",
+    };
+    require(first == Some(&b'{'), finding, "give a glTF 2.0 file, .gltf or .glb")?;
+    Ok(Container { json, binary: None, is_text: true })
+}
+
+fn binary<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'a>> {
+    let [Some(version), Some(length)] = [number(bytes, 4), number(bytes, 8)] else {
+        return Err(Fault::new(format!("ends after {} bytes, inside its header", bytes.len()), EXPORT_AGAIN));
+    };
+    let finding = || format!("is a binary container of version {version}");
+    require(version == 2, finding, "export the model as glTF 2.0")?;
+    let finding = || format!("has {} bytes, but its header says {length}", bytes.len());
+    require((HEADER..=bytes.len()).contains(&length), finding, EXPORT_AGAIN)?;
+    if length < bytes.len() {
+        warnings.note("bytes after the end that the header states are not read", || "container");
+    }
+    let mut chunks = Chunks { rest: &bytes[HEADER..length], index: 0 };
+    let Some(first) = chunks.next().transpose()?.filter(|chunk| chunk.kind == JSON) else {
+        return Err(Fault::new("its first chunk is not of type JSON", EXPORT_AGAIN).at("chunk 0"));
+    };
+    let second = chunks.next().transpose()?;
+    let binary = second.filter(|chunk| chunk.kind == BINARY).map(|chunk| chunk.content);
+    Ok(Container { json: first.content, binary, is_text: false })
+}
+
+/// The little-endian number at `offset`.
+fn number(bytes: &[u8], offset: usize) -> Option<usize> {
+    let bytes = bytes.get(offset..)?.first_chunk()?;
+    usize::try_from(u32::from_le_bytes(*bytes)).ok()
+}
+
+struct Chunk<'a> {
+    kind: &'a [u8],
+    content: &'a [u8],
+}
+
+struct Chunks<'a> {
+    rest: &'a [u8],
+    index: usize,
+}
+
+impl<'a> Iterator for Chunks<'a> {
+    type Item = Checked<Chunk<'a>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let chunk = self.read().map_err(|fault| fault.at(format!("chunk {}", self.index)));
+        self.index += 1;
+        Some(chunk)
+    }
+}
+
+impl<'a> Chunks<'a> {
+    fn read(&mut self) -> Checked<Chunk<'a>> {
+        let Some((header, rest)) = self.rest.split_at_checked(CHUNK_HEADER) else {
+            return Err(Fault::new("the file ends inside the header of the chunk", EXPORT_AGAIN));
+        };
+        let length = number(header, 0).unwrap_or(usize::MAX);
+        let finding = || format!("its length is {length}, not a multiple of 4");
+        require(length.is_multiple_of(4), finding, EXPORT_AGAIN)?;
+        let Some((content, rest)) = rest.split_at_checked(length) else {
+            let finding = format!("its length is {length}, but {} bytes of the file are left", rest.len());
+            return Err(Fault::new(finding, EXPORT_AGAIN));
+        };
+        self.rest = rest;
+        Ok(Chunk { kind: &header[4..], content })
+    }
+}

@@ -1,0 +1,71 @@
+//! Files beside the model, each of them read once, however many objects refer to it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::fault::{Checked, Fault, quoted};
+use super::uri::{self, Target};
+
+/// The files beside one model.
+#[derive(Debug)]
+pub struct Files<'a> {
+    folder: Option<&'a Path>,
+    read: Vec<Vec<u8>>,
+    by_path: BTreeMap<PathBuf, FileId>,
+}
+
+/// One of the [`Files`], or of the data that URIs contain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FileId(usize);
+
+impl<'a> Files<'a> {
+    /// The files in `folder`; there are none if the model has no folder.
+    pub fn new(folder: Option<&'a Path>) -> Self {
+        Self { folder, read: Vec::new(), by_path: BTreeMap::new() }
+    }
+
+    /// The number of bytes of all files together.
+    pub fn bytes(&self) -> usize {
+        self.read.iter().map(Vec::len).sum()
+    }
+
+    /// The content of a file.
+    pub fn content(&self, file: FileId) -> &[u8] {
+        &self.read[file.0]
+    }
+
+    /// What `uri` stands for, read now if it has not been read before.
+    pub fn open(&mut self, uri: &str) -> Checked<FileId> {
+        let path = match uri::resolve(uri)? {
+            Target::Data(bytes) => return Ok(self.keep(bytes)),
+            Target::File(path) => path,
+        };
+        if let Some(file) = self.by_path.get(&path) {
+            return Ok(*file);
+        }
+        let bytes = self.read(&path)?;
+        let file = self.keep(bytes);
+        self.by_path.insert(path, file);
+        Ok(file)
+    }
+
+    fn keep(&mut self, bytes: Vec<u8>) -> FileId {
+        self.read.push(bytes);
+        FileId(self.read.len() - 1)
+    }
+
+    fn read(&self, path: &Path) -> Checked<Vec<u8>> {
+        let name = path.to_string_lossy();
+        let remedy = "put the file where the model refers to it, or store the model as one .glb file";
+        let Some(folder) = self.folder else {
+            return Err(Fault::new(format!("its file {} has no folder to be in", quoted(&name)), remedy));
+        };
+        let full = folder.join(path);
+        // Pipes and devices would keep the reader waiting.
+        if full.exists() && !full.is_file() {
+            return Err(Fault::new(format!("its file {} is no regular file", quoted(&name)), remedy));
+        }
+        std::fs::read(&full)
+            .map_err(|error| Fault::new(format!("its file {} cannot be read: {error}", quoted(&name)), remedy))
+    }
+}

@@ -1,0 +1,66 @@
+//! Punctual lights (KHR_lights_punctual): they shine along -z of their node.
+
+use core::f64::consts::FRAC_PI_2;
+
+use super::fault::{At, Checked, Fault, entry, label, quoted, require};
+use super::model::{Light, LightKind};
+use super::nodes::Placed;
+use super::schema::{self, Root};
+use super::warnings::Warnings;
+
+/// The lights on `placed` nodes.
+pub fn read(root: &Root, placed: &[Placed<'_>], warnings: &mut Warnings) -> Checked<Vec<Light>> {
+    let lights = root.extensions.lights.as_ref().map_or(&[][..], |extension| &extension.lights);
+    let mut found = Vec::new();
+    for placed in placed {
+        let Some(of_node) = &placed.node.extensions.light else {
+            continue;
+        };
+        let index = of_node.light;
+        let light = entry(lights, "light", index).at(|| placed.label())?;
+        let label = || label("light", index, light.name.as_deref());
+        if light.range.is_some() {
+            warnings.note("its range is not read; light goes on for ever", label);
+        }
+        let name = placed.node.name.as_ref().or(light.name.as_ref());
+        let name = name.cloned().unwrap_or_else(|| format!("light {index}"));
+        found.push(place(light, name, placed).at(label)?);
+    }
+    Ok(found)
+}
+
+fn place(light: &schema::Light, name: String, placed: &Placed<'_>) -> Checked<Light> {
+    let color = light.color.map(|channel| channel as f32);
+    let ok = color.iter().all(|channel| *channel >= 0.0 && channel.is_finite());
+    require(ok, || format!("its color is {:?}", light.color), "give finite numbers of 0 or more")?;
+    let finding = || format!("its intensity is {:?}", light.intensity);
+    require(light.intensity >= 0.0, finding, "give an intensity of 0 or more")?;
+    Ok(Light {
+        name,
+        node: placed.index as u32,
+        kind: kind(light)?,
+        color,
+        intensity: light.intensity,
+        position: placed.world.translation.to_array(),
+        direction: placed.forward().to_array(),
+    })
+}
+
+fn kind(light: &schema::Light) -> Checked<LightKind> {
+    match light.kind.as_str() {
+        "point" => Ok(LightKind::Point),
+        "directional" => Ok(LightKind::Directional),
+        "spot" => {
+            let remedy = "give a spot table with innerConeAngle and outerConeAngle, both of which may be left out";
+            let spot = light.spot.as_ref().ok_or_else(|| Fault::new("has no spot", remedy))?;
+            let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
+            let finding = || format!("its cone is from {inner:?} to {outer:?}");
+            let ok = 0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-6;
+            require(ok, finding, "give angles with 0 <= inner < outer <= pi / 2, in radians")?;
+            Ok(LightKind::Spot { inner, outer: outer.min(FRAC_PI_2) })
+        }
+        other => {
+            Err(Fault::new(format!("is of type {}", quoted(other)), "give \"point\", \"spot\" or \"directional\""))
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! glTF files: what good ones become, what is said about malformed ones, and that no bytes make the reader panic.
+
+mod cameras_and_lights;
+mod hierarchy;
+mod malformed;
+mod materials;
+mod meshes;
+mod mutations;
+mod storage;
+mod support;
+mod textures;
