@@ -6,7 +6,7 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 1] = ["dense-plate"];
+pub const SCENES: [&str; 3] = ["dense-plate", "cornell-fog", "cornell-fog-thin"];
 
 /// The folder of a scene.
 pub fn folder(name: &str) -> PathBuf {
