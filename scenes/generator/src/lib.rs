@@ -11,11 +11,13 @@ pub mod dense_plate;
 pub mod glb;
 pub mod mesh;
 pub mod model;
+pub mod shapes;
+pub mod spotlight;
 
 pub use mesh::Mesh;
 pub use model::{Material, Model, Object};
 
 /// All models.
-pub fn models() -> [Model; 2] {
-    [dense_plate::model(), cornell_fog::model()]
+pub fn models() -> [Model; 3] {
+    [dense_plate::model(), cornell_fog::model(), spotlight::model()]
 }

@@ -6,4 +6,5 @@ mod dense_plate;
 mod files;
 mod glb;
 mod scene;
+mod spotlight;
 mod surfaces;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 3] = ["dense-plate", "cornell-fog", "cornell-fog-thin"];
+pub const SCENES: [&str; 4] = ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight"];
 
 /// The folder of a scene.
 pub fn folder(name: &str) -> PathBuf {

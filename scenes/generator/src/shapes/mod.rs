@@ -1,0 +1,5 @@
+//! Closed solids with outward normals.
+
+mod lathe;
+
+pub use lathe::lathe;
