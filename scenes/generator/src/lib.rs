@@ -6,6 +6,7 @@
 //! Lengths are in metres, y is up. Triangles are counter-clockwise seen from their front, so that the normal by the
 //! right-hand rule points out of solids and towards the side of a sheet that is not black.
 
+pub mod colonnade;
 pub mod cornell_fog;
 pub mod dense_plate;
 pub mod glb;
@@ -18,6 +19,6 @@ pub use mesh::Mesh;
 pub use model::{Material, Model, Object};
 
 /// All models.
-pub fn models() -> [Model; 3] {
-    [dense_plate::model(), cornell_fog::model(), spotlight::model()]
+pub fn models() -> [Model; 4] {
+    [dense_plate::model(), cornell_fog::model(), spotlight::model(), colonnade::model()]
 }
