@@ -1,0 +1,24 @@
+//! The geometry of fogbow's scenes, from a few numbers each.
+//!
+//! A scene is a function that composes shapes into a [`Model`]; [`glb::encode`] makes a binary glTF file of it. The same
+//! program writes the same bytes every time. Cameras and lights stand in the scene's `scene.toml`, not here.
+//!
+//! Lengths are in metres, y is up. Triangles are counter-clockwise seen from their front, so that the normal by the
+//! right-hand rule points out of solids and towards the side of a sheet that is not black.
+
+pub mod colonnade;
+pub mod cornell_fog;
+pub mod dense_plate;
+pub mod glb;
+pub mod mesh;
+pub mod model;
+pub mod shapes;
+pub mod spotlight;
+
+pub use mesh::Mesh;
+pub use model::{Material, Model, Object};
+
+/// All models.
+pub fn models() -> [Model; 4] {
+    [dense_plate::model(), cornell_fog::model(), spotlight::model(), colonnade::model()]
+}

@@ -1,0 +1,11 @@
+//! The geometry that is committed: is it what the program generates, is it valid, and does it look as it is described.
+//! Everything but the first is read back from the files.
+
+mod colonnade;
+mod cornell_fog;
+mod dense_plate;
+mod files;
+mod glb;
+mod scene;
+mod spotlight;
+mod surfaces;
