@@ -20,6 +20,7 @@ pub mod pipeline;
 pub mod random;
 pub mod roulette;
 pub mod scatter;
+pub mod surface;
 pub mod tables;
 pub mod trace;
 pub mod transcendental;
@@ -42,7 +43,7 @@ pub struct Walk {
     pub segments: u32,
     /// Vertices that connect: the first ones after the camera or the last surface, >= 1; `u32::MAX` for all.
     pub starts: u32,
-    /// Probability with which a walk goes on from a medium vertex, (0, 1].
+    /// Probability with which a walk goes on from a vertex after the camera, (0, 1].
     pub survival: f32,
 }
 

@@ -3,6 +3,7 @@
 use crate::connect::{bridge, light_sample, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter,
+    surface,
 };
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
@@ -49,12 +50,14 @@ pipeline! {
     medium_sample (MediumSample): medium_sample::Kernel = medium_sample::simd::run, medium_sample::reference::run;
     /// First flights towards the lights.
     first_flight (FirstFlight): first_flight::Kernel = first_flight::simd::run, first_flight::reference::run;
-    /// Closest disk within the flight.
+    /// Closest disk and closest triangle within the flight.
     extend (Extend): extend::Kernel = extend::simd::run, extend::reference::run;
     /// Hits become candidates, and end paths.
     light_hit (LightHit): light_hit::Kernel = light_hit::simd::run, light_hit::reference::run;
     /// Next vertex and direction.
     scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
+    /// Reflection, for paths that met a surface.
+    surface (Surface): surface::Kernel = surface::simd::run, surface::reference::run;
     /// A light point for every vertex that may connect.
     light_sample (LightSample): light_sample::Kernel = light_sample::simd::run, light_sample::reference::run;
     /// How many vertices each MVNEE connection inserts.

@@ -31,6 +31,12 @@ impl Vec3x8 {
         Self::new(f32x8::splat(v[0]), f32x8::splat(v[1]), f32x8::splat(v[2]))
     }
 
+    /// The components as arrays of eight.
+    #[inline(always)]
+    pub fn to_arrays(self) -> [[f32; 8]; 3] {
+        [self.x.to_array(), self.y.to_array(), self.z.to_array()]
+    }
+
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, v: Self) -> f32x8 {

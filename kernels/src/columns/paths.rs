@@ -25,6 +25,8 @@ columns! {
         /// Depth of the last surface vertex, 0 if there is none: starts before it are not eligible, because connections
         /// insert medium vertices only. Between it and the current vertex all vertices lie in the medium.
         last_surface: u32,
+        /// Unit normal of that surface, on the side on which the path is; undefined if there is none.
+        surface_normal: [f32; 3],
         /// Depth of the first vertex from which a light is within the distance limit of a technique that has one;
         /// `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited technique.
         first_near: u32,
@@ -76,19 +78,25 @@ pub struct PathTable<'q> {
     pub live: LaneSet<'q>,
     /// Lanes that hold a path: a path that has ended stays until it is accumulated and its lane refilled.
     pub occupied: LaneSet<'q>,
+    /// Lanes whose current segment ends on a surface.
+    pub on_surface: LaneSet<'q>,
     /// Channels in use: 1 where everything is grey, 3 otherwise.
     pub channels: usize,
+    /// Whether there are surfaces that a path may meet.
+    pub surfaces: bool,
 }
 
 impl<'q> PathTable<'q> {
-    /// An empty table of `lanes` lanes.
+    /// An empty table of `lanes` lanes, for a world without surfaces.
     pub fn new_in(arena: &'q Bump, lanes: usize, channels: usize) -> Self {
         assert!(channels == 1 || channels == 3, "{channels} channels; 1 or 3 are possible");
         Self {
             columns: PathColumns::new_in(arena, lanes),
             live: LaneSet::new_in(arena, lanes),
             occupied: LaneSet::new_in(arena, lanes),
+            on_surface: LaneSet::new_in(arena, lanes),
             channels,
+            surfaces: false,
         }
     }
 
@@ -124,6 +132,13 @@ impl<'q> PathTable<'q> {
             for channel in self.columns.throughput.channels_mut().into_iter().take(self.channels) {
                 channel.set_batch(b, channel.batch(b) * factor);
             }
+        }
+    }
+
+    /// Ends the paths that stay in the medium.
+    pub fn end_in_medium(&mut self) {
+        for b in 0..self.live.batches() {
+            self.live.remove_batch(b, !self.on_surface.batch(b));
         }
     }
 

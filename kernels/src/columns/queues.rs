@@ -5,6 +5,7 @@
 //! | [`RequestTable`] | the wavefront | generate | lanes to refill |
 //! | [`FlightTable`] | medium_sample | extend, light_hit, scatter | one per lane |
 //! | [`HitQueue`] | extend | light_hit | rays that meet a disk |
+//! | [`SurfaceHitQueue`] | extend | surface | rays that meet a triangle |
 //! | [`CandidateQueue`] | light_hit, light_sample, mvnee_build | mvnee_*, mis_weight, occlusion, accumulate | complete paths |
 //! | [`ChainTable`] | mvnee_build | mis_weight, occlusion | inserted vertices of the candidates |
 //!
@@ -67,6 +68,22 @@ columns! {
         disk: u32,
         /// Distance from the ray's origin `[m]`, > 0.
         distance: f32,
+    }
+}
+
+columns! {
+    /// Rays that meet a triangle before their flight ends.
+    queue SurfaceHitQueue of SurfaceHit, SurfaceHitBatch {
+        /// Lane of the path.
+        lane: u32,
+        /// Index of the triangle.
+        triangle: u32,
+        /// Distance from the ray's origin `[m]`, > 0.
+        distance: f32,
+        /// Barycentric weight of the triangle's second corner, [0, 1].
+        second: f32,
+        /// Barycentric weight of its third corner, [0, 1].
+        third: f32,
     }
 }
 

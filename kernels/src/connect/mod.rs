@@ -29,6 +29,11 @@ pub struct Techniques {
 }
 
 impl Techniques {
+    /// The same where no vertex can be inserted, because nothing scatters: what inserts any is next event estimation there.
+    pub fn without_vertices(self) -> Self {
+        Self { nee: self.any(), ..Self::default() }
+    }
+
     /// Whether any vertex connects.
     pub fn any(&self) -> bool {
         *self != Self::default()

@@ -2,10 +2,10 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::Step;
 use crate::columns::LANES;
 use crate::columns::paths::PathTable;
 use crate::random::{self, uniform_x8};
+use crate::{Step, lanes};
 
 /// What the random numbers of eight connections are drawn from.
 pub struct Sequence {
@@ -13,6 +13,8 @@ pub struct Sequence {
     sample: u32x8,
     /// Depths of the starts.
     pub depth: u32x8,
+    /// Starts on a surface.
+    pub on_surface: f32x8,
     seed: u32,
 }
 
@@ -21,10 +23,16 @@ impl Sequence {
     #[inline(always)]
     pub fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
         let path = &paths.columns;
+        let depth = u32x8::splat(step.clock) - path.birth.gather(lane_of);
+        let on_surface = match paths.surfaces {
+            true => lanes::as_mask(path.last_surface.gather(lane_of).simd_eq(depth)),
+            false => f32x8::ZERO,
+        };
         Self {
             pixel: path.pixel.gather(lane_of),
             sample: path.sample.gather(lane_of),
-            depth: u32x8::splat(step.clock) - path.birth.gather(lane_of),
+            depth,
+            on_surface,
             seed: step.seed,
         }
     }

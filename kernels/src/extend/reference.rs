@@ -13,12 +13,15 @@ use glam::DVec3;
 use super::Columns;
 use crate::Step;
 use crate::columns::LANES;
-use crate::columns::queues::Hit;
+use crate::columns::queues::{Hit, SurfaceHit};
 use crate::tables::lights::{Disk, Lights};
+use crate::tables::surfaces::Surfaces;
+use crate::trace::{self, Ray};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, vertices, rays, flights, hits } = columns;
+pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
+    let Columns { paths, vertices, rays, flights, hits, surface_hits } = columns;
+    paths.on_surface.clear();
     let (vertices, rays) = (vertices.at(step.clock), rays.at(step.clock));
     for lane in 0..paths.batches() * LANES {
         if !paths.live.contains(lane as u32) {
@@ -27,11 +30,41 @@ pub fn run(lights: &Lights, step: Step, columns: Columns<'_, '_>) {
         let origin = DVec3::from(vertices.position.row(lane).map(f64::from));
         let direction = DVec3::from(rays.direction.row(lane).map(f64::from));
         let leaves_camera = paths.depth(step.clock, lane) == 0;
-        let bound = if leaves_camera { f64::INFINITY } else { f64::from(flights.flight.rows()[lane]) };
-        if let Some((disk, distance)) = closest(lights, origin, direction, bound) {
+        let flight = f64::from(flights.flight.rows()[lane]);
+        let bound = if leaves_camera { f64::INFINITY } else { flight };
+        let (disk, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
+        if let Some((disk, distance)) = disk {
             hits.push(Hit { lane: lane as u32, disk: disk as u32, distance: distance as f32 });
         }
+        if let Some(hit) = surface {
+            paths.on_surface.insert(lane as u32);
+            surface_hits.push(SurfaceHit { lane: lane as u32, ..hit });
+        }
     }
+}
+
+/// What a ray meets: the disk that it sees within `bound`, unless a surface is in front of it, and the surface on which it
+/// ends, unless `flight` or a disk ends it before. The surface's lane is left open.
+pub fn meet_first(
+    lights: &Lights,
+    surfaces: &Surfaces,
+    origin: DVec3,
+    direction: DVec3,
+    bound: f64,
+    flight: f64,
+) -> (Option<(usize, f64)>, Option<SurfaceHit>) {
+    let disk = closest(lights, origin, direction, bound);
+    let [origin, direction] = [origin, direction].map(|v| v.as_vec3().to_array());
+    let Some(hit) = trace::reference::closest(surfaces.geometry(), &Ray { origin, direction, max: f32::INFINITY })
+    else {
+        return (disk, None);
+    };
+    if disk.is_some_and(|(_, distance)| distance <= hit.distance) {
+        return (disk, None);
+    }
+    let [second, third] = hit.barycentric.map(|weight| weight as f32);
+    let met = SurfaceHit { lane: 0, triangle: hit.triangle as u32, distance: hit.distance as f32, second, third };
+    (None, (hit.distance < flight).then_some(met))
 }
 
 /// The first disk that the ray meets before `bound`, and how far away `[m]`.

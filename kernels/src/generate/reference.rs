@@ -33,6 +33,7 @@ pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
                 sample,
                 birth: step.clock,
                 last_surface: 0,
+                surface_normal: [0.0; 3],
                 first_near: u32::MAX,
                 throughput: [1.0; 3],
                 radiance: [0.0; 3],

@@ -27,7 +27,8 @@ pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
     let [pixels, samples, births, surfaces, nears] =
         [&mut path.pixel, &mut path.sample, &mut path.birth, &mut path.last_surface, &mut path.first_near]
             .map(|column| column.view_mut(n));
-    let [mut throughput, mut radiance] = [&mut path.throughput, &mut path.radiance].map(|column| column.view_mut(n));
+    let [mut throughput, mut radiance, mut normal] =
+        [&mut path.throughput, &mut path.radiance, &mut path.surface_normal].map(|column| column.view_mut(n));
     for (b, bits) in requests.lanes.each_batch() {
         let pixel = y[b] * u32x8::splat(camera.width) + x[b];
         let block = u32x8::splat(random::block(0, random::CAMERA));
@@ -39,6 +40,7 @@ pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
         direction.blend(b, mask, toward);
         throughput.blend(b, mask, Vec3x8::splat([1.0; 3]));
         radiance.blend(b, mask, Vec3x8::ZERO);
+        normal.blend(b, mask, Vec3x8::ZERO);
         let set = |column: &mut [u32x8], value: u32x8| {
             column[b] = bytemuck::cast::<f32x8, u32x8>(mask).select(value, column[b]);
         };

@@ -21,7 +21,7 @@ pub struct Columns<'a, 'q> {
     pub flights: &'a FlightTable<'q>,
     /// Read: birth. Lanes whose flight goes on beyond the disk are no longer live.
     pub paths: &'a mut PathTable<'q>,
-    /// Filled: lights seen directly by the camera, with the transmittance of the way as weight.
+    /// Filled: lights seen directly by the camera, with the transmittance of the way, times the profile, as weight.
     pub views: &'a mut CandidateQueue<'q>,
     /// Filled: lights hit by a scattered path; weight still to be found.
     pub light_hits: &'a mut CandidateQueue<'q>,
@@ -30,7 +30,7 @@ pub struct Columns<'a, 'q> {
 /// Turns hits into candidates and ends the paths that cannot go on.
 ///
 /// A disk shows its front if the ray runs against its normal. At depth 0 a front counts by expectation: it becomes a
-/// view of weight `exp(-mu_t distance)`, whether or not the flight reaches it, and the analog hit counts nothing. At
+/// view of weight `exp(-mu_t distance)` times the profile of the light, whether or not the flight reaches it, and the analog hit counts nothing. At
 /// greater depth a front is a light hit. Backs are black. Either way the path ends where its flight reaches the disk.
 /// `arriving` of a view is zero: nothing arrives at the camera.
 pub type Kernel = fn(&Medium, &Lights, Step, Columns<'_, '_>);

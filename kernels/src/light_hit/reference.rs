@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::Columns;
 use crate::Step;
 use crate::columns::queues::Candidate;
+use crate::mis_weight::reference::profile;
 use crate::tables::lights::{Disk, Lights};
 use crate::tables::media::Medium;
 
@@ -34,7 +35,8 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
                 weight: 0.0,
             };
             if paths.depth(step.clock, lane) == 0 {
-                let weight = transmittance(f64::from(medium.extinction), distance) as f32;
+                let profile = profile(&lights.disks()[hit.disk as usize], direction);
+                let weight = (profile * transmittance(f64::from(medium.extinction), distance)) as f32;
                 views.push(Candidate { weight, ..candidate });
             } else {
                 let arriving = rays.at(step.clock - 1).direction.row(lane);

@@ -36,8 +36,9 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
         let at_camera = lanes::bits(lanes::as_mask(birth.simd_eq(u32x8::splat(step.clock))));
         let point = direction.mul_add(distance, start);
 
-        let transmittance = exp(-f32x8::splat(medium.extinction) * distance);
-        let view = CandidateBatch { lane, light: disk, start, arriving: Vec3x8::ZERO, point, weight: transmittance };
+        let profile = lights.profile(&disk_of, -direction.dot(normal));
+        let weight = exp(-f32x8::splat(medium.extinction) * distance) * profile;
+        let view = CandidateBatch { lane, light: disk, start, arriving: Vec3x8::ZERO, point, weight };
         views.push_batch(front & at_camera, view);
         light_hits.push_batch(front & !at_camera, CandidateBatch { arriving, weight: f32x8::ZERO, ..view });
 

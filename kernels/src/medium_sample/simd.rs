@@ -1,10 +1,10 @@
 //! ```text
 //! flight = -ln(1 - u) / mu_t          u, v: first and last word of the SEGMENT block at the path's depth
-//! end the path if v >= survival, unless its vertex is the camera or on a surface
+//! end the path if v >= survival, unless its vertex is the camera
 //! ```
 //!
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is small.
-//! 2. The last surface vertex of a path that has met none is the camera, depth 0.
+//! 2. Uniform numbers are inside (0, 1), so that the endless mean free path of a vacuum makes endless flights.
 //! 3. Flights are drawn for whole batches, dying paths included.
 
 use wide::{f32x8, u32x8};
@@ -18,15 +18,10 @@ use crate::{Step, Walk, lanes};
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
     let Columns { paths, flights } = columns;
-    if medium.extinction == 0.0 {
-        flights.flight.view_mut(paths.batches()).fill(f32x8::splat(f32::INFINITY));
-        return;
-    }
     let mean_free_path = f32x8::splat((1.0 / f64::from(medium.extinction)) as f32);
     let n = paths.batches();
-    let [pixel, sample, birth, last_surface] =
-        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth, &paths.columns.last_surface]
-            .map(|column| column.view(n));
+    let [pixel, sample, birth] =
+        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
     let flight = flights.flight.view_mut(n);
     let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
     let survival = f32x8::splat(walk.survival);
@@ -40,7 +35,7 @@ pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
         flight[b] = neg_ln(f32x8::ONE - uniform_x8(words[0])) * mean_free_path;
         (cosine[b], azimuth[b]) = (words[1], words[2]);
         if walk.survival < 1.0 {
-            let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(!depth.simd_eq(last_surface[b]));
+            let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
             paths.live.remove_batch(b, lanes::bits(ends));
         }
     }

@@ -35,7 +35,7 @@ pub struct Columns<'a, 'q> {
     pub candidates: &'a mut CandidateQueue<'q>,
     /// Read: the inserted vertices.
     pub chains: &'a ChainTable<'q>,
-    /// Read: birth, last surface vertex, first vertex near a light.
+    /// Read: birth, last surface vertex and its normal, first vertex near a light.
     pub paths: &'a PathTable<'q>,
     /// Read: the vertex of the clock, which is the start.
     pub vertices: &'a VertexTable<'q>,
@@ -45,6 +45,9 @@ pub struct Columns<'a, 'q> {
     pub suffix: &'a mut Suffix<'q>,
 }
 
-/// Weighs candidates of two segments or more; one that arrives at the back of its light weighs nothing. Visibility plays
-/// no part.
+/// Weighs candidates of two segments or more; one that arrives at the back of its light, or leaves a surface towards its
+/// inside, weighs nothing. Visibility plays no other part.
+///
+/// p_w of a start on a surface is the density of its reflection, `cos theta / pi`. The weight is multiplied by the light's
+/// profile, its radiance in the direction of the path over its `radiance`.
 pub type Kernel = fn(&Medium, &Lights, &Techniques, &Walk, PathLengths, Step, Columns<'_, '_>);

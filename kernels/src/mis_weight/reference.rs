@@ -15,18 +15,23 @@
 //! reach(i) = survival^{i-1};      reach(n) = 0 if walks end before they have n segments
 //! ```
 //!
+//! times the profile of the light: 1, or `(k + 1) / (2 pi) cos^k theta` of a spotlight with exponent k.
+//!
 //! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
 //! makes weighs nothing.
+
+use core::f64::consts::PI;
 
 use glam::DVec3;
 
 use super::Columns;
 use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
+use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::light_sample::reference::light_density;
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::reference as phase;
-use crate::tables::lights::Lights;
+use crate::tables::lights::{Disk, Lights};
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
@@ -55,7 +60,10 @@ pub fn run(
         path.push(DVec3::from(candidates.point.row(row).map(f64::from)));
         let light = candidates.light.rows()[row] as usize;
         let first_start = paths.first_start(lane) as usize;
-        let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, light);
+        let normal = paths.columns.surface_normal.row(lane).map(f64::from);
+        let is_surface = paths.surfaces && paths.columns.last_surface.rows()[lane] > 0;
+        let surface = is_surface.then(|| DVec3::from(normal));
+        let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, surface, light);
         candidates.weight.rows_mut()[row] = weight as f32;
     }
 }
@@ -80,7 +88,8 @@ pub fn position_before(
     Some(position.map(f64::from))
 }
 
-/// The weight of `path`, from the camera vertex to a point on `light`, with starts from `first_start` on.
+/// The weight of `path`, from the camera vertex to a point on `light`, with starts from `first_start` on, which is on a
+/// surface of the normal `surface`, if there is one.
 #[expect(clippy::too_many_arguments, reason = "a weight depends on everything that competes for the path")]
 pub fn weight(
     medium: &Medium,
@@ -90,24 +99,42 @@ pub fn weight(
     lengths: PathLengths,
     path: &[DVec3],
     first_start: usize,
+    surface: Option<DVec3>,
     light: usize,
 ) -> f64 {
-    let normal = DVec3::from(lights.disks()[light].normal.map(f64::from));
+    let disk = &lights.disks()[light];
     let [.., before, point] = path else {
         return 0.0;
     };
-    if (*point - *before).dot(normal) >= 0.0 {
+    let profile = profile(disk, *point - *before);
+    if profile == 0.0 {
         return 0.0;
     }
     let segments = path.len() - 1;
+    if surface.is_some_and(|normal| (path[first_start + 1] - path[first_start]).dot(normal) <= 0.0) {
+        return 0.0;
+    }
     let mut sum = if segments <= walk.segments as usize { reach(walk, segments) } else { 0.0 };
     for start in first_start..segments.min(first_start.saturating_add(walk.starts as usize)) {
-        sum += reach(walk, start) * ratios(medium, lights, techniques, lengths, path, start, light);
+        let surface = surface.filter(|_| start == first_start);
+        sum += reach(walk, start) * ratios(medium, lights, techniques, lengths, path, start, surface, light);
     }
     if sum == 0.0 {
         return 0.0;
     }
-    1.0 / sum
+    profile / sum
+}
+
+/// Radiance of a disk towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
+pub fn profile(disk: &Disk, direction: DVec3) -> f64 {
+    let cosine = -direction.normalize_or_zero().dot(DVec3::from(disk.normal.map(f64::from)));
+    if cosine <= 0.0 {
+        return 0.0;
+    }
+    // Where there is no exponent all directions are alike.
+    let exponent = f64::from(disk.exponent);
+    let is_spot = disk.scale != 1.0;
+    if is_spot { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
 }
 
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
@@ -115,7 +142,9 @@ pub fn reach(walk: &Walk, i: usize) -> f64 {
     f64::from(walk.survival).powi(i as i32 - 1)
 }
 
-/// The sum of all techniques' ratios r_i for the vertex `start` of `path`, which ends on `light`.
+/// The sum of all techniques' ratios r_i for the vertex `start` of `path`, on a surface of the normal `surface` if that is
+/// given; the path ends on `light`.
+#[expect(clippy::too_many_arguments, reason = "a ratio depends on everything that may make the path")]
 fn ratios(
     medium: &Medium,
     lights: &Lights,
@@ -123,11 +152,12 @@ fn ratios(
     lengths: PathLengths,
     path: &[DVec3],
     start: usize,
+    surface: Option<DVec3>,
     light: usize,
 ) -> f64 {
     let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
     let normal = DVec3::from(lights.disks()[light].normal.map(f64::from));
-    let Some(traced) = path_tracing_density(extinction, g, path, start, normal) else {
+    let Some(traced) = path_tracing_density(extinction, g, path, start, surface, normal) else {
         return 0.0;
     };
     let (chain, depth) = (&path[start..], start as u32);
@@ -144,16 +174,29 @@ fn ratios(
     }
     if let Some(bridge) = &techniques.bridge {
         let arriving = (path[start] - path[start - 1]).normalize();
+        let straight_on = (path[path.len() - 1] - path[start]).normalize_or_zero();
+        let (bridge, arriving) = match surface {
+            None => (*bridge, arriving),
+            Some(_) => (Bridge { roll: Roll::Uniform, ..*bridge }, straight_on),
+        };
         let longest = lengths.max;
-        let density = bridge::reference::density(bridge, extinction, g, longest, depth, arriving, chain, light_density);
+        let density =
+            bridge::reference::density(&bridge, extinction, g, longest, depth, arriving, chain, light_density);
         sum += density.over(traced);
     }
     sum
 }
 
 /// Density with which path tracing, at vertex `start`, makes the rest of `path`, which ends on a light that faces
-/// `normal`. None if it cannot: in vacuum, or where a segment has no length and so no direction.
-pub fn path_tracing_density(extinction: f64, g: f64, path: &[DVec3], start: usize, normal: DVec3) -> Option<Density> {
+/// `normal`; the start is on a surface of the normal `surface`, or in the medium. None if it cannot: in vacuum, or where a segment has no length and so no direction.
+pub fn path_tracing_density(
+    extinction: f64,
+    g: f64,
+    path: &[DVec3],
+    start: usize,
+    surface: Option<DVec3>,
+    normal: DVec3,
+) -> Option<Density> {
     let mut density = Density::new(1.0);
     let mut arriving = (path[start] - path[start - 1]).try_normalize()?;
     for j in start..path.len() - 1 {
@@ -162,7 +205,10 @@ pub fn path_tracing_density(extinction: f64, g: f64, path: &[DVec3], start: usiz
         let leaving = edge.try_normalize()?;
         let ends_on_light = j + 2 == path.len();
         density = density
-            .times(phase::density(g, arriving.dot(leaving)))
+            .times(match surface {
+                Some(normal) if j == start => leaving.dot(normal).max(0.0) / PI,
+                _ => phase::density(g, arriving.dot(leaving)),
+            })
             .times_exp(-extinction * length)
             .times(1.0 / (length * length))
             .times(if ends_on_light { -leaving.dot(normal) } else { extinction });
@@ -250,7 +296,7 @@ mod tests {
         let path = [DVec3::ZERO, DVec3::new(0.0, 1.0, 1.0), DVec3::new(0.0, 1.0, 3.0)];
         // p_A s^2 / (p_w cos_light), with and without the probability of a flight past the light.
         let ratio = 1.0 / (0.25 * PI) * 4.0 * 4.0 * PI;
-        let weight = |techniques: &Techniques| weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, 0);
+        let weight = |techniques: &Techniques| weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, None, 0);
         assert_eq!(weight(&Techniques::default()), 1.0);
         let nee = weight(&Techniques { nee: true, ..Techniques::default() });
         assert!((nee - 1.0 / (1.0 + ratio * 1.0_f64.exp())).abs() < 1e-12, "{nee}");
@@ -265,7 +311,7 @@ mod tests {
         let (medium, lights) = (medium(0.5, 0.3), light(DVec3::ZERO));
         let weight = |before: DVec3| {
             let path = [DVec3::X, before, DVec3::ZERO];
-            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, 0)
+            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, None, 0)
         };
         assert!(weight(-DVec3::Z) > 0.0);
         assert_eq!([DVec3::Z, DVec3::Y, DVec3::ZERO].map(weight), [0.0; 3]);
@@ -275,7 +321,7 @@ mod tests {
     fn starts_whose_suffix_has_an_empty_segment_have_no_ratio() {
         let (medium, lights) = (medium(0.5, 0.3), light(DVec3::new(0.0, 0.0, 2.0)));
         let path = [-DVec3::Z, DVec3::X, DVec3::X, DVec3::ZERO, DVec3::new(0.0, 0.1, 2.0)];
-        let weight = |first: usize| weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, first, 0);
+        let weight = |first: usize| weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, first, None, 0);
         assert_eq!(weight(1), weight(3));
         assert!(weight(3) < 1.0);
     }
@@ -289,7 +335,7 @@ mod tests {
             let disk = Disk::new(path[200], -DVec3::Z, 20.0 * mfp, [1.0; 3]);
             let lights = Lights::new(vec![disk], Selection::Uniform);
             let medium = medium((1.0 / mfp) as f32, 0.6);
-            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, 0)
+            weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, None, 0)
         });
         assert!(weights[1] > 0.0 && weights[1] < 1.0, "{weights:?}");
         assert!(weights.iter().all(|weight| (weight / weights[1] - 1.0).abs() < 1e-4), "{weights:?}");
@@ -310,8 +356,9 @@ mod tests {
         let direction = |j: usize| (path[j + 1] - path[j]).normalize();
         let area = PI * 0.25;
         let lengths = PathLengths { min: 1, max: 9 };
-        let sum =
-            |techniques: &Techniques, start: usize| ratios(&medium, &lights, techniques, lengths, &path, start, 0);
+        let sum = |techniques: &Techniques, start: usize| {
+            ratios(&medium, &lights, techniques, lengths, &path, start, None, 0)
+        };
         for start in 1..5 {
             let n = 5 - start as i32;
             let length: f64 = (start..5).map(|j| (path[j + 1] - path[j]).length()).sum();
@@ -346,8 +393,9 @@ mod tests {
         let (medium, lights, path) = bent();
         let techniques =
             Techniques { nee: true, omnee: true, bridge: Some(Bridge::new(Roll::Aligned)), ..both(&medium) };
-        let ratio = |start: usize| ratios(&medium, &lights, &techniques, LENGTHS, &path, start, 0);
-        let weight = |walk: Walk, first: usize| weight(&medium, &lights, &techniques, &walk, LENGTHS, &path, first, 0);
+        let ratio = |start: usize| ratios(&medium, &lights, &techniques, LENGTHS, &path, start, None, 0);
+        let weight =
+            |walk: Walk, first: usize| weight(&medium, &lights, &techniques, &walk, LENGTHS, &path, first, None, 0);
         let close =
             |found: f64, sum: f64| assert!((found * sum - 1.0).abs() < 1e-12, "{found}, expected {}", 1.0 / sum);
         close(weight(FREE, 1), 1.0 + (1..5).map(ratio).sum::<f64>());
@@ -366,7 +414,7 @@ mod tests {
         let (medium, lights, path) = bent();
         let short = Walk { segments: 4, ..FREE };
         for techniques in [Techniques::default(), Techniques { omnee: true, ..Techniques::default() }] {
-            assert_eq!(weight(&medium, &lights, &techniques, &short, LENGTHS, &path, 4, 0), 0.0);
+            assert_eq!(weight(&medium, &lights, &techniques, &short, LENGTHS, &path, 4, None, 0), 0.0);
         }
     }
 
@@ -374,7 +422,7 @@ mod tests {
     fn the_depth_of_the_start_limits_what_it_can_make() {
         let (medium, lights, path) = bent();
         let sum = |techniques: &Techniques, max: u32, start: usize| {
-            ratios(&medium, &lights, techniques, PathLengths { min: 1, max }, &path, start, 0) > 0.0
+            ratios(&medium, &lights, techniques, PathLengths { min: 1, max }, &path, start, None, 0) > 0.0
         };
         let omnee = Techniques { omnee: true, ..Techniques::default() };
         assert!(sum(&omnee, 5, 3) && !sum(&omnee, 4, 3));

@@ -1,6 +1,6 @@
 //! ```text
 //! walk from the light towards the camera and collect, per vertex, arc length, direction, p_w, l^2 / p_w
-//! weight = 1 / (reach(n) + sum over active techniques and starts i of reach(i) r_i),    reach(i) = survival^(i - 1)
+//! weight = profile / (reach(n) + sum over active techniques and starts i of reach(i) r_i),    reach(i) = survival^(i - 1)
 //! ```
 //!
 //! 1. A bucket's rows have the same number of inserted vertices, so the walk meets the start at the same index in all
@@ -65,6 +65,7 @@ pub fn run(
             suffix.vertices[a].eligible = starts.eligible(a);
             suffix.vertices[a].attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
         }
+        let outside = batch.reflect(paths, &starts, suffix, needed);
         let mut sum = batch.reach_of_walk(&starts, walk);
         if techniques.nee && nearest == 1 {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
@@ -80,8 +81,9 @@ pub fn run(
             let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
             sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, nearest..=needed, room);
         }
-        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO);
-        candidates.weight.set_batch(b, weighs.select(f32x8::ONE / sum, f32x8::ZERO));
+        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
+        let profile = lights.profile(&batch.light_of, arrival.cos_light);
+        candidates.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
 }
 
@@ -94,6 +96,8 @@ struct Starts {
     nearest: u32x8,
     /// Last start, counted from the light; 0 in dead rows.
     farthest: u32x8,
+    /// Rows of which the last start is on a surface.
+    surface: f32x8,
     /// Rows in use.
     live: f32x8,
 }
@@ -201,11 +205,34 @@ impl Batch<'_> {
     fn starts(&self, paths: &PathTable<'_>, walk: &Walk, step: Step, rows: u32) -> Starts {
         let path = &paths.columns;
         let segments = u32x8::splat(step.clock + self.inserted as u32 + 1) - path.birth.gather(&self.lane_of);
-        let first = path.last_surface.gather(&self.lane_of).max(u32x8::splat(1));
+        let last_surface = path.last_surface.gather(&self.lane_of);
+        let surface = lanes::as_mask(last_surface.simd_gt(u32x8::splat(0)));
+        let first = last_surface.max(u32x8::splat(1));
         let live = lanes::mask(rows);
         let farthest = segments.saturating_sub(first) & lanes::as_integer_mask(live);
         let nearest = farthest.saturating_sub(u32x8::splat(walk.starts - 1)).max(u32x8::splat(1));
-        Starts { segments, nearest, farthest, live }
+        Starts { segments, nearest, farthest, surface, live }
+    }
+
+    /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their surface
+    /// outwards, or have none.
+    #[inline(always)]
+    fn reflect(&self, paths: &PathTable<'_>, starts: &Starts, suffix: &mut Suffix<'_>, needed: usize) -> f32x8 {
+        let all = f32x8::ZERO.simd_eq(f32x8::ZERO);
+        if !paths.surfaces {
+            return all;
+        }
+        let normal = paths.columns.surface_normal.gather(&self.lane_of);
+        let mut outside = all;
+        for a in 1..=needed.max(self.inserted + 1) {
+            let vertex = &mut suffix.vertices[a];
+            vertex.on_surface = starts.surface & lanes::as_mask(starts.farthest.simd_eq(u32x8::splat(a as u32)));
+            let cosine = vertex.leaving.dot(normal);
+            outside &= !vertex.on_surface | cosine.simd_gt(f32x8::ZERO);
+            let inverse_density = f32x8::splat(core::f32::consts::PI) / cosine;
+            vertex.inverse_density = vertex.on_surface.select(inverse_density, vertex.inverse_density);
+        }
+        outside
     }
 
     /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted vertex,

@@ -25,6 +25,8 @@ pub struct SuffixVertex {
     pub attempt: f32x8,
     /// Whether a connection may start here.
     pub eligible: f32x8,
+    /// Whether it is on a surface.
+    pub on_surface: f32x8,
 }
 
 /// How one start sees a vertex between it and the light, reprojected on its axis (MVNEE).
@@ -62,6 +64,7 @@ impl<'q> Suffix<'q> {
             light_sum: zero,
             attempt: zero,
             eligible: zero,
+            on_surface: zero,
         };
         let projection = Projection { step_squared: zero, before: zero, offset_squared: zero };
         Self {

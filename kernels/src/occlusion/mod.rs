@@ -5,6 +5,7 @@ pub mod simd;
 
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use crate::tables::lights::Lights;
+use crate::tables::surfaces::Surfaces;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
@@ -16,8 +17,9 @@ pub struct Columns<'a, 'q> {
     pub chains: &'a ChainTable<'q>,
 }
 
-/// Tests every segment of every connection, over its true length, against every disk, front or back.
+/// Tests every segment of every connection, over its true length, against every disk, front or back, and every triangle.
 ///
 /// The last segment ends on its own light and cannot cross that plane elsewhere, so it is not tested against it: no
-/// epsilon is needed. A segment that only touches a disk's plane is free.
-pub type Kernel = fn(&Lights, Columns<'_, '_>);
+/// epsilon is needed. A segment that only touches a disk's plane is free. Starts on a surface were moved off it, so that
+/// their own surface does not block them.
+pub type Kernel = fn(&Lights, &Surfaces, Columns<'_, '_>);

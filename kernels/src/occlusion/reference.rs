@@ -14,9 +14,11 @@ use glam::DVec3;
 
 use super::Columns;
 use crate::tables::lights::{Disk, Lights};
+use crate::tables::surfaces::Surfaces;
+use crate::trace::{self, Ray};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
+pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
     let Columns { bucket, candidates, chains } = columns;
     let mut chain = Vec::with_capacity(bucket.inserted + 2);
     for row in bucket.rows() {
@@ -26,7 +28,8 @@ pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
             chain.push(DVec3::from(vertex.row(row).map(f64::from)));
         }
         chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
-        if is_occluded(lights, candidates.light.rows()[row] as usize, &chain) {
+        let light = candidates.light.rows()[row] as usize;
+        if is_occluded(lights, light, &chain) || is_hidden(surfaces, &chain) {
             candidates.weight.rows_mut()[row] = 0.0;
         }
     }
@@ -47,6 +50,15 @@ pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
         }
     }
     false
+}
+
+/// Whether a triangle blocks a segment of the chain.
+pub fn is_hidden(surfaces: &Surfaces, chain: &[DVec3]) -> bool {
+    chain.windows(2).any(|ends| {
+        let [origin, end] = [ends[0], ends[1]].map(|v| v.as_vec3().to_array());
+        let direction = core::array::from_fn(|axis| end[axis] - origin[axis]);
+        trace::reference::any(surfaces.geometry(), &Ray { origin, direction, max: 1.0 })
+    })
 }
 
 /// Whether the segment from `a` to `b` crosses the disk; one that only touches its plane does not.

@@ -7,16 +7,21 @@
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
+//! 3. Triangles are traced for what no disk blocks, one segment at a time; a row is done with at the
+//!    first that is blocked.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
+use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::lanes;
 use crate::tables::lights::{Disk, Lights};
+use crate::tables::surfaces::Surfaces;
+use crate::trace::{self, Ray};
 use crate::vec3x8::Vec3x8;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
+pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
     let Columns { bucket, candidates, chains } = columns;
     for (b, rows) in bucket.batches() {
         let weight = candidates.weight.batch(b);
@@ -35,8 +40,40 @@ pub fn run(lights: &Lights, columns: Columns<'_, '_>) {
             }
             from = to;
         }
+        if !surfaces.is_empty() {
+            free &= lanes::mask(unhidden(surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
+        }
         candidates.weight.set_batch(b, free.select(weight, f32x8::ZERO));
     }
+}
+
+/// Which of the rows `free` of batch `b` no triangle hides.
+#[inline(always)]
+fn unhidden(
+    surfaces: &Surfaces,
+    inserted: usize,
+    b: usize,
+    mut free: u32,
+    candidates: &CandidateQueue<'_>,
+    chains: &ChainTable<'_>,
+) -> u32 {
+    let mut from = candidates.start.batch(b).to_arrays();
+    for segment in 0..=inserted {
+        if free == 0 {
+            break;
+        }
+        let last = segment == inserted;
+        let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) }.to_arrays();
+        for i in lanes::each(free) {
+            let origin = from.map(|component| component[i]);
+            let direction = core::array::from_fn(|axis| to[axis][i] - origin[axis]);
+            if trace::any(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }) {
+                free &= !(1 << i);
+            }
+        }
+        from = to;
+    }
+    free
 }
 
 /// Whether the segment from `a` to `b` crosses `disk`.

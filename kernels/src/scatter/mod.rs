@@ -12,7 +12,8 @@ use crate::tables::media::Medium;
 pub struct Columns<'a, 'q> {
     /// Read: the flight and the random words of live lanes.
     pub flights: &'a FlightTable<'q>,
-    /// Multiplied by the albedo: throughput of live lanes, in the channels in use.
+    /// Read: the lanes that end on a surface. Multiplied by the albedo: throughput of the other live lanes, in the channels in
+    /// use.
     pub paths: &'a mut PathTable<'q>,
     /// Read: the vertex of the clock. Filled: position and arc in the next slot.
     pub vertices: &'a mut VertexTable<'q>,
@@ -20,7 +21,7 @@ pub struct Columns<'a, 'q> {
     pub rays: &'a mut RayTable<'q>,
 }
 
-/// Moves every live path to the end of its flight and draws a new direction from the phase function.
+/// Moves every live path that does not end on a surface to the end of its flight and draws a new direction from the phase function.
 ///
 /// The cosine follows from inverting the phase function's distribution, `cosine` rising with its word; the azimuth
 /// `2 pi u` counts in the [frame](crate::vec3x8::Vec3x8::frame) of the old direction. Direction and phase function

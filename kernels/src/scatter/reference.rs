@@ -20,7 +20,7 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
     let (vertex, next) = vertices.step(step.clock);
     let (arriving, leaving) = rays.step(step.clock);
     for lane in 0..paths.batches() * LANES {
-        if !paths.live.contains(lane as u32) {
+        if !paths.live.contains(lane as u32) || paths.on_surface.contains(lane as u32) {
             continue;
         }
         let flight = flights.row(lane);

@@ -5,6 +5,7 @@
 //! ```
 //!
 //! 1. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
+//! 2. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was filled.
 
 use wide::{f32x8, u32x8};
 
@@ -38,7 +39,8 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
     for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(medium.albedo).take(channels) {
         if albedo != 1.0 {
             for b in 0..paths.live.batches() {
-                let factor = lanes::mask(paths.live.batch(b)).select(f32x8::splat(albedo), f32x8::ONE);
+                let scattered = paths.live.batch(b) & !paths.on_surface.batch(b);
+                let factor = lanes::mask(scattered).select(f32x8::splat(albedo), f32x8::ONE);
                 throughput.set_batch(b, throughput.batch(b) * factor);
             }
         }

@@ -1,10 +1,11 @@
-//! Lights: one-sided disks, and the rule by which a connection picks one.
+//! Lights: one-sided disks, alike in all directions or focused, and the rule by which a connection picks one.
 
 use core::f64::consts::PI;
 
 use wide::f32x8;
 
 use crate::columns::LANES;
+use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 
 /// A one-sided disk that emits from its front; its back is black and opaque.
@@ -20,8 +21,14 @@ pub struct Disk {
     pub bitangent: [f32; 3],
     /// Radius `[m]`, > 0.
     pub radius: f32,
-    /// Emitted radiance per channel, the same over area and angle [W/(m^2 sr)], >= 0.
+    /// Emitted radiance per channel [W/(m^2 sr)], >= 0; the same over the area, and over all angles where there is no
+    /// exponent.
     pub radiance: [f32; 3],
+    /// n of a spotlight, whose radiance at the angle theta to the normal is `scale cos^n theta` times `radiance`; 0 if it is
+    /// the same in all directions.
+    pub exponent: f32,
+    /// `(n + 1) / (2 pi)` of a spotlight, otherwise 1.
+    pub scale: f32,
 }
 
 impl Disk {
@@ -37,13 +44,20 @@ impl Disk {
             bitangent: f32s(bitangent),
             radius: radius as f32,
             radiance: radiance.map(|channel| channel as f32),
+            exponent: 0.0,
+            scale: 1.0,
         }
+    }
+
+    /// The same disk as a spotlight of `exponent` >= 0.
+    pub fn focused(self, exponent: f64) -> Self {
+        Self { exponent: exponent as f32, scale: ((exponent + 1.0) / (2.0 * PI)) as f32, ..self }
     }
 
     /// Intensity along the normal, mean over the channels [W/sr].
     pub fn intensity(&self) -> f64 {
         let mean = self.radiance.iter().map(|channel| f64::from(*channel)).sum::<f64>() / 3.0;
-        PI * f64::from(self.radius).powi(2) * mean
+        PI * f64::from(self.radius).powi(2) * mean * f64::from(self.scale)
     }
 }
 
@@ -68,6 +82,7 @@ pub struct Lights {
     shares: Vec<f32>,
     intensities: Vec<f32>,
     selection: Selection,
+    focused: bool,
 }
 
 impl Lights {
@@ -82,7 +97,8 @@ impl Lights {
         };
         let share = |disk: &Disk| if total > 0.0 { disk.intensity() / total } else { 1.0 / disks.len() as f64 };
         let intensities = disks.iter().map(|disk| share(disk) as f32).collect();
-        Self { disks, shares, intensities, selection }
+        let focused = disks.iter().any(|disk| (disk.exponent, disk.scale) != (0.0, 1.0));
+        Self { disks, shares, intensities, selection, focused }
     }
 
     /// The disks; a light's index is its place here.
@@ -109,6 +125,17 @@ impl Lights {
     /// Whether probabilities depend on the start, so that a vertex's `light_sum` is defined.
     pub fn selection_depends_on_start(&self) -> bool {
         self.selection == Selection::IntensityDistance
+    }
+
+    /// Radiance of the lights that `lights` names at the angles of these cosines, over their `radiance`.
+    #[inline(always)]
+    pub fn profile(&self, lights: &[u32; LANES], cosine: f32x8) -> f32x8 {
+        if !self.focused {
+            return f32x8::ONE;
+        }
+        let exponent = self.gather(lights, |disk| disk.exponent);
+        let scale = self.gather(lights, |disk| disk.scale);
+        scale * exp(-exponent * neg_ln(cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE))))
     }
 
     /// One value of the disks that `lights` names, for eight rows.

@@ -4,3 +4,4 @@ pub mod camera;
 pub mod geometry;
 pub mod lights;
 pub mod media;
+pub mod surfaces;

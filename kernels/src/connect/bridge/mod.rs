@@ -42,6 +42,9 @@
 //! (h_- h_+ is the Q of the derivation in the documentation.) A uniform roll, `tan(psi / 2) = tan(pi (u - 1/2))`, serves
 //! any phase function that can be sampled; another phase function gets an aligned roll by a density in psi of its own,
 //! which replaces these two lines.
+//!
+//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the reflection,
+//! and gamma counts as 0.
 
 pub mod reference;
 pub mod sample;

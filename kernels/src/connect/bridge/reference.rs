@@ -244,8 +244,8 @@ mod tests {
         let ratios = [1e-6, 1.0, 1e6].map(|unit| {
             let path: Vec<_> = (0..1025).map(|k| unit * zigzag(k)).collect();
             let p = density(&ALIGNED, 1.0 / unit, 0.9, 2048, 1, DVec3::Z, &path[1..], 1.0 / (unit * unit));
-            let traced =
-                crate::mis_weight::reference::path_tracing_density(1.0 / unit, 0.9, &path, 1, -DVec3::Z).expect("one");
+            let traced = crate::mis_weight::reference::path_tracing_density(1.0 / unit, 0.9, &path, 1, None, -DVec3::Z)
+                .expect("one");
             p.over(traced)
         });
         assert!(ratios[1].is_finite() && ratios[1] > 0.0, "{ratios:?}");

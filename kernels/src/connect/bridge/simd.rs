@@ -2,7 +2,8 @@
 //! for each start a, counted from the light (N = a edges), within reach:
 //!     x = mu_t L, lambda = min(mu_t s (straight + turning (1 - cos gamma)), largest mean)
 //!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) Poisson(N - 1; lambda) + eps / room ] (N - 1)! e^x / x^N * turn
-//!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll)
+//!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll),
+//!            1 / p_w  (start on a surface, where cos gamma counts as 1)
 //! ```
 //!
 //! 1. One start costs two logarithms and two exponentials, whatever lies between it and the light. All lanes have the same
@@ -56,8 +57,9 @@ pub fn ratios(
             }
             Roll::Uniform => h * h.sqrt(),
         };
+        let turn = start.on_surface.select(start.inverse_density / phase.inverse_scale(), turn);
         let (straight, depth) = (extinction * distance, extinction * start.arc);
-        let mean = mean_inserted(bridge, straight, arriving.cosine);
+        let mean = mean_inserted(bridge, straight, start.on_surface.select(f32x8::ONE, arriving.cosine));
         let counts = suffix.counts[a].over(mean, depth, room(a), bridge.defensive);
         let ratio = start.attempt * counts * distance_squared * straight * turn;
         sum += possible.select(ratio, f32x8::ZERO);

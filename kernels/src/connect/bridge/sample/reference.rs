@@ -15,6 +15,7 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
+use crate::columns::paths::PathTable;
 use crate::connect::bridge::reference::{mean_inserted, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
@@ -37,7 +38,8 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
             depth: paths.depth(step.clock, lane),
             seed: step.seed,
         };
-        let mean = mean_inserted(bridge, f64::from(medium.extinction), arriving, point - start);
+        let straight_on = is_on_surface(paths, lane, draws.depth).then(|| (point - start).normalize_or_zero());
+        let mean = mean_inserted(bridge, f64::from(medium.extinction), straight_on.unwrap_or(arriving), point - start);
         let inserted = count_edges(bridge, mean, lengths, &draws);
         buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
@@ -61,7 +63,9 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             };
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            place(bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
+            let on_surface = is_on_surface(paths, lane, draws.depth);
+            let bridge = Bridge { roll: if on_surface { Roll::Uniform } else { bridge.roll }, ..*bridge };
+            place(&bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
 
             candidates.lane.rows_mut()[row] = connection.lane;
             candidates.light.rows_mut()[row] = connection.light;
@@ -73,6 +77,12 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             }
         }
     }
+}
+
+/// Whether the start at `depth` is on a surface: it has no phase function, so that bridges roll uniformly, and none of its
+/// turns is better than another, so that they count as straight on.
+fn is_on_surface(paths: &PathTable<'_>, lane: usize, depth: u32) -> bool {
+    paths.surfaces && paths.columns.last_surface.rows()[lane] == depth
 }
 
 /// The random numbers of one bridge.

@@ -4,7 +4,7 @@
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
-//! roll:  tan(psi / 2) = sqrt(h_- / h_+) tan(pi (u - 1/2))
+//! roll:  tan(psi / 2) = sqrt(h_- / h_+) tan(pi (u - 1/2)),  or tan(pi (u - 1/2)) at a surface
 //! ```
 //!
 //! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits.
@@ -44,7 +44,8 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
         let to_light = connections.point.batch(b) - connections.start.batch(b);
         let distance = to_light.length_squared().sqrt();
         let cosine = connections.arriving.batch(b).dot(to_light) / distance.fast_max(f32x8::splat(LEAST));
-        let mean = mean_inserted(bridge, f32x8::splat(medium.extinction) * distance, cosine);
+        let straight_on = sequence.on_surface.select(f32x8::ONE, cosine);
+        let mean = mean_inserted(bridge, f32x8::splat(medium.extinction) * distance, straight_on);
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
@@ -88,7 +89,8 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
                 let chain = &mut chains.vertices[..bucket.inserted];
                 let end = walk(&sequence, &phase, chain, b);
                 let [.., roll, _] = sequence.uniforms(random::BRIDGE_COUNT);
-                place(&Placement::new(&phase, bridge.roll, &candidate, end, roll), candidate.start, chain, b);
+                let placement = Placement::new(&phase, bridge.roll, sequence.on_surface, &candidate, end, roll);
+                place(&placement, candidate.start, chain, b);
             }
         }
     }
@@ -127,9 +129,17 @@ struct Placement {
 }
 
 impl Placement {
-    /// The one that takes a walk to `end` along z from the candidate's start to its light point.
+    /// The one that takes a walk to `end` along z from the candidate's start to its light point; starts `on_surface` roll
+    /// uniformly.
     #[inline(always)]
-    fn new(phase: &HenyeyGreensteinX8, roll: Roll, candidate: &CandidateBatch, end: Vec3x8, u: f32x8) -> Self {
+    fn new(
+        phase: &HenyeyGreensteinX8,
+        roll: Roll,
+        on_surface: f32x8,
+        candidate: &CandidateBatch,
+        end: Vec3x8,
+        u: f32x8,
+    ) -> Self {
         let least = f32x8::splat(LEAST);
         let normalise = |v: Vec3x8, length: f32x8| v * (f32x8::ONE / length.fast_max(least));
         let to_light = candidate.point - candidate.start;
@@ -149,6 +159,7 @@ impl Placement {
         let (sin, cos) = match roll {
             Roll::Aligned => {
                 let (near, far) = phase.h_in_plane(arriving, leaving);
+                let [near, far] = [near, far].map(|h| on_surface.select(f32x8::ONE, h));
                 roll_by(near, far, u)
             }
             Roll::Uniform => roll_by(f32x8::ONE, f32x8::ONE, u),
