@@ -1,9 +1,12 @@
 //! A scene as the stages read it.
 
+use std::sync::Arc;
+
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 
 /// Everything that the value of a sample depends on.
@@ -15,6 +18,8 @@ pub struct Frame {
     pub medium: Medium,
     /// The lights, and how connections choose among them.
     pub lights: Lights,
+    /// What is solid.
+    pub surfaces: Arc<Surfaces>,
     /// The active connection techniques.
     pub techniques: Techniques,
     /// How far walks go, and where they connect from.
@@ -30,30 +35,36 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Longest walk, in segments: 1 where light is never scattered.
+    /// Longest walk, in segments: 1 where light is never scattered or reflected.
     pub fn walk_segments(&self) -> u32 {
-        if self.medium.never_scatters() { 1 } else { self.walk.segments.min(self.lengths.max) }
+        if self.stays_straight() { 1 } else { self.walk.segments.min(self.lengths.max) }
+    }
+
+    /// Whether nothing turns light.
+    pub fn stays_straight(&self) -> bool {
+        self.medium.never_scatters() && self.surfaces.is_empty()
     }
 
     /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
     ///
-    /// Where a bridge from the first vertex can make every path, walks end with the segment after the last start: it meets
+    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end with the segment after the last start: it meets
     /// the light that bridges from that vertex hardly find, the one right in front of it.
     pub fn with_walk(self, starts: u32, survival: f32) -> Self {
-        let suffices = self.techniques.bridge.is_some_and(|bridge| bridge.reaches_everything());
+        let reaches_everything = self.techniques.bridge.is_some_and(|bridge| bridge.reaches_everything());
+        let suffices = reaches_everything && self.surfaces.is_empty();
         let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
         Self { walk: Walk { segments, starts, survival }, ..self }
     }
 
     /// Whether first flights are drawn towards the lights.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium.never_scatters()
+        self.aimed > 0.0 && !self.medium.never_scatters() && self.surfaces.is_empty()
     }
 
-    /// Channels that differ: 1 where lights and medium are grey, 3 otherwise.
+    /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.
     pub fn channels(&self) -> usize {
         let grey = |channels: [f32; 3]| channels == [channels[0]; 3];
         let radiances = self.lights.disks().iter().map(|disk| disk.radiance);
-        if grey(self.medium.albedo) && radiances.into_iter().all(grey) { 1 } else { 3 }
+        if grey(self.medium.albedo) && radiances.into_iter().all(grey) && self.surfaces.are_grey() { 1 } else { 3 }
     }
 }

@@ -71,7 +71,7 @@ pub fn settle(
 ) -> (Frame, Vec<Trial>) {
     let open_starts = render.starts == Starts::Auto;
     let open_survival = render.survival.0.is_none();
-    let scatters = !frame.medium.never_scatters() && frame.lengths.max > 2;
+    let scatters = !frame.stays_straight() && frame.lengths.max > 2;
     if frame.techniques.bridge.is_none() || !scatters || !(open_starts || open_survival) {
         return (frame.clone(), Vec::new());
     }

@@ -3,9 +3,10 @@
 //! It draws the same random bits as the wavefront, so the two agree sample by sample, but for rounding. A walk of
 //! segments j = 0, 1, .. tries, in this order, at each of them
 //!
-//! 1. to survive the medium vertex it leaves, x_j with j > 0;
+//! 1. to survive the vertex it leaves, x_j with j > 0;
 //! 2. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments;
-//! 3. to scatter, unless the flight ended on a disk or the walk is over;
+//! 3. to scatter, or to be reflected by the surface on which the flight ended, unless that was a disk or black or the walk is
+//!    over;
 //! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
 //!
 //! A first flight that is drawn towards the lights leaves its weight, the density of a free flight over its own, in the
@@ -14,13 +15,15 @@
 //! Whatever made it, a candidate path X of n segments counts `C(X) = Le T / (reach(n) + sum of reach(i) r_i)`. Connections
 //! play roulette on it before they are tested for occlusion.
 
-use fogbow_kernels::connect::bridge::Bridge;
+use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::{bridge, nee, omnee};
+use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
     accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette,
     scatter,
@@ -65,8 +68,16 @@ pub fn radiance(frame: &Frame, pixel: u32, sample: u32) -> [f64; 3] {
 /// Everything that the path of `sample` of `pixel` finds.
 pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution> {
     let (origin, direction) = generate::reference::camera_ray(&frame.camera, pixel, sample, frame.seed);
-    let mut walk =
-        Walk { frame, pixel, sample, path: vec![origin], direction, throughput: [1.0; 3], found: Vec::new() };
+    let mut walk = Walk {
+        frame,
+        pixel,
+        sample,
+        path: vec![origin],
+        direction,
+        last_surface: None,
+        throughput: [1.0; 3],
+        found: Vec::new(),
+    };
     for segment in 0..frame.walk_segments() {
         let words = medium_sample::reference::words(pixel, sample, segment, frame.seed);
         if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
@@ -77,13 +88,20 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if aims {
             flight = walk.aim(flight);
         }
-        if walk.meet_light(segment, flight) || segment + 1 == frame.walk_segments() {
+        let (ended, surface) = walk.meet(segment, flight);
+        if ended || segment + 1 == frame.walk_segments() {
             break;
         }
         if aims {
             walk.weigh_first_flight(flight);
         }
-        walk.scatter(flight, [words[1], words[2]].map(random::uniform));
+        let u = [words[1], words[2]].map(random::uniform);
+        match surface {
+            Some(hit) if surface_stage::is_black(&frame.surfaces, hit, walk.direction) => break,
+            Some(hit) => walk.reflect(hit, u),
+            None if frame.medium.never_scatters() => break,
+            None => walk.scatter(flight, u),
+        }
         if frame.techniques.nee {
             walk.connect_straight();
         }
@@ -109,6 +127,8 @@ struct Walk<'a> {
     path: Vec<DVec3>,
     /// Direction of the ray that leaves the last vertex.
     direction: DVec3,
+    /// Depth of the last vertex on a surface, and the normal there.
+    last_surface: Option<(u32, DVec3)>,
     /// Product of the albedos so far, and the weight of the first flight.
     throughput: [f64; 3],
     found: Vec<Contribution>,
@@ -145,22 +165,45 @@ impl Walk<'_> {
         }
     }
 
-    /// Adds what the current ray sees of a light, and tells whether the path ends on a disk.
-    fn meet_light(&mut self, segment: u32, flight: f64) -> bool {
-        let lights = &self.frame.lights;
+    /// Adds what the current ray sees of a light; tells whether the path ends on a disk, or else the surface it meets.
+    fn meet(&mut self, segment: u32, flight: f64) -> (bool, Option<SurfaceHit>) {
+        let Frame { lights, surfaces, .. } = self.frame;
         let bound = if segment == 0 { f64::INFINITY } else { flight };
-        let Some((disk, distance)) = extend::reference::closest(lights, self.last(), self.direction, bound) else {
-            return false;
+        let (disk, surface) =
+            extend::reference::meet_first(lights, surfaces, self.last(), self.direction, bound, flight);
+        let Some((disk, distance)) = disk else {
+            return (false, surface);
         };
         if light_hit::reference::shows_front(&lights.disks()[disk], self.direction) {
             let point = self.last() + distance * self.direction;
             let weight = match segment {
-                0 => light_hit::reference::transmittance(self.extinction(), distance),
+                0 => {
+                    let profile = mis_weight::reference::profile(&lights.disks()[disk], self.direction);
+                    profile * light_hit::reference::transmittance(self.extinction(), distance)
+                }
                 _ => self.weigh(disk, &[point]),
             };
             self.add(Technique::Path, disk, weight, 0);
         }
-        light_hit::reference::ends(flight, distance)
+        (light_hit::reference::ends(flight, distance), surface)
+    }
+
+    /// Appends the vertex on a surface.
+    fn reflect(&mut self, hit: SurfaceHit, u: [f64; 2]) {
+        let triangle = self.frame.surfaces.geometry().corners(hit.triangle as usize);
+        let normal = surface_stage::side(triangle, self.direction);
+        let point = surface_stage::point(triangle, [hit.second, hit.third].map(f64::from));
+        self.path.push(point + surface_stage::margin(triangle, normal) * normal);
+        self.direction = surface_stage::reflect(normal, u);
+        self.last_surface = Some((self.depth(), normal));
+        for (throughput, albedo) in self.throughput.iter_mut().zip(surface_stage::albedo(&self.frame.surfaces, hit)) {
+            *throughput *= f64::from(albedo);
+        }
+    }
+
+    /// Depth of the first vertex that may start a connection.
+    fn first_start(&self) -> u32 {
+        self.last_surface.map_or(1, |(depth, _)| depth)
     }
 
     /// Appends the vertex at the end of the flight.
@@ -217,7 +260,11 @@ impl Walk<'_> {
         let draws =
             bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
-        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), arriving, point - start);
+        let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
+        let straight_on = (point - start).normalize_or_zero();
+        let bridge = &Bridge { roll: if on_surface { Roll::Uniform } else { bridge.roll }, ..*bridge };
+        let from = if on_surface { straight_on } else { arriving };
+        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), from, point - start);
         let Some(inserted) = bridge_sample::count_edges(bridge, mean, self.frame.lengths, &draws) else {
             return;
         };
@@ -228,8 +275,7 @@ impl Walk<'_> {
 
     /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
     fn light_point(&self, reach: Reach) -> Option<(usize, DVec3)> {
-        // Without surfaces starts are counted from the vertex after the camera.
-        if !light_sample::may_start(reach.from_first(self.frame.walk.starts), self.depth(), 1) {
+        if !light_sample::may_start(reach.from_first(self.frame.walk.starts), self.depth(), self.first_start()) {
             return None;
         }
         let u = light_sample::uniforms(self.pixel, self.sample, self.depth(), reach.purpose, self.frame.seed);
@@ -249,7 +295,9 @@ impl Walk<'_> {
         weight /= survival;
         let mut chain = vec![self.last()];
         chain.extend_from_slice(rest);
-        if !occlusion::reference::is_occluded(&self.frame.lights, light, &chain) {
+        let Frame { lights, surfaces, .. } = self.frame;
+        let occluded = occlusion::reference::is_occluded(lights, light, &chain);
+        if !occluded && !occlusion::reference::is_hidden(surfaces, &chain) {
             self.add(technique, light, weight, rest.len() - 1);
         }
     }
@@ -258,8 +306,8 @@ impl Walk<'_> {
     fn weigh(&self, light: usize, rest: &[DVec3]) -> f64 {
         let Frame { medium, lights, techniques, walk, lengths, .. } = self.frame;
         let path = [self.path.as_slice(), rest].concat();
-        // Without surfaces every vertex but the camera may start a connection.
-        mis_weight::reference::weight(medium, lights, techniques, walk, *lengths, &path, 1, light)
+        let (first_start, normal) = (self.first_start() as usize, self.last_surface.map(|(_, normal)| normal));
+        mis_weight::reference::weight(medium, lights, techniques, walk, *lengths, &path, first_start, normal, light)
     }
 
     /// What a candidate of this weight, with `inserted` vertices after the last one, adds to the pixel.
@@ -285,13 +333,15 @@ impl Walk<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+
     use fogbow_kernels::connect::Techniques;
-    use fogbow_kernels::connect::bridge::Roll;
     use fogbow_kernels::connect::mvnee::Offset;
     use fogbow_kernels::phase::HenyeyGreenstein;
     use fogbow_kernels::tables::camera::Camera;
     use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
     use fogbow_kernels::tables::media::Medium;
+    use fogbow_kernels::tables::surfaces::Surfaces;
     use fogbow_kernels::{PathLengths, Walk as Limits};
 
     const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
@@ -303,6 +353,7 @@ mod tests {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
             medium,
             lights: Lights::new(vec![disk(3.0, -DVec3::Z), disk(4.0, DVec3::Z)], Selection::IntensityDistance),
+            surfaces: Arc::new(Surfaces::none()),
             techniques: Techniques {
                 nee: true,
                 mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),

@@ -60,7 +60,7 @@ fn albedo(frame: &Frame) -> String {
 }
 
 fn describe_scene(loaded: &LoadedScene) -> Result<()> {
-    let LoadedScene { name, scene, frame } = loaded;
+    let LoadedScene { name, scene, frame, warnings } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
@@ -69,13 +69,23 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
             let free_path = number(f64::from(1.0 / frame.medium.extinction), 4);
             say(format!("fog: mean free path {free_path} m, albedo {}, g {:?}", albedo(frame), medium.phase.g))?;
         }
-        _ => say("vacuum: only directly seen light counts")?,
+        _ if frame.surfaces.is_empty() => say("vacuum: only directly seen light counts")?,
+        _ => say("vacuum")?,
     }
+    if !frame.surfaces.is_empty() {
+        let (geometry, materials) = (frame.surfaces.geometry(), frame.surfaces.materials().len());
+        say(format!("surfaces: {} triangles, {materials} materials, {} KiB", geometry.len(), geometry.bytes() >> 10))?;
+    }
+    warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
     for light in &scene.light {
         let distance = glam::DVec3::from(light.center).distance(glam::DVec3::from(scene.camera.position));
         let depth = number(distance * f64::from(frame.medium.extinction), 3);
         let (distance, radius) = (number(distance, 4), light.radius);
-        say(format!("light: disk of radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))?;
+        let kind = match light.exponent {
+            Some(exponent) => format!("spot of exponent {exponent:?} and"),
+            None => "disk of".into(),
+        };
+        say(format!("light: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
     say(format!(

@@ -10,7 +10,7 @@ use fogbow_kernels::pipeline::{self, Pipeline};
 use super::job::{self, Job, Target};
 use super::progress::Reporter;
 use super::values::Reference;
-use super::{RenderArgs, say};
+use super::{RenderArgs, say, tell};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::image::{self, check_writable};
@@ -29,6 +29,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let mut scene = scene::load(path, overrides(args))?;
+    scene.warnings.iter().for_each(|warning| tell(format!("warning: {warning}")));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
     check_stats(args, &outputs)?;

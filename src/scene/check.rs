@@ -1,5 +1,7 @@
 //! Ranges of all values, and the frame that valid values make.
 
+use std::sync::Arc;
+
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
@@ -7,13 +9,16 @@ use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
 
 use super::document::Document;
-use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::schema::{self, LightKind, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
+use crate::gltf;
 
 /// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
 /// thinnest medium, are still f32.
@@ -29,6 +34,8 @@ const AIMED: f64 = 0.05;
 const LARGEST_AIMED: f64 = 0.99;
 /// Most lights at which flights are aimed by default: a camera ray looks at each of them.
 const MOST_AIMED_LIGHTS: usize = 16;
+/// Largest exponent of a spot: a cone of one degree.
+const LARGEST_EXPONENT: f64 = 10_000.0;
 /// Smallest probability of going on from a vertex.
 const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
@@ -41,15 +48,19 @@ struct Check<'a> {
     document: &'a Document,
 }
 
-/// The frame of `scene`, whose values stand in `document`.
-pub fn frame(scene: &Scene, document: &Document) -> Result<Frame> {
+/// The frame of `scene`, whose values stand in `document`, and what of its geometry is not rendered.
+pub fn frame(scene: &Scene, document: &Document) -> Result<(Frame, Vec<String>)> {
     let check = Check { document };
     let camera = check.camera(scene)?;
     let medium = check.medium(scene)?;
     let lights = check.lights(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
-    check.walk(&scene.render, Frame { camera, medium, lights, techniques, walk, aimed, roulette, lengths, seed })
+    let (surfaces, warnings) = check.surfaces(scene)?;
+    let surfaces = Arc::new(surfaces);
+    let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
+    let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
+    Ok((check.walk(&scene.render, frame)?, warnings))
 }
 
 impl Check<'_> {
@@ -146,6 +157,40 @@ impl Check<'_> {
         Ok(Lights::new(disks, selection))
     }
 
+    /// The surfaces of the scene's geometry, and what else is in its file.
+    fn surfaces(&self, scene: &Scene) -> Result<(Surfaces, Vec<String>)> {
+        let Some(geometry) = &scene.geometry else {
+            return Ok((Surfaces::none(), Vec::new()));
+        };
+        let path = self.document.folder().join(geometry);
+        if !path.is_file() {
+            let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
+            return Err(self.wrong("geometry", format!("{geometry:?}: there is no file {}", path.display()), remedy));
+        }
+        let model = gltf::load(&path)?;
+        let warnings = surfaces::not_rendered(&model).into_iter().chain(model.warnings.iter().cloned());
+        let warnings = warnings.map(|warning| format!("{}: {warning}", path.display())).collect();
+        Ok((surfaces::from_model(&model), warnings))
+    }
+
+    /// The exponent of a spot; none of a disk.
+    fn exponent(&self, path: &str, light: &schema::Light) -> Result<Option<f64>> {
+        let path = format!("{path}.exponent");
+        match (light.kind, light.exponent) {
+            (LightKind::Disk, None) => Ok(None),
+            (LightKind::Disk, Some(exponent)) => {
+                let remedy = "write type = \"spot\", or leave the exponent out: a disk shines alike in all directions";
+                Err(self.wrong(&path, format!("{exponent:?}, of a disk"), remedy))
+            }
+            (LightKind::Spot, None) => Err(self.wrong(&path, "missing, of a spot", "give an exponent from 0 to 10000")),
+            (LightKind::Spot, Some(exponent)) => {
+                let ok = (0.0..=LARGEST_EXPONENT).contains(&exponent);
+                self.require(ok, &path, format!("{exponent:?}"), "give an exponent from 0 to 10000")?;
+                Ok(Some(exponent))
+            }
+        }
+    }
+
     fn light(&self, path: &str, light: &schema::Light) -> Result<Disk> {
         let center = self.position(&format!("{path}.center"), light.center)?;
         let normal = self.direction(&format!("{path}.normal"), light.normal)?;
@@ -156,7 +201,8 @@ impl Check<'_> {
         let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));
         let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
         self.require(ok, &format!("{path}.radiance"), light.radiance, remedy)?;
-        Ok(Disk::new(center, normal, light.radius, radiance))
+        let disk = Disk::new(center, normal, light.radius, radiance);
+        Ok(self.exponent(path, light)?.map_or(disk, |exponent| disk.focused(exponent)))
     }
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {

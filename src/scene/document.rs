@@ -60,6 +60,11 @@ pub struct Document {
 }
 
 impl Document {
+    /// The folder that paths in the file are relative to.
+    pub fn folder(&self) -> &Path {
+        Path::new(&self.file).parent().unwrap_or(Path::new(""))
+    }
+
     /// Reads `path`.
     ///
     /// # Errors

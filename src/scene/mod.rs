@@ -5,6 +5,7 @@ pub mod document;
 pub mod help;
 mod plain;
 pub mod schema;
+mod surfaces;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub struct LoadedScene {
     pub scene: Scene,
     /// The same as the stages read it.
     pub frame: Frame,
+    /// What its geometry holds that is not rendered, a line each.
+    pub warnings: Vec<String>,
 }
 
 /// Reads the scene at `path`, a TOML file or a folder with a `scene.toml`, and applies `overrides` in order.
@@ -37,8 +40,8 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
         document.apply(change)?;
     }
     let scene = read(&document)?;
-    let frame = check::frame(&scene, &document)?;
-    Ok(LoadedScene { name: name(path), scene, frame })
+    let (frame, warnings) = check::frame(&scene, &document)?;
+    Ok(LoadedScene { name: name(path), scene, frame, warnings })
 }
 
 /// Parses and checks a scene from memory; `file` is what errors call it.
@@ -48,8 +51,8 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
     let document = Document::parse(file, text)?;
     let scene = read(&document)?;
-    let frame = check::frame(&scene, &document)?;
-    Ok(LoadedScene { name: name(Path::new(file)), scene, frame })
+    let (frame, warnings) = check::frame(&scene, &document)?;
+    Ok(LoadedScene { name: name(Path::new(file)), scene, frame, warnings })
 }
 
 /// The scene file that `path` means.
@@ -96,8 +99,15 @@ impl LoadedScene {
     pub fn hash(&self) -> String {
         let mut scene = self.scene.clone();
         scene.render.samples = 0;
+        // What is in the geometry's file counts, not what the file is called.
+        scene.geometry = None;
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
-        blake3::hash(&canonical).to_hex()[..32].to_string()
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&canonical);
+        self.frame.surfaces.digest(&mut |bytes| {
+            hasher.update(bytes);
+        });
+        hasher.finalize().to_hex()[..32].to_string()
     }
 
     /// All keys as TOML, overrides and defaults included.

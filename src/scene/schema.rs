@@ -10,6 +10,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
+    /// colour, and hide what is behind. Absent: nothing is solid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "file"))]
+    pub geometry: Option<String>,
     /// The pinhole camera.
     pub camera: Camera,
     /// The image.
@@ -110,16 +115,23 @@ pub struct Light {
     pub normal: [f64; 3],
     /// Radius `[m]`, > 0.
     pub radius: f64,
-    /// Radiance of the front, the same over area and angle [W/(m^2 sr)], >= 0.
+    /// Radiance of the front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
+    /// radiance (exponent + 1) / (2 pi) cos^exponent of the angle to the normal.
     pub radiance: Spectrum,
+    /// Of a spot, and only of a spot: how narrow it is, 0 to 10000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
+    pub exponent: Option<f64>,
 }
 
 /// Light shapes.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightKind {
-    /// A flat disk that emits from its front; its back is black and opaque.
+    /// A flat disk that emits from its front, alike in all directions; its back is black and opaque.
     Disk,
+    /// The same, focused about its normal.
+    Spot,
 }
 
 /// `[render]`

@@ -6,14 +6,16 @@ mod settle;
 use bumpalo::Bump;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable};
+use fogbow_kernels::columns::queues::{
+    CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable, SurfaceHitQueue,
+};
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::lanes;
 use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::{Pipeline, Stage};
-use fogbow_kernels::{Step, extend, first_flight, generate, light_hit, medium_sample, scatter};
+use fogbow_kernels::{Step, extend, first_flight, generate, light_hit, medium_sample, scatter, surface};
 
 use crate::film::{Region, Tile};
 use crate::frame::Frame;
@@ -64,6 +66,8 @@ pub struct Wavefront<'q> {
     pub flights: FlightTable<'q>,
     /// Rays that met a disk.
     pub hits: HitQueue<'q>,
+    /// Rays that end on a surface.
+    pub surface_hits: SurfaceHitQueue<'q>,
     /// Lights seen by the camera.
     pub views: CandidateQueue<'q>,
     /// Lights hit by scattered paths.
@@ -125,12 +129,16 @@ impl<'q> Wavefront<'q> {
         let bridged = BucketTable::rows(lanes, longest);
         Self {
             requests: RequestTable::new_in(arena, lanes),
-            paths: PathTable::new_in(arena, lanes, frame.channels()),
+            paths: PathTable {
+                surfaces: !frame.surfaces.is_empty(),
+                ..PathTable::new_in(arena, lanes, frame.channels())
+            },
             vertices: VertexTable::new_in(arena, lanes),
             rays: RayTable::new_in(arena, lanes),
             trail: TrailTable::new_in(arena, lanes, remembered(frame)),
             flights: FlightTable::new_in(arena, lanes),
             hits: HitQueue::new_in(arena, lanes),
+            surface_hits: SurfaceHitQueue::new_in(arena, lanes),
             views: CandidateQueue::new_in(arena, lanes),
             light_hits: CandidateQueue::new_in(arena, lanes),
             connections: CandidateQueue::new_in(arena, lanes),
@@ -227,10 +235,14 @@ impl<'q> Wavefront<'q> {
             self.step.clock += 1;
             return;
         }
+        if frame.medium.never_scatters() {
+            self.paths.end_in_medium();
+        }
         if frame.aims() {
             self.paths.scale_throughput(&self.requests.lanes, &self.flights.weight);
         }
         self.scatter(frame, pipeline, stats);
+        self.reflect(frame, pipeline, stats);
         self.step.clock += 1;
         self.connect(frame, pipeline, stats);
     }
@@ -251,11 +263,12 @@ impl<'q> Wavefront<'q> {
     }
 
     fn extend(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        let Self { paths, vertices, rays, flights, hits, step, .. } = self;
-        hits.len = 0;
+        let Self { paths, vertices, rays, flights, hits, surface_hits, step, .. } = self;
+        (hits.len, surface_hits.len) = (0, 0);
         let size = stats.lane_rows(&paths.live);
         stats.run(Stage::Extend, size, || {
-            (pipeline.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
+            let columns = extend::Columns { paths, vertices, rays, flights, hits, surface_hits };
+            (pipeline.extend)(&frame.lights, &frame.surfaces, *step, columns);
         });
     }
 
@@ -282,6 +295,18 @@ impl<'q> Wavefront<'q> {
         let size = stats.lane_rows(&paths.live);
         stats.run(Stage::Scatter, size, || {
             (pipeline.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
+        });
+    }
+
+    /// Paths that met a surface go on from there.
+    fn reflect(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
+        let Self { surface_hits, flights, paths, vertices, rays, step, .. } = self;
+        if surface_hits.len == 0 {
+            return;
+        }
+        stats.run(Stage::Surface, rows(surface_hits.len), || {
+            let columns = surface::Columns { surface_hits, flights, paths, vertices, rays };
+            (pipeline.surface)(&frame.surfaces, *step, columns);
         });
     }
 }

@@ -78,15 +78,16 @@ impl<'q> Settle<'_, 'q> {
         });
     }
 
-    /// Nothing lies between a point in front of the only disk and that disk.
+    /// Nothing lies between a point in front of the only disk and that disk, where nothing is solid.
     fn may_be_blocked(&self, bucket: Bucket) -> bool {
-        bucket.inserted > 0 || self.frame.lights.disks().len() > 1
+        bucket.inserted > 0 || self.frame.lights.disks().len() > 1 || !self.frame.surfaces.is_empty()
     }
 
     fn occlude(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
         let Self { frame, pipeline, chains, .. } = self;
         self.stats.run(Stage::Occlusion, rows(bucket.len), || {
-            (pipeline.occlusion)(&frame.lights, occlusion::Columns { bucket, candidates, chains });
+            let columns = occlusion::Columns { bucket, candidates, chains };
+            (pipeline.occlusion)(&frame.lights, &frame.surfaces, columns);
         });
     }
 
