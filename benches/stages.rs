@@ -56,9 +56,10 @@ const LANE_STAGES: [(&str, Stage); 6] = [
         (pipeline.first_flight)(&frame.medium, &frame.lights, 0.05, *step, columns);
     }),
     ("extend", |pipeline, frame, w| {
-        let Wavefront { paths, vertices, rays, flights, hits, step, .. } = w;
-        hits.len = 0;
-        (pipeline.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
+        let Wavefront { paths, vertices, rays, flights, hits, surface_hits, step, .. } = w;
+        (hits.len, surface_hits.len) = (0, 0);
+        let columns = extend::Columns { paths, vertices, rays, flights, hits, surface_hits };
+        (pipeline.extend)(&frame.lights, &frame.surfaces, *step, columns);
     }),
     ("scatter", |pipeline, frame, w| {
         let Wavefront { flights, paths, vertices, rays, step, .. } = w;
@@ -220,7 +221,8 @@ fn mvnee_stages(c: &mut Criterion) {
             group.bench_function(BenchmarkId::new("occlusion", name), |b| {
                 let Wavefront { bridged, chains, .. } = &mut w;
                 b.iter(|| {
-                    (pipeline.occlusion)(&frame.lights, occlusion::Columns { bucket, candidates: bridged, chains })
+                    let columns = occlusion::Columns { bucket, candidates: bridged, chains };
+                    (pipeline.occlusion)(&frame.lights, &frame.surfaces, columns)
                 });
             });
             group.bench_function(BenchmarkId::new("accumulate", name), |b| {

@@ -1,10 +1,13 @@
 //! Scenes whose radiance is known: absorption only, one scattering event, and what must hold for all.
 
+use std::sync::Arc;
+
 use fogbow::frame::Frame;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
@@ -25,6 +28,7 @@ fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
             camera: ray_camera(near),
             medium,
             lights: Lights::new(vec![disk], Selection::Uniform),
+            surfaces: Arc::new(Surfaces::none()),
             techniques: Active::Path.techniques(&medium, 4.0),
             walk: Walk::ALL,
             aimed: 0.0,
@@ -54,6 +58,7 @@ fn single_scatter(camera: Camera, active: Active) -> Frame {
         camera,
         medium,
         lights: Lights::new(vec![disk], Selection::Uniform),
+        surfaces: Arc::new(Surfaces::none()),
         techniques: active.techniques(&medium, f64::INFINITY),
         walk: Walk::ALL,
         aimed: 0.0,
@@ -136,6 +141,7 @@ fn lengths_can_be_counted_in_mean_free_paths() {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.5 * scale, [8, 8]),
             medium,
             lights: Lights::new(vec![disk], Selection::Uniform),
+            surfaces: Arc::new(Surfaces::none()),
             techniques: Active::Mvnee.techniques(&medium, 4.0),
             ..base.clone()
         };
@@ -153,6 +159,7 @@ fn axes_can_be_exchanged() {
     let permuted = Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::X, DVec3::Z, frames::UNIT_FOV, 0.3, [12, 12]),
         lights: Lights::new(vec![disk], Selection::Uniform),
+        surfaces: Arc::new(Surfaces::none()),
         ..base.clone()
     };
     let found = green(&render(&permuted, [12, 12], 0..3000).0);
@@ -170,6 +177,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
             camera: ray_camera(0.0),
             medium,
             lights: Lights::new(vec![behind, front], Selection::Uniform),
+            surfaces: Arc::new(Surfaces::none()),
             techniques: Active::Both.techniques(&medium, 4.0),
             walk: Walk::ALL,
             aimed: 0.0,

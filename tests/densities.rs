@@ -29,7 +29,8 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
         let settings =
             mvnee::reference::Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: slope::of(case.g) };
         for start in &case.starts {
-            let traced = path_tracing_density(case.mu_t, case.g, &path, start.start, normal).expect("has a density");
+            let traced =
+                path_tracing_density(case.mu_t, case.g, &path, start.start, None, normal).expect("has a density");
             let chain = &path[start.start..];
             let light = 1.0 / case.light_area;
             let arriving = (path[start.start] - path[start.start - 1]).normalize();

@@ -87,6 +87,12 @@ fn all_techniques_have_equal_means_per_path_length_with_three_lights() {
 }
 
 #[test]
+fn all_techniques_have_equal_means_per_path_length_among_surfaces() {
+    let base = frames::room(0.7, Selection::IntensityDistance, SMALL);
+    assert_equal_means("room", &base, 2.0, 1..=6, 1500);
+}
+
+#[test]
 fn the_length_limit_counts_camera_and_light_segment() {
     // One segment more would be brighter by a tenth.
     let frame = frames::with_techniques(&frames::fog_facing(1.0, 0.0, SMALL), Active::Nee, 4.0);
@@ -166,6 +172,20 @@ fn light_across_the_view_matches_an_independent_program() {
 }
 
 #[test]
+fn a_perforated_plate_matches_an_independent_program() {
+    let name = "dense-plate";
+    let film = render(&frames::shipped(name, size(name), Active::Bridge), size(name), 0..128).0;
+    assert_matches(name, &film);
+}
+
+#[test]
+fn fog_in_a_box_matches_an_independent_program() {
+    let name = "cornell-fog-thin";
+    let film = render(&frames::shipped(name, size(name), Active::Bridge), size(name), 0..128).0;
+    assert_matches(name, &film);
+}
+
+#[test]
 fn many_lights_have_equal_means_under_every_selection_rule() {
     let with = |selection: Selection, active: Active| {
         let base = frames::three_lights(0.7, selection, SMALL);
@@ -197,6 +217,7 @@ fn where_walks_end_and_what_roulette_drops_change_no_mean() {
     for (name, base, threshold) in [
         ("fog-facing", frames::fog_facing(1.0, 0.7, SMALL), 1.0),
         ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, SMALL), 0.1),
+        ("room", frames::room(0.6, Selection::IntensityDistance, SMALL), 0.1),
     ] {
         let mut p_values = Vec::new();
         for lengths in lengths(&base) {

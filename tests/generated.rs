@@ -60,7 +60,10 @@ fn after_bounce(frame: &Frame, prepare: impl Fn(&mut Wavefront<'_>)) -> (Saved, 
     let mut stats = Stats::new(false);
     wavefront.bounce(frame, &SIMD, &mut stats);
     assert_eq!(stats.dropped.count, 0, "something was not finite");
-    (wavefront.paths.save(), wavefront.vertices.save(), wavefront.rays.save(), wavefront.step.clock)
+    let mut vertices = wavefront.vertices.save();
+    // Where no light is near nothing reads it, and whole batches are filled.
+    vertices.forget("light_sum");
+    (wavefront.paths.save(), vertices, wavefront.rays.save(), wavefront.step.clock)
 }
 
 #[test]

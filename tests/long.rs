@@ -106,8 +106,9 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
     let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..mixed.techniques }, ..mixed.clone() };
     let (mixed, poisson) = (variances(&mixed), variances(&poisson));
     println!("long detours, variances of ten seeds: {mixed:.1?}, of Poisson counts {poisson:.1?}");
-    assert!(instability(&poisson) > 10.0 * instability(&mixed), "{mixed:.1?}, Poisson {poisson:.1?}");
-    assert!(poisson[5] > 5.0 * mixed[5], "{mixed:.1?}, Poisson {poisson:.1?}");
+    // A few samples decide the worst run with Poisson counts: by how much it is worse differs, that it is far worse does not.
+    assert!(poisson[9] > 50.0 * mixed[9], "worst runs: {mixed:.1?}, Poisson {poisson:.1?}");
+    assert!(poisson[5] > 5.0 * mixed[5], "medians: {mixed:.1?}, Poisson {poisson:.1?}");
 }
 
 #[test]
@@ -228,4 +229,20 @@ fn random_words_are_uniform_and_independent_of_their_neighbours() {
     let (least, p) = (p_values.iter().fold(1.0, |least: f64, p| least.min(*p)), p_of_uniformity(&p_values));
     println!("{} tests, least p {least:.2e}, uniform with p = {p:.3}", p_values.len());
     assert!(least > 1e-5 && p > 1e-4, "least p-value {least}, uniformity {p}");
+}
+
+#[test]
+fn every_technique_has_the_mean_of_independent_programs_among_surfaces() {
+    for (name, expected, known, certainty) in [
+        ("dense-plate", 0.1864, 0.0002, 0.12),
+        ("cornell-fog-thin", 0.14504, 0.00009, 0.06),
+        ("spotlight", 0.0897, 0.00035, 0.3),
+    ] {
+        for active in Active::ALL {
+            let (mean, error) = green(&render(&frames::shipped(name, [64, 64], active), [64, 64], 0..600).0);
+            let z = (mean - expected) / error.hypot(known);
+            assert!(z.abs() < 4.0, "{name}, {active:?}: {mean} +- {error}, expected {expected}, z = {z}");
+            assert!(error < certainty * expected, "{name}, {active:?}: {mean} +- {error} says little");
+        }
+    }
 }

@@ -371,3 +371,29 @@ fn strange_values_are_rendered_or_refused() {
         }
     }
 }
+
+#[test]
+fn geometry_that_is_not_there_or_not_gltf_is_refused() {
+    let folder = Folder::with_edited_scene("[camera]", "geometry = \"fog.glb\"\n[camera]");
+    let beginning = format!("{}: geometry is \"fog.glb\": there is no file", folder.place("geometry"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+    folder.refused(&["render", "scene.toml", "--set", "geometry=scene.toml"], 1, "scene.toml: is no glTF");
+}
+
+#[test]
+fn a_spot_has_an_exponent_and_a_disk_has_none() {
+    let refused = |change: &str, code: i32, beginning: &str| {
+        Folder::with_scene().refused(&["render", "scene.toml", "--set", change], code, beginning);
+    };
+    refused("light[0].exponent=3", 2, "--set light[0].exponent=3: light[0].exponent is 3.0, of a disk");
+    let spot = |exponent: &str| format!("type = \"spot\"\nexponent = {exponent}");
+    let folder = Folder::with_edited_scene("type = \"disk\"", &spot("-1"));
+    let beginning = format!("{}: light[0].exponent is -1.0", folder.place("exponent"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+    let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"spot\"");
+    folder.refused(
+        &["render", "scene.toml"],
+        1,
+        &format!("{}: light[0].exponent is missing", folder.place("[[light]]")),
+    );
+}

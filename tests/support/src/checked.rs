@@ -21,9 +21,10 @@ use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{
     PathLengths, Step, Walk, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight,
-    occlusion, scatter,
+    occlusion, scatter, surface,
 };
 
 use crate::compare::{Save, Saved, difference, members};
@@ -69,6 +70,7 @@ pub const CHECKED: Pipeline = Pipeline {
     extend: check_extend,
     light_hit: check_light_hit,
     scatter: check_scatter,
+    surface: check_surface,
     light_sample: check_light_sample,
     mvnee_count: check_mvnee_count,
     mvnee_build: check_mvnee_build,
@@ -196,11 +198,30 @@ fn check_first_flight(
     }
 }
 
-fn check_extend(lights: &Lights, step: Step, columns: extend::Columns<'_, '_>) {
-    let extend::Columns { paths, vertices, rays, flights, hits } = columns;
-    let (kernel, twin) =
-        run_both!(extend(lights, step), [hits], extend::Columns { paths, vertices, rays, flights, hits: &mut *hits });
+fn check_extend(lights: &Lights, surfaces: &Surfaces, step: Step, columns: extend::Columns<'_, '_>) {
+    let extend::Columns { paths, vertices, rays, flights, hits, surface_hits } = columns;
+    let (kernel, twin) = run_both!(
+        extend(lights, surfaces, step),
+        [hits, surface_hits, paths],
+        extend::Columns {
+            paths: &mut *paths,
+            vertices,
+            rays,
+            flights,
+            hits: &mut *hits,
+            surface_hits: &mut *surface_hits
+        }
+    );
     check_queue("extend", (&kernel.0, &twin.0), &[("distance", tolerances::DISTANCE)]);
+    let met =
+        [("distance", tolerances::DISTANCE), ("second", tolerances::BARYCENTRIC), ("third", tolerances::BARYCENTRIC)];
+    check_queue("extend", (&kernel.1, &twin.1), &met);
+    for lane in lanes(paths) {
+        let listed = kernel.1.indices("lane").contains(&(lane as u32));
+        if kernel.2.contains(2, lane) != listed {
+            fail("extend", lane, "    the set of lanes on a surface and their list differ");
+        }
+    }
     count_rows(paths.live.count());
 }
 
@@ -243,15 +264,44 @@ fn check_scatter(medium: &Medium, step: Step, columns: scatter::Columns<'_, '_>)
         ("throughput", tolerances::CONTRIBUTION),
     ];
     let next = step.clock + 1;
-    for lane in members(&paths.live) {
+    // Those that end on a surface are moved later.
+    let scatters = |lane: usize| paths.live.contains(lane as u32) && !paths.on_surface.contains(lane as u32);
+    for lane in lanes(paths).filter(|lane| scatters(*lane)) {
         check_row("scatter", (slot(next, vertices.slots()), lane), (&kernel.1, &twin.1), &allowed);
         check_row("scatter", (slot(next, rays.slots()), lane), (&kernel.2, &twin.2), &allowed);
     }
-    // Paths that have ended keep their throughput to the bit.
+    // All other paths keep their throughput to the bit.
     lanes(paths).for_each(|lane| {
-        let allowed = if paths.live.contains(lane as u32) { allowed.as_slice() } else { &[] };
+        let allowed = if scatters(lane) { allowed.as_slice() } else { &[] };
         check_row("scatter", (0, lane), (&kernel.0, &twin.0), allowed);
     });
+}
+
+fn check_surface(surfaces: &Surfaces, step: Step, columns: surface::Columns<'_, '_>) {
+    let surface::Columns { surface_hits, flights, paths, vertices, rays } = columns;
+    let (kernel, twin) = run_both!(
+        surface(surfaces, step),
+        [paths, vertices, rays],
+        surface::Columns { surface_hits, flights, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+    );
+    let allowed = [
+        ("position", tolerances::SURFACE_POSITION),
+        ("direction", tolerances::DIRECTION),
+        ("surface_normal", tolerances::DIRECTION),
+        ("arc", tolerances::ARC),
+        ("throughput", tolerances::CONTRIBUTION),
+    ];
+    let next = step.clock + 1;
+    let met: Vec<_> = surface_hits.lane.rows()[..surface_hits.len].iter().map(|lane| *lane as usize).collect();
+    for lane in lanes(paths) {
+        let allowed = if met.contains(&lane) { allowed.as_slice() } else { &[] };
+        check_row("surface", (slot(next, vertices.slots()), lane), (&kernel.1, &twin.1), allowed);
+        check_row("surface", (slot(next, rays.slots()), lane), (&kernel.2, &twin.2), allowed);
+        check_row("surface", (0, lane), (&kernel.0, &twin.0), allowed);
+        if kernel.0.contains(0, lane) != twin.0.contains(0, lane) {
+            fail("surface", lane, "    only one of kernel and twin ends the path");
+        }
+    }
 }
 
 fn check_light_sample(lights: &Lights, reach: Reach, step: Step, columns: light_sample::Columns<'_, '_>) {
@@ -502,11 +552,14 @@ impl Sight<'_, '_> {
     }
 }
 
-fn check_occlusion(lights: &Lights, columns: occlusion::Columns<'_, '_>) {
+fn check_occlusion(lights: &Lights, surfaces: &Surfaces, columns: occlusion::Columns<'_, '_>) {
     let occlusion::Columns { bucket, candidates, chains } = columns;
     let before = candidates.weight.rows().to_vec();
-    let (kernel, twin) =
-        run_both!(occlusion(lights), [candidates], occlusion::Columns { bucket, candidates: &mut *candidates, chains });
+    let (kernel, twin) = run_both!(
+        occlusion(lights, surfaces),
+        [candidates],
+        occlusion::Columns { bucket, candidates: &mut *candidates, chains }
+    );
     let (kernel, twin) = (kernel.0.reals("weight"), twin.0.reals("weight"));
     for at in bucket.rows() {
         count_rows(1);

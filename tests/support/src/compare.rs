@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue};
+use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, SurfaceHitQueue};
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{ColumnMut, ColumnRef, ColumnSet};
 use fogbow_kernels::connect::buckets::BucketTable;
@@ -173,6 +173,17 @@ impl Save for HitQueue<'_> {
     }
 }
 
+impl Save for SurfaceHitQueue<'_> {
+    fn save(&self) -> Saved {
+        Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        restore_columns(self, &saved.tables[0]);
+        self.len = saved.len;
+    }
+}
+
 impl Save for CandidateQueue<'_> {
     fn save(&self) -> Saved {
         Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
@@ -186,7 +197,7 @@ impl Save for CandidateQueue<'_> {
 
 impl Save for PathTable<'_> {
     fn save(&self) -> Saved {
-        let sets = vec![save_set(&self.live), save_set(&self.occupied)];
+        let sets = vec![save_set(&self.live), save_set(&self.occupied), save_set(&self.on_surface)];
         Saved { sets, ..Saved::new(vec![save_columns(&self.columns)]) }
     }
 
@@ -194,6 +205,7 @@ impl Save for PathTable<'_> {
         restore_columns(&mut self.columns, &saved.tables[0]);
         restore_set(&mut self.live, &saved.sets[0]);
         restore_set(&mut self.occupied, &saved.sets[1]);
+        restore_set(&mut self.on_surface, &saved.sets[2]);
     }
 }
 

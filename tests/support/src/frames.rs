@@ -1,13 +1,19 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use fogbow::frame::Frame;
+use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
 
@@ -86,6 +92,7 @@ pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, UNIT_FOV, near, size),
         medium,
         lights: Lights::new(vec![disk], Selection::Uniform),
+        surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),
         walk: Walk::ALL,
         aimed: 0.0,
@@ -113,6 +120,7 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size),
         medium,
         lights: Lights::new(lights, selection),
+        surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),
         walk: Walk::ALL,
         aimed: 0.0,
@@ -123,8 +131,80 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     with_techniques(&frame, Active::Both, 3.0)
 }
 
+/// A quadrilateral as two triangles whose front sees its corners counterclockwise.
+fn quad(corners: [[f32; 3]; 4]) -> [[[f32; 3]; 3]; 2] {
+    let [a, b, c, d] = corners;
+    [[a, b, c], [a, c, d]]
+}
+
+/// Triangles as surfaces, each group with its material.
+pub fn surfaces(groups: &[(Material, Vec<[[f32; 3]; 3]>)]) -> Arc<Surfaces> {
+    let triangles: Vec<_> = groups.iter().flat_map(|(_, triangles)| triangles.iter().flatten().copied()).collect();
+    let corners = (0..triangles.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let material_of = (0..).zip(groups).flat_map(|(i, (_, triangles))| vec![i; triangles.len()]).collect();
+    let materials = groups.iter().map(|(material, _)| *material).collect();
+    Arc::new(Surfaces::new(Geometry::new(triangles, corners), materials, material_of))
+}
+
+/// The walls of a box from -1 to 1, 0 to 2 and 0 to 3, seen from inside, without the one at z = 0: floor, ceiling, left, right,
+/// back.
+pub fn walls() -> [Vec<[[f32; 3]; 3]>; 5] {
+    let wall = |corners: [[f32; 3]; 4]| quad(corners).to_vec();
+    [
+        wall([[-1.0, 0.0, 0.0], [-1.0, 0.0, 3.0], [1.0, 0.0, 3.0], [1.0, 0.0, 0.0]]),
+        wall([[-1.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 3.0], [-1.0, 2.0, 3.0]]),
+        wall([[-1.0, 0.0, 0.0], [-1.0, 2.0, 0.0], [-1.0, 2.0, 3.0], [-1.0, 0.0, 3.0]]),
+        wall([[1.0, 0.0, 0.0], [1.0, 0.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 0.0]]),
+        wall([[-1.0, 0.0, 3.0], [-1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 0.0, 3.0]]),
+    ]
+}
+
+/// A room of coloured walls in a coloured medium, with a lamp, a spotlight, and two panels in between: one that is the same
+/// from both sides, and one with a black back.
+pub fn room(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
+    let [floor, ceiling, left, right, back] = walls();
+    let matte = |albedo: [f32; 3], double_sided: bool| Material { albedo, double_sided };
+    let panel =
+        |x: f32, y: f32| quad([[x, y, 1.2], [x + 0.5, y, 1.2], [x + 0.5, y + 0.4, 1.5], [x, y + 0.4, 1.5]]).to_vec();
+    let surfaces = surfaces(&[
+        (matte([0.7, 0.6, 0.5], false), floor),
+        (matte([0.9, 0.9, 0.9], false), ceiling),
+        (matte([0.1, 0.8, 0.1], false), left),
+        (matte([0.8, 0.1, 0.1], true), right),
+        (matte([0.0; 3], false), back),
+        (matte([0.5, 0.5, 0.9], true), panel(-0.7, 1.0)),
+        (matte([0.9, 0.5, 0.1], false), panel(0.2, 0.6)),
+    ]);
+    let lights = vec![
+        Disk::new(DVec3::new(0.1, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3, [10.0, 9.0, 8.0]),
+        Disk::new(DVec3::new(-0.8, 1.5, 0.4), DVec3::new(1.0, -0.8, 0.9), 0.2, [40.0, 60.0, 90.0]).focused(6.0),
+    ];
+    let medium = Medium { extinction: 0.8, albedo: [0.95, 0.9, 0.8], phase: HenyeyGreenstein { g } };
+    let frame = Frame {
+        camera: Camera::new(DVec3::new(0.0, 1.0, -1.5), DVec3::Z, DVec3::Y, 1.0, 0.2, size),
+        medium,
+        lights: Lights::new(lights, selection),
+        surfaces,
+        techniques: Techniques::default(),
+        walk: Walk::ALL,
+        aimed: 0.0,
+        roulette: 0.0,
+        lengths: PathLengths { min: 1, max: 7 },
+        seed: 5,
+    };
+    with_techniques(&frame, Active::Every, 3.0)
+}
+
+/// A scene that ships, at another size and with other techniques.
+pub fn shipped(name: &str, size: [u32; 2], active: Active) -> Frame {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
+    let size = Override::parse(&format!("film.size=[{}, {}]", size[0], size[1])).expect("has a =");
+    let frame = scene::load(&folder, vec![size]).unwrap_or_else(|error| panic!("{error}")).frame;
+    with_techniques(&Frame { seed: 3 + active as u32, ..frame }, active, 4.0)
+}
+
 /// A frame for every branch: each set of techniques on the fog scene, several lights with every selection rule, backward,
-/// isotropic and needle-sharp scattering, short and long limits.
+/// isotropic and needle-sharp scattering, surfaces, vacuum, short and long limits.
 pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     let mut frames = Vec::new();
     let mut add = |name: String, frame: Frame| frames.push((name, frame));
@@ -154,6 +234,14 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     add("aimed, three lights".into(), Frame { aimed: 0.3, ..with_techniques(&limited, Active::Bridge, 2.0) });
     add("roulette".into(), Frame { roulette: 0.3, ..with_techniques(&limited, Active::Every, 2.0) });
     add("three lights, uniform".into(), three_lights(0.7, Selection::Uniform, size));
+    for active in Active::ALL {
+        add(format!("room, {active:?}"), with_techniques(&room(0.6, Selection::IntensityDistance, size), active, 3.0));
+    }
+    let few = room(0.8, Selection::Intensity, size).with_walk(1, 0.7);
+    add("room, 1 start, survival 0.7".into(), few);
+    let empty = Medium { extinction: 0.0, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
+    let vacuum = room(0.0, Selection::Uniform, size);
+    add("room in vacuum".into(), Frame { medium: empty, techniques: vacuum.techniques.without_vertices(), ..vacuum });
     let short = PathLengths { min: 1, max: 2 };
     add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });
     let only = PathLengths { min: 3, max: 5 };

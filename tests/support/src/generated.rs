@@ -96,6 +96,7 @@ pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usi
             sample,
             birth: clock - depth,
             last_surface: if numbers.below(2) == 0 { 0 } else { numbers.below(depth + 1) },
+            surface_normal: numbers.direction(),
             // All remembered vertices may be near a light: the first of them certainly is not too late.
             first_near: if depth > 0 { 1 } else { u32::MAX },
             throughput: [0, 1, 2].map(|_| numbers.uniform() as f32),

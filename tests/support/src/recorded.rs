@@ -10,7 +10,7 @@ use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::pipeline::SIMD;
-use fogbow_kernels::{extend, light_hit, medium_sample, scatter};
+use fogbow_kernels::{extend, light_hit, medium_sample, scatter, surface};
 
 /// A wavefront of `lanes` paths of `frame` after `bounces` segments, at the moment when its next vertices have been made
 /// and every queue is filled. Image: 256 x 256.
@@ -19,15 +19,18 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &Frame, lanes: usize, bounces: u32)
     let mut tile = Tile::new(Region::whole(256, 256), frame.channels(), Unit::for_radiance(1.0));
     let mut stats = Stats::new(false);
     wavefront.advance(frame, &SIMD, 0..1, &mut tile, &mut stats, bounces);
-    let Wavefront { paths, vertices, rays, trail, flights, hits, views, light_hits, step, .. } = &mut wavefront;
+    let Wavefront { paths, vertices, rays, trail, flights, hits, surface_hits, views, light_hits, step, .. } =
+        &mut wavefront;
     trail.remember(step.clock, &paths.live, vertices, rays);
     (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
     hits.len = 0;
-    (SIMD.extend)(&frame.lights, *step, extend::Columns { paths, vertices, rays, flights, hits });
+    let columns = extend::Columns { paths, vertices, rays, flights, hits, surface_hits };
+    (SIMD.extend)(&frame.lights, &frame.surfaces, *step, columns);
     (views.len, light_hits.len) = (0, 0);
     let columns = light_hit::Columns { hits, vertices, rays, flights, paths, views, light_hits };
     (SIMD.light_hit)(&frame.medium, &frame.lights, *step, columns);
     (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
+    (SIMD.surface)(&frame.surfaces, *step, surface::Columns { surface_hits, flights, paths, vertices, rays });
     step.clock += 1;
     wavefront
 }

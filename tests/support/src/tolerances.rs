@@ -42,6 +42,12 @@ pub const LIGHT_SUM: Tolerance = tolerance(0.0, 1e-6);
 /// Distances to disks: the quotient of two scalar products whose terms cancel where a ray grazes the plane.
 pub const DISTANCE: Tolerance = tolerance(1e-5, 1e-5);
 
+/// Barycentric weights of a hit: quotients of areas, as a ray that grazes a triangle magnifies their rounding.
+pub const BARYCENTRIC: Tolerance = tolerance(2e-5, 0.0);
+
+/// Points of triangles, kept off them by the bound of their rounding, of which kernel and twin have one each.
+pub const SURFACE_POSITION: Tolerance = tolerance(1e-5, 4e-6);
+
 /// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
 pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
 
