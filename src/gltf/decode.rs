@@ -8,7 +8,7 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::fault::{Checked, Fault};
-use super::texels::Image;
+use fogbow_kernels::tables::textures::Image;
 
 const STORE_AGAIN: &str = "store the image again, as PNG or JPEG";
 

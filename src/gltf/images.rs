@@ -10,7 +10,7 @@ use super::fault::{At, Checked, Fault, label};
 use super::files::{FileId, Files};
 use super::limits::Limits;
 use super::schema;
-use super::texels::Image;
+use fogbow_kernels::tables::textures::Image;
 
 /// Where the bytes of an image are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

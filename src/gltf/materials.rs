@@ -4,10 +4,10 @@ use super::fault::{At, Checked, Fault, label, require};
 use super::model::Material;
 use super::primitives::UsedSets;
 use super::schema;
-use super::texels::TextureRef;
 use super::textures::Textures;
 use super::vertices::is_reflectance;
 use super::warnings::Warnings;
+use fogbow_kernels::tables::textures::TextureRef;
 
 /// All materials of a file; the textures that they use are noted in `textures`.
 pub fn read(

@@ -29,7 +29,6 @@ mod model;
 mod nodes;
 mod primitives;
 mod schema;
-mod texels;
 mod textures;
 mod transforms;
 mod uri;
@@ -38,8 +37,8 @@ mod warnings;
 
 use std::path::Path;
 
+pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
-pub use texels::{Filter, Image, Texture, TextureRef, Wrap};
 
 use crate::error::{Error, Result};
 use accessors::Accessors;

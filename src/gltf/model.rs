@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use serde_json::Value;
 
-use super::texels::{Image, Texture, TextureRef};
+use fogbow_kernels::tables::textures::{Image, Texture, TextureRef};
 
 /// A model: the triangles, materials, cameras and lights of one scene.
 ///

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::fault::{At, Checked, Fault, entry, label, quoted};
 use super::schema::{Root, Sampler};
-use super::texels::{Filter, Texture, Wrap};
+use fogbow_kernels::tables::textures::{Filter, Texture, Wrap};
 
 /// The textures in use, and their images.
 #[derive(Debug)]

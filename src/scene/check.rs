@@ -168,9 +168,12 @@ impl Check<'_> {
             return Err(self.wrong("geometry", format!("{geometry:?}: there is no file {}", path.display()), remedy));
         }
         let model = gltf::load(&path)?;
+        let far = model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
+        let remedy = "scale the model: coordinates may be 1e9 m at most";
+        self.require(far <= LARGEST, "geometry", format!("{geometry:?}, with a vertex at {far:e} m"), remedy)?;
         let warnings = surfaces::not_rendered(&model).into_iter().chain(model.warnings.iter().cloned());
         let warnings = warnings.map(|warning| format!("{}: {warning}", path.display())).collect();
-        Ok((surfaces::from_model(&model), warnings))
+        Ok((surfaces::from_model(model), warnings))
     }
 
     /// The exponent of a spot; none of a disk.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
-    /// colour, and hide what is behind. Absent: nothing is solid.
+    /// colour (factor, texture, colours of vertices), and hide what is behind. Absent: nothing is solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,

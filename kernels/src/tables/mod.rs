@@ -5,3 +5,4 @@ pub mod geometry;
 pub mod lights;
 pub mod media;
 pub mod surfaces;
+pub mod textures;

@@ -163,7 +163,7 @@ pub fn walls() -> [Vec<[[f32; 3]; 3]>; 5] {
 /// from both sides, and one with a black back.
 pub fn room(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let [floor, ceiling, left, right, back] = walls();
-    let matte = |albedo: [f32; 3], double_sided: bool| Material { albedo, double_sided };
+    let matte = Material::plain;
     let panel =
         |x: f32, y: f32| quad([[x, y, 1.2], [x + 0.5, y, 1.2], [x + 0.5, y + 0.4, 1.5], [x, y + 0.4, 1.5]]).to_vec();
     let surfaces = surfaces(&[

@@ -48,6 +48,12 @@ impl Geometry {
         self.corners.is_empty()
     }
 
+    /// Indices of the corners of triangle `i`.
+    #[inline(always)]
+    pub fn indices(&self, i: usize) -> [u32; 3] {
+        self.corners[i]
+    }
+
     /// The corners of triangle `i` `[m]`.
     #[inline(always)]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
