@@ -18,7 +18,7 @@ pub mod ray;
 pub mod reference;
 pub mod simd;
 pub mod surface;
-mod triangles;
+pub mod triangles;
 
 pub use simd::{any, closest};
 

@@ -29,7 +29,8 @@ const STACK: usize = (LANES - 1) * DEPTH;
 #[inline]
 pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
     let tree = geometry.tree();
-    if tree.leaves.is_empty() {
+    let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
+    if leaves.is_empty() {
         return None;
     }
     let ready = Ready::new(ray, tree)?;
@@ -39,7 +40,7 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
     let mut child = tree.root;
     loop {
         if child.is_leaf() {
-            let leaf = &tree.leaves[child.index()];
+            let leaf = &leaves[child.index()];
             if let Some(crossings) = cross(leaf, &ready, best.distance) {
                 let triangles = leaf.triangles.to_array();
                 for lane in lanes::each(crossings.bits) {
@@ -51,7 +52,7 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
                 }
             }
         } else {
-            let node = &tree.nodes[child.index()];
+            let node = &nodes[child.index()];
             let (entered, mut bits) = enter(node, &ready, best.distance);
             let entry = |lane: usize| u64::from(entered[lane].to_bits()) << 32 | u64::from(node.children[lane]);
             if bits != 0 {
@@ -83,7 +84,8 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
 #[inline]
 pub fn any(geometry: &Geometry, ray: &Ray) -> bool {
     let tree = geometry.tree();
-    if tree.leaves.is_empty() {
+    let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
+    if leaves.is_empty() {
         return false;
     }
     let Some(ready) = Ready::new(ray, tree) else { return false };
@@ -91,13 +93,13 @@ pub fn any(geometry: &Geometry, ray: &Ray) -> bool {
     let mut child = tree.root;
     loop {
         if child.is_leaf() {
-            if let Some(crossings) = cross(&tree.leaves[child.index()], &ready, ray.max)
+            if let Some(crossings) = cross(&leaves[child.index()], &ready, ray.max)
                 && lanes::each(crossings.bits).any(|lane| crossings.distance[lane] < ray.max)
             {
                 return true;
             }
         } else {
-            let node = &tree.nodes[child.index()];
+            let node = &nodes[child.index()];
             let bits = enter(node, &ready, ray.max).1;
             lanes::each(bits).for_each(|lane| stack.push(Child::from_bits(node.children[lane])));
         }

@@ -10,7 +10,7 @@
 //!
 //! 1. Edge functions are differences of two rounded products, not fused. Rounding is monotonic, so that their sign is right
 //!    or they are 0; and the neighbour across the edge, which goes along it the other way, gets the same number with the
-//!    other sign. At 0 the lane is [settled](settle) in f64, where products of f32 are exact, and so is the sign.
+//!    other sign. At 0 the lane is settled in f64, where products of f32 are exact, and so is the sign.
 //! 2. U, V and W have one sign, so t is a mean of the corners' t. Its sign is certain where these are all positive. A
 //!    triangle with corners before and behind the origin is settled in f64, with t from its plane: this tells a ray that
 //!    leaves a surface from one that meets it.
@@ -78,11 +78,10 @@ fn finish(leaf: &Leaf, ray: &Ready, max: f32, seen: Seen) -> Option<Crossings> {
     let tie = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
     let ahead = seen.inside & last.simd_gt(zero);
     let unclear = ahead & (tie | first.simd_le(zero));
-    let sum = u + v + w;
-    let inverse = f32x8::ONE / sum;
-    let mean = u.mul_add(t[0], v.mul_add(t[1], w * t[2])) * inverse;
-    let mut distance = mean;
-    let mut weights = [(v * inverse).to_array(), (w * inverse).to_array()];
+    let inverse = f32x8::ONE / (u + v + w);
+    let [a, b, c] = [u * inverse, v * inverse, w * inverse];
+    let mut distance = a.mul_add(t[0], b.mul_add(t[1], c * t[2]));
+    let mut weights = [b.to_array(), c.to_array()];
     let mut bits = lanes::bits(ahead);
     if unclear.any() {
         let settled = distance.as_mut_array();

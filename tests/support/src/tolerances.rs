@@ -86,7 +86,7 @@ pub const EDGE: Tolerance = tolerance(0.0, 2.0 * 12.0 * 6e-8);
 pub const RAY_DISTANCE: Tolerance = tolerance(0.0, 20.0 * 6e-8);
 
 /// Share of random rays in which kernel and twin may decide differently: those that pass an edge within rounding.
-pub const DIFFERENT_HITS: f64 = 2e-3;
+pub const DIFFERENT_HITS: f64 = 4e-5;
 
 /// Share of rows in which kernel and twin may decide differently: a ray that grazes the rim of a disk, a seed next to
 /// the light, a start at the limit of reach.

@@ -11,20 +11,20 @@ use core::time::Duration;
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::collapse::Collapse;
-use super::groups::{Group, Groups};
+use super::groups::Groups;
 use super::nodes::{Child, DEPTH, Leaf, Node, Tree};
+use super::pages::Pages;
 use crate::columns::LANES;
 
 /// Levels in which nodes of the binary tree are opened.
 const OPENED: usize = DEPTH - 10;
 
-/// One group per leaf of the binary tree: which of them share a leaf is decided with the nodes.
-const SETTINGS: BvhBuildParams = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+/// How to build over groups of more than one triangle: each has a leaf of its own.
+const ALONE: BvhBuildParams = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
 
 /// Nodes in a page of memory of 4 KiB.
 const PAGE: usize = 4096 / size_of::<Node>();
@@ -35,16 +35,28 @@ pub(super) fn tree(positions: &[[f32; 3]], corners: &[[u32; 3]]) -> Tree {
     assert!(corners.len() <= Child::MOST, "{} triangles, at most {}", corners.len(), Child::MOST);
     let mut bounded = Vec::with_capacity(corners.len());
     bounded.extend((0..corners.len() as u32).filter(|i| has_area(triangle(*i))).map(|i| (i, bound(triangle(i)))));
-    let Groups { order, groups } = Groups::new(bounded);
-    let mut binary = match groups.len() {
-        0 | 1 => single(&groups),
-        _ => build_bvh2(&groups, SETTINGS, &mut Duration::default()),
+    let groups = Groups::new(bounded);
+    let (binary, order) = match groups.bounds.len() {
+        0 | 1 => (single(&groups), groups.order),
+        _ => binary(groups),
     };
-    for node in binary.nodes.iter_mut().filter(|node| node.is_leaf()) {
-        let Range { start, end } = groups[binary.primitive_indices[node.first_index as usize] as usize].range.clone();
-        (node.first_index, node.prim_count) = (start, end - start);
+    widen(&binary, order, triangle)
+}
+
+/// The binary tree, and the order of triangles of which its leaves are ranges.
+fn binary(groups: Groups) -> (Vec<Bvh2Node>, Vec<u32>) {
+    let apart = groups.bounds.len() == groups.order.len();
+    let settings = if apart { BvhBuildParams::medium_build() } else { ALONE };
+    let mut binary = build_bvh2(&groups.bounds, settings, &mut Duration::default());
+    if apart {
+        let order = binary.primitive_indices.iter().map(|i| groups.order[*i as usize]).collect();
+        return (binary.nodes, order);
     }
-    widen(&binary.nodes, order, triangle)
+    for node in binary.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let range = groups.range(binary.primitive_indices[node.first_index as usize] as usize);
+        (node.first_index, node.prim_count) = (range.start, range.end - range.start);
+    }
+    (binary.nodes, groups.order)
 }
 
 fn bound(corners: [[f32; 3]; 3]) -> Aabb {
@@ -59,13 +71,8 @@ fn has_area(corners: [[f32; 3]; 3]) -> bool {
 }
 
 /// A tree of one leaf, or of none.
-fn single(groups: &[Group]) -> Bvh2 {
-    let mut bvh = Bvh2::default();
-    for group in groups {
-        bvh.nodes.push(Bvh2Node::new(group.bounds, 1, 0));
-        bvh.primitive_indices.push(0);
-    }
-    bvh
+fn single(groups: &Groups) -> Vec<Bvh2Node> {
+    groups.bounds.iter().map(|bounds| Bvh2Node::new(*bounds, groups.order.len() as u32, 0)).collect()
 }
 
 /// What a lane of a wide node is made of.
@@ -91,15 +98,17 @@ struct Task {
 /// The tree of eight children per node over the binary tree `binary`, whose leaves are ranges of `order`.
 fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 3]; 3]) -> Tree {
     let Some(root) = binary.first() else {
-        return Tree { nodes: vec![], leaves: vec![], root: Child::leaf(0), bounds: [[0.0; 3]; 2], reach: 0.0 };
+        let (nodes, leaves) = (Pages::new(vec![]), Pages::new(vec![]));
+        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], reach: 0.0 };
     };
-    let mut widening =
-        Widening { binary, collapse: Collapse::new(binary), order, triangle, nodes: vec![], leaves: vec![] };
+    let collapse = Collapse::new(binary);
+    let (nodes, leaves) = (Vec::with_capacity(binary.len() / 4), Vec::with_capacity(binary.len()));
+    let mut widening = Widening { binary, collapse, order, triangle, nodes, leaves };
     let root_child = widening.run();
     let Widening { nodes, leaves, .. } = widening;
     let bounds = corners_of(root.aabb());
     let reach = bounds.as_flattened().iter().fold(0.0, |reach: f32, coordinate| reach.max(coordinate.abs()));
-    Tree { nodes, leaves, root: root_child, bounds, reach }
+    Tree { nodes: Pages::new(nodes), leaves: Pages::new(leaves), root: root_child, bounds, reach }
 }
 
 struct Widening<'a, F> {
@@ -178,8 +187,13 @@ impl<F: Fn(u32) -> [[f32; 3]; 3]> Widening<'_, F> {
         self.nodes.push(node);
     }
 
-    /// The triangles below a binary node, listed once more at the end of the order.
+    /// The triangles below a binary node, those of several leaves listed once more at the end of the order.
     fn gather(&mut self, root: u32) -> Range<usize> {
+        let node = &self.binary[root as usize];
+        if node.is_leaf() {
+            let first = node.first_index as usize;
+            return first..first + node.prim_count as usize;
+        }
         let start = self.order.len();
         let mut open = vec![root];
         while let Some(index) = open.pop() {
@@ -237,7 +251,7 @@ mod tests {
             let nodes = chain(count);
             let tree = widen(&nodes, (0..count).collect(), |_| [[0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]]);
             let mut seen = vec![0; count as usize];
-            for leaf in &tree.leaves {
+            for leaf in tree.leaves.rows() {
                 let triangles = leaf.triangles.to_array().into_iter().filter(|triangle| *triangle != u32::MAX);
                 triangles.for_each(|triangle| seen[triangle as usize] += 1);
             }
@@ -251,7 +265,7 @@ mod tests {
         if from.is_leaf() {
             return 0;
         }
-        let node = &tree.nodes[from.index()];
+        let node = &tree.nodes.rows()[from.index()];
         let taken = (0..LANES).filter(|lane| node.planes[0].to_array()[*lane] < f32::INFINITY);
         1 + taken.map(|lane| depth(tree, Child::from_bits(node.children[lane]))).max().unwrap_or(0)
     }

@@ -1,12 +1,11 @@
 //! Triangles of one box, which the builder sees as one.
 //!
 //! Pairs of equal boxes all look alike to it, so that it merges one after the other and takes quadratic time. Where a
-//! sample shows many of them the triangles are sorted by their boxes; equal ones in a row are a group.
+//! sample shows many of them the triangles are sorted by their boxes, and equal ones are a group.
 
 use core::ops::Range;
 use std::collections::HashSet;
 
-use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
 /// Triangles in the sample, about.
@@ -15,26 +14,14 @@ const SAMPLE: usize = 4096;
 /// costs the builder a quarter of a second.
 const MANY: usize = 4;
 
-/// Triangles of one box.
-pub(super) struct Group {
-    /// Their place in the order.
-    pub range: Range<u32>,
-    /// Their box `[m]`.
-    pub bounds: Aabb,
-}
-
-impl Boundable for Group {
-    fn aabb(&self) -> Aabb {
-        self.bounds
-    }
-}
-
 /// All groups.
 pub(super) struct Groups {
     /// The triangles, groups in a row.
     pub order: Vec<u32>,
-    /// What is built over.
-    pub groups: Vec<Group>,
+    /// The box of every group `[m]`.
+    pub bounds: Vec<Aabb>,
+    /// Where every group starts in the order.
+    starts: Vec<u32>,
 }
 
 impl Groups {
@@ -42,17 +29,23 @@ impl Groups {
     pub fn new(mut bounded: Vec<(u32, Aabb)>) -> Self {
         let mut sample = HashSet::new();
         let spread = bounded.iter().step_by(bounded.len().div_ceil(SAMPLE).max(1));
-        if spread.filter(|(_, bounds)| !sample.insert(key(bounds))).count() >= MANY {
+        let many = spread.filter(|(_, bounds)| !sample.insert(key(bounds))).count() >= MANY;
+        if many {
             bounded.sort_unstable_by_key(|(triangle, bounds)| (key(bounds), *triangle));
         }
-        let mut groups = Vec::with_capacity(bounded.len());
+        let (mut bounds, mut starts) = (Vec::with_capacity(bounded.len()), Vec::with_capacity(bounded.len()));
         let mut start = 0;
-        for group in bounded.chunk_by(|(_, a), (_, b)| a == b) {
-            let end = start + group.len() as u32;
-            groups.push(Group { range: start..end, bounds: group[0].1 });
-            start = end;
+        for group in bounded.chunk_by(|(_, a), (_, b)| many && a == b) {
+            bounds.push(group[0].1);
+            starts.push(start);
+            start += group.len() as u32;
         }
-        Self { order: bounded.into_iter().map(|(triangle, _)| triangle).collect(), groups }
+        Self { order: bounded.into_iter().map(|(triangle, _)| triangle).collect(), bounds, starts }
+    }
+
+    /// Where a group is in the order.
+    pub fn range(&self, group: usize) -> Range<u32> {
+        self.starts[group]..self.starts.get(group + 1).copied().unwrap_or(self.order.len() as u32)
     }
 }
 

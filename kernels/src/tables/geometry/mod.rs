@@ -5,17 +5,19 @@
 //! | positions | 12 per vertex: 6 in a closed mesh, 36 where nothing is shared |
 //! | corners | 12 |
 //! | leaves | 320 per 8 triangles and fewer: 40 where full, 60 to 80 as a rule |
-//! | nodes | 256 per 8 boxes: 8 to 16 |
+//! | nodes | 256 per 8 boxes and fewer, of which 7 are taken as a rule: about 9 |
 //!
-//! Together about 90 to 150 bytes ([`Geometry::bytes`] says how many). The corners in the leaves repeat the positions, so
+//! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many). The corners in the leaves repeat the positions, so
 //! that a ray meets eight triangles without a gather; the indexed ones serve shading.
 
 mod build;
 mod collapse;
 mod groups;
 mod nodes;
+mod pages;
 
 pub use nodes::{Child, DEPTH, Leaf, Node, Tree};
+pub use pages::Pages;
 
 /// All triangles of the scene, by index.
 #[derive(Clone, Debug)]
@@ -62,7 +64,7 @@ impl Geometry {
 
     /// Lower and upper corner of the box around all triangles that have an area `[m]`; `None` where there is none.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
-        (!self.tree.leaves.is_empty()).then_some(self.tree.bounds)
+        (!self.tree.leaves.rows().is_empty()).then_some(self.tree.bounds)
     }
 
     /// The tree that rays descend.
@@ -71,11 +73,11 @@ impl Geometry {
         &self.tree
     }
 
-    /// Memory of the table [bytes].
+    /// Memory of the table in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.positions)
             + size_of_val(&*self.corners)
-            + size_of_val(&*self.tree.nodes)
-            + size_of_val(&*self.tree.leaves)
+            + size_of_val(self.tree.nodes.rows())
+            + size_of_val(self.tree.leaves.rows())
     }
 }

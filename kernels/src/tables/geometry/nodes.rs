@@ -1,7 +1,9 @@
 //! The tree: inner nodes of eight boxes, leaves of eight triangles, both as rows of eight numbers.
 
+use bytemuck::{Pod, Zeroable};
 use wide::{f32x8, u32x8};
 
+use super::pages::Pages;
 use crate::columns::LANES;
 
 /// Most inner nodes on a way from the root to a leaf.
@@ -11,9 +13,9 @@ pub const DEPTH: usize = 32;
 #[derive(Clone, Debug)]
 pub struct Tree {
     /// Inner nodes, parents before their children.
-    pub nodes: Vec<Node>,
+    pub nodes: Pages<Node>,
     /// Leaves, neighbours in space near each other.
-    pub leaves: Vec<Leaf>,
+    pub leaves: Pages<Leaf>,
     /// Where rays start, if there is any leaf.
     pub root: Child,
     /// Lower and upper corner of the box around everything `[m]`.
@@ -69,20 +71,22 @@ impl Child {
 }
 
 /// Eight boxes and where they lead: 256 bytes, four cache lines.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
     /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. A vacant lane has lower +inf and upper -inf: no ray is in it.
     pub planes: [f32x8; 6],
     /// [Bits](Child::bits) of the children.
     pub children: [u32; LANES],
+    /// Makes the size a multiple of the alignment.
+    pub spare: [u32; LANES],
 }
 
 impl Node {
     /// Eight vacant lanes.
     pub const VACANT: Self = {
         let (lower, upper) = (f32x8::new([f32::INFINITY; 8]), f32x8::new([f32::NEG_INFINITY; 8]));
-        Self { planes: [lower, lower, lower, upper, upper, upper], children: [0; LANES] }
+        Self { planes: [lower, lower, lower, upper, upper, upper], children: [0; LANES], spare: [0; LANES] }
     };
 
     /// Fills a lane.
@@ -96,7 +100,7 @@ impl Node {
 }
 
 /// Eight triangles: 320 bytes, five cache lines.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Leaf {
     /// By corner and axis `[m]`. A vacant lane has NaN: every comparison with it fails.
