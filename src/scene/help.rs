@@ -19,6 +19,11 @@ pub fn page() -> String {
             Value::Null => (false, resolve(&schema, property)),
             items => (true, resolve(&schema, items)),
         };
+        if !table["properties"].is_object() {
+            // A key of its own, which TOML wants before the first table.
+            let _ = writeln!(page, "\n{}", entry(&schema, &schema, name, property));
+            continue;
+        }
         let heading = if list { format!("[[{name}]]") } else { format!("[{name}]") };
         let _ = writeln!(page, "\n{heading}\n    {}", description(property));
         keys(&mut page, &schema, table, "");
@@ -29,14 +34,7 @@ pub fn page() -> String {
 fn keys(page: &mut String, schema: &Value, table: &Value, prefix: &str) {
     for (key, property) in properties(table) {
         let target = resolve(schema, property);
-        let required = table["required"].as_array().is_some_and(|names| names.contains(&Value::from(key.as_str())));
-        let default = match &property["default"] {
-            _ if required => "required".to_string(),
-            Value::Null => "optional".to_string(),
-            default => format!("default {default}"),
-        };
-        let _ = writeln!(page, "{prefix}{key} = {}  ({default})", kind(schema, property));
-        let _ = writeln!(page, "    {}", description(property));
+        let _ = writeln!(page, "{prefix}{}", entry(schema, table, key, property));
         for (value, meaning) in choices(target) {
             let _ = writeln!(page, "      \"{value}\": {meaning}");
         }
@@ -44,6 +42,17 @@ fn keys(page: &mut String, schema: &Value, table: &Value, prefix: &str) {
             keys(page, schema, target, &format!("    {key}."));
         }
     }
+}
+
+/// The lines about one key of `table`: how it is written, and what it means.
+fn entry(schema: &Value, table: &Value, key: &str, property: &Value) -> String {
+    let required = table["required"].as_array().is_some_and(|names| names.contains(&Value::from(key)));
+    let default = match &property["default"] {
+        _ if required => "required".to_string(),
+        Value::Null => "optional".to_string(),
+        default => format!("default {default}"),
+    };
+    format!("{key} = {}  ({default})\n    {}", kind(schema, property), description(property))
 }
 
 /// The definition that a property refers to, or the property itself.
@@ -101,6 +110,9 @@ mod tests {
             });
             let line = line.unwrap_or_else(|| panic!("{key} is missing on\n{page}"));
             assert!(page.lines().nth(line + 1).is_some_and(|meaning| meaning.trim().len() > 5), "{key} on\n{page}");
+            let is_table = resolve(&schema, property)["properties"].is_object() || property["items"].is_object();
+            let as_table = page.contains(&format!("[{key}]"));
+            assert!(is_table || !as_table, "{key} is a key, not a table, on\n{page}");
             assert!(property["description"].is_string() || property["$ref"].is_string(), "{key} has no description");
             count += 1;
         }
