@@ -7,7 +7,7 @@ use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
-use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
@@ -53,11 +53,11 @@ pub fn frame(scene: &Scene, document: &Document) -> Result<(Frame, Vec<String>)>
     let check = Check { document };
     let camera = check.camera(scene)?;
     let medium = check.medium(scene)?;
-    let lights = check.lights(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
-    let (surfaces, warnings) = check.surfaces(scene)?;
+    let (surfaces, meshes, warnings) = check.surfaces(scene)?;
     let surfaces = Arc::new(surfaces);
+    let lights = check.lights(scene, meshes)?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     Ok((check.walk(&scene.render, frame)?, warnings))
@@ -142,9 +142,9 @@ impl Check<'_> {
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 
-    fn lights(&self, scene: &Scene) -> Result<Lights> {
-        if scene.light.is_empty() {
-            let remedy = "add a [[light]] table; without one the image is black";
+    fn lights(&self, scene: &Scene, meshes: Vec<Vec<Emitter>>) -> Result<Lights> {
+        if scene.light.is_empty() && meshes.is_empty() {
+            let remedy = "add a [[light]] table, or geometry that shines; without any the image is black";
             return Err(self.document.error("light", "the scene has no light", remedy));
         }
         let disk = |(index, light): (usize, &schema::Light)| self.light(&format!("light[{index}]"), light);
@@ -154,13 +154,13 @@ impl Check<'_> {
             LightSelection::Intensity => Selection::Intensity,
             LightSelection::IntensityDistance => Selection::IntensityDistance,
         };
-        Ok(Lights::new(disks, selection))
+        Ok(Lights::with_meshes(disks, meshes, selection))
     }
 
-    /// The surfaces of the scene's geometry, and what else is in its file.
-    fn surfaces(&self, scene: &Scene) -> Result<(Surfaces, Vec<String>)> {
+    /// The surfaces of the scene's geometry, those that shine, and what else is in its file.
+    fn surfaces(&self, scene: &Scene) -> Result<(Surfaces, Vec<Vec<Emitter>>, Vec<String>)> {
         let Some(geometry) = &scene.geometry else {
-            return Ok((Surfaces::none(), Vec::new()));
+            return Ok((Surfaces::none(), Vec::new(), Vec::new()));
         };
         let path = self.document.folder().join(geometry);
         if !path.is_file() {
@@ -173,7 +173,8 @@ impl Check<'_> {
         self.require(far <= LARGEST, "geometry", format!("{geometry:?}, with a vertex at {far:e} m"), remedy)?;
         let warnings = surfaces::not_rendered(&model).into_iter().chain(model.warnings.iter().cloned());
         let warnings = warnings.map(|warning| format!("{}: {warning}", path.display())).collect();
-        Ok((surfaces::from_model(model), warnings))
+        let (surfaces, meshes) = surfaces::from_model(model);
+        Ok((surfaces, meshes, warnings))
     }
 
     /// The exponent of a spot; none of a disk.
@@ -194,7 +195,7 @@ impl Check<'_> {
         }
     }
 
-    fn light(&self, path: &str, light: &schema::Light) -> Result<Disk> {
+    fn light(&self, path: &str, light: &schema::Light) -> Result<Emitter> {
         let center = self.position(&format!("{path}.center"), light.center)?;
         let normal = self.direction(&format!("{path}.normal"), light.normal)?;
         let ok = (SMALLEST_RADIUS..=LARGEST).contains(&light.radius);
@@ -204,7 +205,7 @@ impl Check<'_> {
         let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));
         let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
         self.require(ok, &format!("{path}.radiance"), light.radiance, remedy)?;
-        let disk = Disk::new(center, normal, light.radius, radiance);
+        let disk = Emitter::disk(center, normal, light.radius, radiance);
         Ok(self.exponent(path, light)?.map_or(disk, |exponent| disk.focused(exponent)))
     }
 
@@ -266,7 +267,7 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
-        let small = frame.techniques.bridge.is_some() && frame.lights.disks().len() <= MOST_AIMED_LIGHTS;
+        let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
         let aimed = render.aimed.0.unwrap_or(if small { AIMED } else { 0.0 });
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;
