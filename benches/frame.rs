@@ -1,4 +1,5 @@
-//! Whole frames: fog-facing, 256 x 256, g .9, K 15, per technique; and the bare walk that no renderer can beat.
+//! Whole frames: fog-facing, 256 x 256, g .9, K 15, and dense-plate, per technique; a lamp of 2 and of 10 082 triangles; and the
+//! bare walk that no renderer can beat.
 //!
 //! ```text
 //! cargo bench --bench frame
@@ -16,9 +17,11 @@ use fogbow_testing::frames::{self, Active};
 
 const SIZE: [u32; 2] = [256, 256];
 
-fn techniques() -> [(&'static str, Frame); 8] {
+type Frames = Vec<(&'static str, Frame)>;
+
+fn fog_facing() -> Frames {
     let base = frames::fog_facing(0.0, 0.9, SIZE);
-    [
+    vec![
         ("path", frames::with_techniques(&base, Active::Path, 4.0)),
         ("nee", frames::with_techniques(&base, Active::Nee, 4.0)),
         ("mvnee-2", frames::with_techniques(&base, Active::Mvnee, 2.0)),
@@ -30,11 +33,27 @@ fn techniques() -> [(&'static str, Frame); 8] {
     ]
 }
 
-fn bench(c: &mut Criterion, group: &str, pipeline: &Pipeline, samples: u32, threads: &[usize]) {
+fn dense_plate() -> Frames {
+    let base = frames::shipped("dense-plate", SIZE, Active::Path);
+    let bridge = frames::with_techniques(&base, Active::Bridge, 4.0);
+    vec![
+        ("nee", frames::with_techniques(&base, Active::Nee, 4.0)),
+        ("mvnee-4", frames::with_techniques(&base, Active::Mvnee, 4.0)),
+        ("mvnee-8", frames::with_techniques(&base, Active::Mvnee, 8.0)),
+        ("bridge, all starts", bridge.clone()),
+        ("bridge, all starts, roulette .1", Frame { roulette: 0.1, ..bridge }),
+    ]
+}
+
+fn lamp() -> Frames {
+    vec![("2 triangles", frames::panel(1, SIZE)), ("10 082 triangles", frames::panel(71, SIZE))]
+}
+
+fn bench(c: &mut Criterion, group: &str, frames: Frames, pipeline: &Pipeline, samples: u32, threads: &[usize]) {
     let mut group = c.benchmark_group(group);
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     group.throughput(Throughput::Elements(u64::from(SIZE[0] * SIZE[1] * samples)));
-    for (name, frame) in techniques() {
+    for (name, frame) in frames {
         for threads in threads {
             let workers = Workers { threads: *threads, lanes: None, detailed_stats: false };
             let renderer = Renderer::new(workers).expect("threads start");
@@ -49,8 +68,10 @@ fn bench(c: &mut Criterion, group: &str, pipeline: &Pipeline, samples: u32, thre
 
 /// Elements are camera samples.
 fn frame(c: &mut Criterion) {
-    bench(c, "fog-facing", &SIMD, 16, &[1, 2]);
-    bench(c, "fog-facing, twins", &REFERENCE, 1, &[1]);
+    bench(c, "fog-facing", fog_facing(), &SIMD, 16, &[1, 2]);
+    bench(c, "dense-plate", dense_plate(), &SIMD, 4, &[2]);
+    bench(c, "lamp", lamp(), &SIMD, 4, &[2]);
+    bench(c, "fog-facing, twins", fog_facing(), &REFERENCE, 1, &[1]);
 }
 
 /// Elements are walks of 15 segments: random words, flight, one disk, scattering, and nothing else.

@@ -3,7 +3,7 @@
 use fogbow::frame::Frame;
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
-use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_kernels::tables::lights::{Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Material;
 use fogbow_testing::frames::{self, Active};
@@ -62,36 +62,10 @@ fn a_white_room_around_a_lamp_is_as_bright_as_the_lamp() {
     assert_even("white", &[(white, closed_room()), (lamp, panel)], 12, 1.0, 500);
 }
 
-/// The parallelogram from `corner` along two edges, cut into `2 n^2` triangles.
-fn cut(corner: DVec3, edges: [DVec3; 2], n: u32) -> Vec<Face> {
-    let at = |i: u32, j: u32| {
-        let point = corner + edges[0] * f64::from(i) / f64::from(n) + edges[1] * f64::from(j) / f64::from(n);
-        point.as_vec3().to_array()
-    };
-    let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-    cells
-        .flat_map(|(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
-}
-
 #[test]
 fn a_lamp_shines_alike_however_finely_it_is_cut() {
-    let medium = Medium { extinction: 0.6, albedo: [0.9; 3], phase: HenyeyGreenstein { g: 0.6 } };
-    let [floor, ..] = frames::walls();
     let render_cut = |n: u32, active: Active| {
-        let lamp = cut(DVec3::new(-0.4, 1.9, 1.0), [0.8 * DVec3::X, DVec3::Z], n);
-        let surfaces = frames::surfaces(&[
-            (Material::plain([0.5; 3], false), floor.clone()),
-            (Material::plain([0.2; 3], false), lamp),
-        ]);
-        let mesh = frames::shining(&surfaces, 2..2 + 2 * n * n, [5.0; 3]);
-        let camera = Camera::new(DVec3::new(0.0, 1.0, -1.0), DVec3::Z, DVec3::Y, 1.0, 0.0, SIZE);
-        let disk = Emitter::disk(DVec3::new(0.8, 1.0, 0.5), -DVec3::X, 0.1, [9.0; 3]);
-        let lights = Lights::with_meshes(vec![disk], vec![mesh], Selection::IntensityDistance);
-        let base = Frame { surfaces, ..frames::plain(camera, medium, lights, 6, 7 + n) };
+        let base = Frame { seed: n, ..frames::panel(n, SIZE) };
         green(&render(&frames::with_techniques(&base, active, 3.0), SIZE, 0..2000).0)
     };
     for active in [Active::Nee, Active::Bridge] {

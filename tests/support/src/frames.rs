@@ -234,6 +234,35 @@ pub fn lamps(unit: f64, g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
 }
 
+/// The parallelogram from `corner` along two edges, cut into `2 n^2` triangles.
+fn cut(corner: DVec3, edges: [DVec3; 2], n: u32) -> Vec<[[f32; 3]; 3]> {
+    let at = |i: u32, j: u32| {
+        let point = corner + edges[0] * f64::from(i) / f64::from(n) + edges[1] * f64::from(j) / f64::from(n);
+        point.as_vec3().to_array()
+    };
+    let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect()
+}
+
+/// A floor in fog under a lamp of `2 n^2` triangles, with a small disk beside it.
+pub fn panel(n: u32, size: [u32; 2]) -> Frame {
+    let medium = Medium { extinction: 0.6, albedo: [0.9; 3], phase: HenyeyGreenstein { g: 0.6 } };
+    let [floor, ..] = walls();
+    let lamp = cut(DVec3::new(-0.4, 1.9, 1.0), [0.8 * DVec3::X, DVec3::Z], n);
+    let surfaces = surfaces(&[(Material::plain([0.5; 3], false), floor), (Material::plain([0.2; 3], false), lamp)]);
+    let mesh = shining(&surfaces, 2..2 + 2 * n * n, [5.0; 3]);
+    let camera = Camera::new(DVec3::new(0.0, 1.0, -1.0), DVec3::Z, DVec3::Y, 1.0, 0.0, size);
+    let disk = Emitter::disk(DVec3::new(0.8, 1.0, 0.5), -DVec3::X, 0.1, [9.0; 3]);
+    let lights = Lights::with_meshes(vec![disk], vec![mesh], Selection::IntensityDistance);
+    let frame = plain(camera, medium, lights, 6, 7);
+    with_techniques(&Frame { surfaces, ..frame }, Active::Bridge, 3.0)
+}
+
 /// A scene that ships, at another size and with other techniques.
 pub fn shipped(name: &str, size: [u32; 2], active: Active) -> Frame {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
