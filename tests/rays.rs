@@ -3,7 +3,7 @@
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::trace::{self, Hit, Ray};
 use fogbow_testing::meshes::{self, Mesh, Random, point, ray};
-use fogbow_testing::rays::{Departures, compare, depart, leaks};
+use fogbow_testing::rays::{Departures, compare, depart, leaks, may_meet};
 use fogbow_testing::tolerances::DIFFERENT_HITS;
 use glam::DVec3;
 
@@ -79,6 +79,18 @@ fn kernel_and_twin_meet_the_same_triangles() {
     }
     println!("{decisions} of {rays} rays were decided differently");
     assert!(decisions as f64 <= DIFFERENT_HITS * rays as f64, "{decisions} of {rays} rays were decided differently");
+}
+
+#[test]
+fn rays_far_from_everything_are_passed_by() {
+    let far = meshes::sphere(2).map(|p| 0.1 * p + DVec3::X).and(&meshes::sphere(2).map(|p| 0.1 * p - DVec3::X));
+    let geometry = far.geometry();
+    let met = |ray: &Ray| may_meet(&geometry, ray);
+    assert!(!met(&ray(DVec3::ZERO, DVec3::Z, f64::INFINITY)), "between the spheres");
+    assert!(!met(&ray(DVec3::ZERO, DVec3::X, 0.85)), "ends before");
+    assert!(met(&ray(DVec3::ZERO, DVec3::X, 0.95)) && met(&ray(DVec3::ZERO, -DVec3::X, 0.95)));
+    assert!(!met(&ray(2.0 * DVec3::X, DVec3::X, f64::INFINITY)), "leads away");
+    assert!(!may_meet(&Geometry::new(Vec::new(), Vec::new()), &ray(DVec3::ZERO, DVec3::X, 1.0)), "nothing is there");
 }
 
 #[test]

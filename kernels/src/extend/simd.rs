@@ -5,8 +5,8 @@
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number.
-//! 2. Triangles are traced one ray at a time, up to the light or the end of the flight: as far as anything may matter. Where
-//!    triangles shine, the camera looks at all distances.
+//! 2. Triangles are traced one ray at a time, of those that are near any, up to the light or the end of the flight: as far as
+//!    anything may matter. Where triangles shine, the camera looks at all distances.
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
@@ -88,13 +88,15 @@ impl Beams {
         surface_hits: &mut SurfaceHitQueue<'_>,
     ) -> u32 {
         let ([x, y, z], [dx, dy, dz]) = (self.origin.to_arrays(), self.direction.to_arrays());
-        let flight = self.flight.to_array();
+        // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
+        let distance = f32x8::new(found.distance);
+        let sees = if lights.has_meshes() { lanes::ALL } else { found.bits };
+        let max = lanes::mask(self.at_camera & sees).select(distance, self.flight.fast_min(distance));
+        let near = trace::may_meet(surfaces.geometry(), self.origin, self.direction, max);
+        let (flight, max) = (self.flight.to_array(), max.to_array());
         let mut on_surface = 0;
-        for i in lanes::each(live) {
-            // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
-            let looks = self.at_camera >> i & 1 == 1 && (found.distance[i].is_finite() || lights.has_meshes());
-            let max = if looks { found.distance[i] } else { flight[i].min(found.distance[i]) };
-            let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]], max };
+        for i in lanes::each(live & near) {
+            let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]], max: max[i] };
             let Some(hit) = trace::closest(surfaces.geometry(), &ray) else { continue };
             found.bits &= !(1 << i);
             if let Some(emitter) = lights.of_triangle(hit.triangle) {

@@ -8,8 +8,8 @@
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
-//! 3. Triangles are traced for what no disk blocks, one segment at a time; a row is done with at the
-//!    first that is blocked.
+//! 3. Triangles are traced for what no disk or sphere blocks, one segment at a time, of those that are near any; a row is done
+//!    with at the first that is blocked.
 
 use wide::{f32x8, u32x8};
 
@@ -60,16 +60,18 @@ fn unhidden(
     chains: &ChainTable<'_>,
 ) -> u32 {
     let light_of = candidates.light.batch(b).to_array();
-    let mut from = candidates.start.batch(b).to_arrays();
+    let mut from = candidates.start.batch(b);
     for segment in 0..=inserted {
         if free == 0 {
             break;
         }
         let last = segment == inserted;
-        let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) }.to_arrays();
-        for i in lanes::each(free) {
-            let origin = from.map(|component| component[i]);
-            let direction = core::array::from_fn(|axis| to[axis][i] - origin[axis]);
+        let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
+        let near = trace::may_meet(surfaces.geometry(), from, to - from, f32x8::ONE);
+        let (origins, directions) = (from.to_arrays(), (to - from).to_arrays());
+        for i in lanes::each(free & near) {
+            let origin = origins.map(|component| component[i]);
+            let direction = directions.map(|component| component[i]);
             let spared = if last { lights.emitters()[light_of[i] as usize].triangle } else { u32::MAX };
             if trace::any_but(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }, spared) {
                 free &= !(1 << i);

@@ -1,7 +1,8 @@
 //! Rays against triangles: the closest hit, and whether there is any.
 //!
 //! One ray at a time, eight boxes or eight triangles at a time. Rays of a scattering medium are short and point
-//! everywhere, so neighbours in a batch would share few nodes.
+//! everywhere, so neighbours in a batch would share few nodes. They share the root: eight rays at a time meet its boxes first
+//! ([`cull`]), and those that enter none are done.
 //!
 //! What is promised:
 //!
@@ -14,12 +15,14 @@
 //!
 //! Both sides of a triangle are hit.
 
+pub mod cull;
 pub mod ray;
 pub mod reference;
 pub mod simd;
 pub mod surface;
 pub mod triangles;
 
+pub use cull::may_meet;
 pub use simd::{any, any_but, closest};
 
 /// A ray: the points `origin + t direction` for t in `(0, max)`.

@@ -33,9 +33,9 @@ use crate::tables::geometry::Tree;
 /// Half a unit in the last place of 1.
 const UNIT: f32 = f32::EPSILON / 2.0;
 /// Rounding that boxes are widened by, in units of [`UNIT`] times the largest coordinates.
-const WIDENING: f32 = 12.0 * UNIT;
+pub(super) const WIDENING: f32 = 12.0 * UNIT;
 /// Least share of a direction's component in its longest: 2^-40.
-const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
+pub(super) const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// Axes of the view by whether y is longest, + 2 if z is.
 const VIEWS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];

@@ -1,8 +1,11 @@
 //! Whether rays meet what they should: kernel against twin, closed meshes, and rays that leave surfaces.
 
+use fogbow_kernels::lanes;
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::trace::{self, Hit, Ray, reference, surface};
+use fogbow_kernels::vec3x8::Vec3x8;
 use glam::DVec3;
+use wide::f32x8;
 
 use crate::meshes::{Mesh, Random, point, ray};
 use crate::tolerances::{EDGE, RAY_DISTANCE};
@@ -48,6 +51,14 @@ fn distance_tolerance(corners: [[f32; 3]; 3], ray: &Ray, reach: f64) -> f64 {
     RAY_DISTANCE.relative * reach / cosine / direction.length()
 }
 
+/// Whether a ray, among eight alike, may meet something.
+pub fn may_meet(geometry: &Geometry, ray: &Ray) -> bool {
+    let [origin, direction] = [ray.origin, ray.direction].map(Vec3x8::splat);
+    let bits = trace::may_meet(geometry, origin, direction, f32x8::splat(ray.max));
+    assert!(bits == 0 || bits == lanes::ALL, "{ray:?} is not itself in all lanes");
+    bits != 0
+}
+
 /// Compares the closest hits of rays, and whether there are any, with the twin's.
 ///
 /// # Panics
@@ -58,6 +69,7 @@ pub fn compare(name: &str, mesh: &Mesh, rays: &[Ray]) -> Agreement {
     let mut agreement = Agreement::default();
     for ray in rays {
         let (found, expected) = (trace::closest(&geometry, ray), reference::closest(&geometry, ray));
+        assert!(found.is_none() || may_meet(&geometry, ray), "{name}, {ray:?}: {found:?} is passed by");
         assert_eq!(trace::any(&geometry, ray), found.is_some(), "{name}: any and closest differ on {ray:?}");
         agreement.rays += 1;
         agreement.hits += usize::from(found.is_some());
