@@ -11,10 +11,12 @@ use super::{InfoArgs, say};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
+use crate::gltf::quoted;
 use crate::image;
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
-use crate::scene::{self, LoadedScene};
+use crate::scene::schema::LightKind;
+use crate::scene::{self, Light, LoadedScene};
 
 /// How long the rate is measured.
 const PILOT: Duration = Duration::from_millis(300);
@@ -60,7 +62,7 @@ fn albedo(frame: &Frame) -> String {
 }
 
 fn describe_scene(loaded: &LoadedScene) -> Result<()> {
-    let LoadedScene { name, scene, frame, warnings } = loaded;
+    let LoadedScene { name, scene, frame, warnings, .. } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
@@ -77,16 +79,7 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         say(format!("surfaces: {} triangles, {materials} materials, {} KiB", geometry.len(), geometry.bytes() >> 10))?;
     }
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
-    for light in &scene.light {
-        let distance = glam::DVec3::from(light.center).distance(glam::DVec3::from(scene.camera.position));
-        let depth = number(distance * f64::from(frame.medium.extinction), 3);
-        let (distance, radius) = (number(distance, 4), light.radius);
-        let kind = match light.exponent {
-            Some(exponent) => format!("spot of exponent {exponent:?} and"),
-            None => "disk of".into(),
-        };
-        say(format!("light: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))?;
-    }
+    loaded.lights.iter().try_for_each(|light| describe_light(light, loaded))?;
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
     say(format!(
         "technique {}, paths of {} to {} segments",
@@ -107,6 +100,19 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         rate(measured),
         (Film::bytes(frame, pixels) >> 20).max(1),
     ))
+}
+
+fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
+    let Light { name, values } = light;
+    let distance = glam::DVec3::from(values.center).distance(glam::DVec3::from(loaded.camera.position));
+    let depth = number(distance * f64::from(loaded.frame.medium.extinction), 3);
+    let (distance, radius) = (number(distance, 4), values.radius);
+    let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
+    let kind = match (values.kind, values.exponent) {
+        (LightKind::Spot, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
+        (kind, _) => format!("{} of", kind.name()),
+    };
+    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))
 }
 
 /// Samples per second of this scene on this machine, from a short render, and the walk that it will take.

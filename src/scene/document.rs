@@ -65,6 +65,11 @@ impl Document {
         Path::new(&self.file).parent().unwrap_or(Path::new(""))
     }
 
+    /// Whether the file or a flag gives the value of `key`, at the top.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.get(key).is_some()
+    }
+
     /// Reads `path`.
     ///
     /// # Errors

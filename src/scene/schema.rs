@@ -5,20 +5,29 @@ mod values;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use values::{NumberOrAuto, Spectrum, Starts, Techniques};
+pub use values::{CameraOrName, NumberOrAuto, Spectrum, Starts, Techniques};
 
 /// A scene: one TOML file.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
-    /// colour (factor, texture, colours of vertices), and hide what is behind. Absent: nothing is solid.
+    /// colour (factor, texture, colours of vertices), and hide what is behind; its point and spot lights shine, beside those
+    /// of this file. Absent: nothing is solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
-    /// The pinhole camera.
-    pub camera: Camera,
-    /// The image.
+    /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
+    /// "radius" in the extras of a light is its own. Their intensities are read as W/sr, per channel, where glTF has
+    /// candela; their ranges are not read. A spot's intensity falls to one half midway between its cone angles.
+    #[serde(default = "Scene::punctual_radius")]
+    pub punctual_radius: f64,
+    /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry that is called so, with
+    /// near from its extras, or else 0. Absent: the first camera of geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraOrName>,
+    /// The image. Absent: 512 rows, and columns by the aspect ratio of the glTF camera, or else 512.
+    #[serde(default)]
     pub film: Film,
     /// The medium around everything, unbounded and homogeneous; omit it for vacuum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -31,8 +40,14 @@ pub struct Scene {
     pub render: Render,
 }
 
+impl Scene {
+    fn punctual_radius() -> f64 {
+        0.01
+    }
+}
+
 /// `[camera]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Where the pinhole is `[m]`.
@@ -62,6 +77,23 @@ pub struct Film {
     /// Width and height in pixels. The pixel filter is a box.
     #[schemars(extend("x-format" = "[width, height]"))]
     pub size: [u32; 2],
+}
+
+impl Film {
+    /// Rows of images whose size nobody has given.
+    const ROWS: u32 = 512;
+
+    /// The film of a camera for images of width over height `aspect`.
+    pub fn of_aspect(aspect: f64) -> Self {
+        let columns = (aspect * f64::from(Self::ROWS)).round().max(1.0);
+        Self { size: [columns as u32, Self::ROWS] }
+    }
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self::of_aspect(1.0)
+    }
 }
 
 /// `[medium]`
@@ -112,11 +144,13 @@ pub struct Light {
     pub kind: LightKind,
     /// Centre `[m]`.
     pub center: [f64; 3],
-    /// Direction that the front faces, of any length but 0.
-    pub normal: [f64; 3],
+    /// Of a disk or spot: direction that the front faces, of any length but 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "[x, y, z]"))]
+    pub normal: Option<[f64; 3]>,
     /// Radius `[m]`, > 0.
     pub radius: f64,
-    /// Radiance of the front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
+    /// Radiance of the surface or front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
     /// radiance (exponent + 1) / (2 pi) cos^exponent of the angle to the normal.
     pub radiance: Spectrum,
     /// Of a spot, and only of a spot: how narrow it is, 0 to 10000.
@@ -133,6 +167,19 @@ pub enum LightKind {
     Disk,
     /// The same, focused about its normal.
     Spot,
+    /// A sphere that emits from all of its surface, alike in all directions.
+    Sphere,
+}
+
+impl LightKind {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Disk => "disk",
+            Self::Spot => "spot",
+            Self::Sphere => "sphere",
+        }
+    }
 }
 
 /// `[render]`

@@ -3,10 +3,44 @@
 use core::fmt;
 
 use schemars::JsonSchema;
-use serde::de::{self, SeqAccess, Unexpected, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Technique;
+use super::{Camera, Technique};
+
+/// A table `[camera]`, or the name of a camera of the geometry.
+#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
+#[serde(untagged)]
+#[schemars(with = "Camera")]
+pub enum CameraOrName {
+    /// A camera of the scene file.
+    Table(Camera),
+    /// The name of one in the glTF file.
+    Name(String),
+}
+
+impl<'de> Deserialize<'de> for CameraOrName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableOrName;
+        impl<'de> Visitor<'de> for TableOrName {
+            type Value = CameraOrName;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table, or the name of a camera of geometry")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<CameraOrName, E> {
+                Ok(CameraOrName::Name(name.into()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<CameraOrName, A::Error> {
+                Camera::deserialize(MapAccessDeserializer::new(map)).map(CameraOrName::Table)
+            }
+        }
+        deserializer.deserialize_any(TableOrName)
+    }
+}
 
 /// How many vertices connect.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
