@@ -16,12 +16,14 @@ use crate::image;
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::LightKind;
-use crate::scene::{self, Light, LoadedScene};
+use crate::scene::{self, Contents, Light, LoadedScene};
 
 /// How long the rate is measured.
 const PILOT: Duration = Duration::from_millis(300);
 /// About how many pixels the rate is measured on.
 const PILOT_PIXELS: u32 = 1 << 14;
+/// Meshes of a scene that are named.
+const MOST_MESHES: usize = 20;
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     let path = args.path.as_path();
@@ -62,7 +64,7 @@ fn albedo(frame: &Frame) -> String {
 }
 
 fn describe_scene(loaded: &LoadedScene) -> Result<()> {
-    let LoadedScene { name, scene, frame, warnings, .. } = loaded;
+    let LoadedScene { name, scene, frame, contents, warnings, .. } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
@@ -78,6 +80,7 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         let (geometry, materials) = (frame.surfaces.geometry(), frame.surfaces.materials().len());
         say(format!("surfaces: {} triangles, {materials} materials, {} KiB", geometry.len(), geometry.bytes() >> 10))?;
     }
+    describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
     loaded.lights.iter().try_for_each(|light| describe_light(light, loaded))?;
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
@@ -100,6 +103,21 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         rate(measured),
         (Film::bytes(frame, pixels) >> 20).max(1),
     ))
+}
+
+/// Meshes and cameras of the scene's glTF file.
+fn describe_contents(contents: &Contents) -> Result<()> {
+    for (name, triangles) in contents.meshes.iter().take(MOST_MESHES) {
+        say(format!("mesh {}: {triangles} triangles", quoted(name)))?;
+    }
+    if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_MESHES) {
+        say(format!("and {more} more meshes"))?;
+    }
+    for (index, name) in contents.cameras.iter().enumerate() {
+        let renders = if contents.camera == Some(index) { ", which renders" } else { "" };
+        say(format!("camera {}{renders}", quoted(name)))?;
+    }
+    Ok(())
 }
 
 fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {

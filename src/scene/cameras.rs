@@ -16,6 +16,8 @@ pub struct Chosen<'a> {
     pub source: Source<'a>,
     /// Its values.
     pub camera: Camera,
+    /// Its place among the cameras of the model, if it is one of them.
+    pub of_model: Option<usize>,
     /// Width over height of the images it is meant for, if it says so.
     pub aspect: Option<f64>,
 }
@@ -25,7 +27,7 @@ pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>
     match (&scene.camera, loaded) {
         (Some(CameraOrName::Table(camera)), _) => {
             let source = Source::Table(document, "camera".into());
-            Ok(Chosen { source, camera: *camera, aspect: None })
+            Ok(Chosen { source, camera: *camera, of_model: None, aspect: None })
         }
         (Some(CameraOrName::Name(name)), Some(loaded)) => of_model(loaded, named(name, document, loaded)?),
         (Some(CameraOrName::Name(name)), None) => {
@@ -43,8 +45,17 @@ fn missing(document: &Document, loaded: Option<&Loaded>) -> Error {
         let remedy = "write a [camera] table, or name a glTF file with a camera as geometry";
         return document.error("camera", "missing key `camera`", remedy);
     };
-    let remedy = "write a [camera] table; fogbow render --help-scene lists its keys";
-    let finding = format!("missing key `camera`, and {file} has no perspective camera");
+    let remedy = match document.is_model() {
+        false => "write a [camera] table; fogbow render --help-scene lists its keys",
+        true => {
+            "write a scene.toml with geometry = \"..\" and [camera], or give --set camera.position=[x,y,z], \
+             camera.look_at and camera.vertical_fov_deg"
+        }
+    };
+    let finding = match document.is_model() {
+        false => format!("missing key `camera`, and {file} has no perspective camera"),
+        true => "has no perspective camera".into(),
+    };
     document.error("geometry", finding, remedy)
 }
 
@@ -75,7 +86,7 @@ fn of_model(loaded: &Loaded, index: usize) -> Result<Chosen<'static>> {
     let camera = &loaded.model.cameras[index];
     let source = loaded.source("camera", &camera.name);
     let near = model::number(&source, camera.extras.as_ref(), "near")?.unwrap_or(0.0);
-    Ok(Chosen { source, camera: table(camera, near), aspect: camera.aspect })
+    Ok(Chosen { source, camera: table(camera, near), of_model: Some(index), aspect: camera.aspect })
 }
 
 fn table(camera: &gltf::Camera, near: f64) -> Camera {

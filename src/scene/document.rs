@@ -20,7 +20,12 @@ enum Place {
     Byte(usize),
     /// A flag of the command line.
     Flag(String),
+    /// The extras of a glTF file's scene.
+    Extras,
 }
+
+/// Where the keys of a glTF file stand that is a scene by itself.
+pub const EXTRAS: &str = "extras.fogbow of the scene";
 
 /// A value that replaces or adds to one of the file's.
 #[derive(Clone, Debug)]
@@ -57,6 +62,7 @@ pub struct Document {
     file: String,
     text: String,
     places: BTreeMap<String, Place>,
+    is_model: bool,
 }
 
 impl Document {
@@ -65,9 +71,35 @@ impl Document {
         Path::new(&self.file).parent().unwrap_or(Path::new(""))
     }
 
+    /// What errors call the file.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Whether the file is a glTF file.
+    pub fn is_model(&self) -> bool {
+        self.is_model
+    }
+
     /// Whether the file or a flag gives the value of `key`, at the top.
     pub fn has(&self, key: &str) -> bool {
         self.values.get(key).is_some()
+    }
+
+    /// Whether a flag gives the value at `path`.
+    pub fn is_set_by_flag(&self, path: &str) -> bool {
+        matches!(self.places.get(path), Some(Place::Flag(_)))
+    }
+
+    /// The document of a glTF file that is called `name` in its folder, with the `keys` of its extras.
+    pub fn of_model(file: &str, name: &str, keys: Table) -> Self {
+        let mut places = BTreeMap::new();
+        let mut values = Value::Table(keys);
+        note_extras(&mut places, "", &values);
+        if let Value::Table(table) = &mut values {
+            table.insert("geometry".into(), name.into());
+        }
+        Self { values, file: file.into(), text: String::new(), places, is_model: true }
     }
 
     /// Reads `path`.
@@ -100,7 +132,7 @@ impl Document {
         let mut places = BTreeMap::new();
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());
         let values = Value::Table(text.parse().map_err(malformed)?);
-        Ok(Self { values, file: file.into(), text: text.into(), places })
+        Ok(Self { values, file: file.into(), text: text.into(), places, is_model: false })
     }
 
     /// Puts `change` in the place of the file's value.
@@ -143,6 +175,7 @@ impl Document {
             match self.places.get(path) {
                 Some(Place::Byte(offset)) => return place_at(&self.file, &self.text, *offset),
                 Some(Place::Flag(flag)) => return flag.clone(),
+                Some(Place::Extras) => return format!("{}: {EXTRAS}", self.file),
                 None => {}
             }
             match path.rfind(['.', '[']) {
@@ -181,6 +214,22 @@ fn note(places: &mut BTreeMap<String, Place>, path: String, at: usize, value: &S
         _ => {}
     }
     places.insert(path, Place::Byte(at));
+}
+
+/// Notes all values below `path` as those of the extras.
+fn note_extras(places: &mut BTreeMap<String, Place>, path: &str, value: &Value) {
+    let mut below = |path: String, value: &Value| {
+        note_extras(places, &path, value);
+        places.insert(path, Place::Extras);
+    };
+    match value {
+        Value::Table(table) if path.is_empty() => table.iter().for_each(|(key, value)| below(key.clone(), value)),
+        Value::Table(table) => table.iter().for_each(|(key, value)| below(format!("{path}.{key}"), value)),
+        Value::Array(array) => {
+            array.iter().enumerate().for_each(|(index, value)| below(format!("{path}[{index}]"), value));
+        }
+        _ => {}
+    }
 }
 
 /// `file:line:column` of a byte of its text, counted from 1, columns in characters.

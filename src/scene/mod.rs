@@ -1,5 +1,6 @@
 //! Scenes: from a file and flags to a [`Frame`].
 
+mod bare;
 mod cameras;
 mod check;
 mod contents;
@@ -19,7 +20,8 @@ use serde::de::IntoDeserializer;
 
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-pub use contents::Light;
+use crate::gltf::Model;
+pub use contents::{Contents, Light};
 use document::{Document, Override};
 use schema::{Camera, CameraOrName, Film, Scene};
 
@@ -34,23 +36,28 @@ pub struct LoadedScene {
     pub camera: Camera,
     /// Its lights: those of `scene`, then those of its geometry.
     pub lights: Vec<Light>,
+    /// What else its geometry holds.
+    pub contents: Contents,
     /// The same as the stages read it.
     pub frame: Frame,
     /// What its geometry holds that is not rendered, a line each.
     pub warnings: Vec<String>,
 }
 
-/// Reads the scene at `path`, a TOML file or a folder with a `scene.toml`, and applies `overrides` in order.
+/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in order.
 ///
 /// # Errors
 /// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let mut document = Document::read(&file)?;
+    let (mut document, model) = match bare::is_model(&file) {
+        true => bare::read(&file).map(|(document, model)| (document, Some(model)))?,
+        false => (Document::read(&file)?, None),
+    };
     for change in overrides {
         document.apply(change)?;
     }
-    check(name(path), &document)
+    check(name(path), &document, model)
 }
 
 /// Parses and checks a scene from memory; `file` is what errors call it.
@@ -58,22 +65,23 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    check(name(Path::new(file)), &Document::parse(file, text)?)
+    check(name(Path::new(file)), &Document::parse(file, text)?, None)
 }
 
-/// The scene that `document` describes.
-fn check(name: String, document: &Document) -> Result<LoadedScene> {
+/// The scene that `document` describes; `model` is that of a glTF file which is a scene by itself.
+fn check(name: String, document: &Document, model: Option<Model>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
-    let loaded = model::of_scene(&scene, document)?;
+    let loaded = model::of_scene(&scene, document, model)?;
     let chosen = cameras::choose(&scene, document, loaded.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film")) {
         scene.film = Film::of_aspect(aspect);
     }
     let placed = lights::all(&scene, document, loaded.as_ref())?;
     let warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
+    let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model))?;
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
-    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, frame, warnings })
+    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, contents, frame, warnings })
 }
 
 /// The scene file that `path` means.
@@ -85,7 +93,7 @@ fn file(path: &Path) -> Result<PathBuf> {
     if file.exists() {
         return Ok(file);
     }
-    let remedy = "give a scene file, or a folder with a scene.toml";
+    let remedy = "give a scene file, a glTF file, or a folder with a scene.toml";
     Err(Error::failure(path.display(), "is a folder without a scene.toml", remedy))
 }
 

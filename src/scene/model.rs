@@ -20,10 +20,13 @@ pub struct Loaded {
     pub model: Model,
 }
 
-/// The model that `scene` names as its geometry.
-pub fn of_scene(scene: &Scene, document: &Document) -> Result<Option<Loaded>> {
+/// The model that `scene` names as its geometry; `given` is that of a file which is a scene by itself.
+pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Result<Option<Loaded>> {
     let Some(geometry) = &scene.geometry else { return Ok(None) };
-    let loaded = load(geometry, document)?;
+    let loaded = match given {
+        Some(model) if !document.is_set_by_flag("geometry") => Loaded { file: document.file().into(), model },
+        _ => load(geometry, document)?,
+    };
     let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
     if far <= LARGEST {
         return Ok(Some(loaded));
