@@ -106,24 +106,26 @@ fn cameras_look_along_minus_z_of_their_node() {
     assert_eq!(seen([0.0, HALF, 0.0, HALF]), 0.0);
 }
 
+/// Radiance of the white wall in front of a light of 30 W/sr at the origin, whose node is turned so.
+fn lit(kind: &str, rotation: [f64; 4]) -> f64 {
+    let folder = with_model(|model| {
+        model["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!(kind);
+        model["nodes"][2]["rotation"] = json!(rotation);
+        model["nodes"][2]["translation"] = json!([0, 0, 0]);
+    });
+    // The camera is in front of the light.
+    let flags = ["--size", "1x1", "--technique", "nee", "--samples", "4000", "--set", "camera.position=[0, 0, -0.5]"];
+    let view = ["--set", "camera.look_at=[0, 0, -1]", "--set", "camera.vertical_fov_deg=0.5"];
+    folder.done(&[&["render", "room.gltf", "-o", "a.exr"], &flags[..], &view[..]].concat());
+    mean(&folder.image("a.exr"), "R")
+}
+
 #[test]
 fn spots_shine_along_minus_z_of_their_node_with_their_intensity() {
-    // Straight ahead of the spot the wall, which is white, has the radiance I / (pi d^2).
-    let lit = |rotation: [f64; 4]| {
-        let folder = with_model(|model| {
-            model["nodes"][2]["rotation"] = json!(rotation);
-            model["nodes"][2]["translation"] = json!([0, 0, 0]);
-        });
-        // The camera is in front of the spot, whose back is black.
-        let flags = ["--size", "1x1", "--samples", "4000", "--set", "camera.position=[0, 0, -0.5]"];
-        let view = ["--set", "camera.look_at=[0, 0, -1]", "--set", "camera.vertical_fov_deg=0.5"];
-        folder.done(&[&["render", "room.gltf", "-o", "a.exr", "--technique", "nee"], &flags[..], &view[..]].concat());
-        mean(&folder.image("a.exr"), "R")
-    };
     let expected = 30.0 / (core::f64::consts::PI * 9.0);
-    let ahead = lit([0.0, 0.0, 0.0, 1.0]);
+    let ahead = lit("spot", [0.0, 0.0, 0.0, 1.0]);
     assert!((ahead / expected - 1.0).abs() < 0.01, "{ahead} instead of {expected}");
-    assert_eq!(lit([0.0, 1.0, 0.0, 0.0]), 0.0);
+    assert_eq!(lit("spot", [0.0, 1.0, 0.0, 0.0]), 0.0);
 }
 
 #[test]
@@ -157,6 +159,24 @@ fn a_camera_that_is_not_there_is_refused_with_those_that_are() {
     let beginning =
         format!("{}: camera: this is the whole number `7`, expected a table, or the", folder.place("camera"));
     folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+fn a_flag_chooses_among_the_cameras() {
+    let folder = with_model(|model| {
+        model["nodes"][2]["camera"] = json!(0);
+        model["nodes"]
+            .as_array_mut()
+            .expect("a list")
+            .push(json!({ "name": "Back", "camera": 0, "rotation": [0, 1, 0, 0] }));
+        model["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    });
+    let seen = |args: &[&str]| {
+        render(&folder, args);
+        mean(&folder.image("a.exr"), "R")
+    };
+    assert!(seen(&[]) > 0.0);
+    assert_eq!(seen(&["--set", "camera=Back"]), 0.0);
 }
 
 #[test]
