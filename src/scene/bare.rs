@@ -6,7 +6,8 @@ use std::path::Path;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::document::{Document, EXTRAS};
+use super::document::Document;
+use super::places::EXTRAS;
 use crate::error::{Error, Result};
 use crate::gltf::{self, Model};
 

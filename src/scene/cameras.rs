@@ -41,22 +41,20 @@ pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>
 
 /// The error that there is no camera at all.
 fn missing(document: &Document, loaded: Option<&Loaded>) -> Error {
-    let Some(Loaded { file, .. }) = loaded else {
-        let remedy = "write a [camera] table, or name a glTF file with a camera as geometry";
-        return document.error("camera", "missing key `camera`", remedy);
-    };
-    let remedy = match document.is_model() {
-        false => "write a [camera] table; fogbow render --help-scene lists its keys",
-        true => {
-            "write a scene.toml with geometry = \"..\" and [camera], or give --set camera.position=[x,y,z], \
-             camera.look_at and camera.vertical_fov_deg"
+    let (finding, remedy) = match loaded {
+        None => {
+            ("missing key `camera`".into(), "write a [camera] table, or name a glTF file with a camera as geometry")
+        }
+        Some(_) if document.is_model() => (
+            "has no perspective camera".into(),
+            "write a scene.toml with [camera] and this file as geometry, or give camera.position, camera.look_at and \
+             camera.vertical_fov_deg with --set",
+        ),
+        Some(Loaded { file, .. }) => {
+            (format!("missing key `camera`, and {file} has no perspective camera"), "write a [camera] table")
         }
     };
-    let finding = match document.is_model() {
-        false => format!("missing key `camera`, and {file} has no perspective camera"),
-        true => "has no perspective camera".into(),
-    };
-    document.error("geometry", finding, remedy)
+    document.error(if loaded.is_some() { "geometry" } else { "camera" }, finding, remedy)
 }
 
 /// The place of the camera called `name`, which is the only one.

@@ -8,6 +8,7 @@ pub mod document;
 pub mod help;
 mod lights;
 mod model;
+mod places;
 mod plain;
 mod punctual;
 pub mod schema;

@@ -191,7 +191,7 @@ fn an_ambiguous_name_is_refused_but_the_first_camera_is_not() {
 fn a_model_without_a_camera_is_refused_with_a_remedy() {
     let folder = with_model(|model| drop(model["nodes"][1].as_object_mut().expect("a node").remove("camera")));
     let run = folder.refused(&["render", "room.gltf"], 1, "room.gltf: has no perspective camera\n");
-    assert!(run.stderr.contains("write a scene.toml with geometry") && run.stderr.contains("--set"), "{run}");
+    assert!(run.stderr.contains("help: write a scene.toml with [camera]") && run.stderr.contains("--set"), "{run}");
     folder.refused(&["info", "room.gltf"], 1, "room.gltf: has no perspective camera\n");
     folder.write("scene.toml", AROUND.replace("camera = \"Eye\"\n", ""));
     let beginning =
