@@ -64,7 +64,7 @@ impl Frame {
     /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.
     pub fn channels(&self) -> usize {
         let grey = |channels: [f32; 3]| channels == [channels[0]; 3];
-        let radiances = self.lights.disks().iter().map(|disk| disk.radiance);
+        let radiances = self.lights.emitters().iter().map(|emitter| emitter.radiance);
         if grey(self.medium.albedo) && radiances.into_iter().all(grey) && self.surfaces.are_grey() { 1 } else { 3 }
     }
 }

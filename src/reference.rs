@@ -165,27 +165,28 @@ impl Walk<'_> {
         }
     }
 
-    /// Adds what the current ray sees of a light; tells whether the path ends on a disk, or else the surface it meets.
+    /// Adds what the current ray sees of a light; tells whether the path ends on it, or else the surface it meets.
     fn meet(&mut self, segment: u32, flight: f64) -> (bool, Option<SurfaceHit>) {
         let Frame { lights, surfaces, .. } = self.frame;
         let bound = if segment == 0 { f64::INFINITY } else { flight };
-        let (disk, surface) =
+        let (light, surface) =
             extend::reference::meet_first(lights, surfaces, self.last(), self.direction, bound, flight);
-        let Some((disk, distance)) = disk else {
+        let Some((light, distance)) = light else {
             return (false, surface);
         };
-        if light_hit::reference::shows_front(&lights.disks()[disk], self.direction) {
-            let point = self.last() + distance * self.direction;
+        let emitter = &lights.emitters()[light];
+        let point = self.last() + distance * self.direction;
+        if light_sample::cosine(emitter, point, self.direction) > 0.0 {
             let weight = match segment {
                 0 => {
-                    let profile = mis_weight::reference::profile(&lights.disks()[disk], self.direction);
+                    let profile = mis_weight::reference::profile(emitter, point, self.direction);
                     profile * light_hit::reference::transmittance(self.extinction(), distance)
                 }
-                _ => self.weigh(disk, &[point]),
+                _ => self.weigh(light, &[point]),
             };
-            self.add(Technique::Path, disk, weight, 0);
+            self.add(Technique::Path, light, weight, 0);
         }
-        (light_hit::reference::ends(flight, distance), surface)
+        (light_hit::reference::ends(emitter, flight, distance), surface)
     }
 
     /// Appends the vertex on a surface.
@@ -297,7 +298,7 @@ impl Walk<'_> {
         chain.extend_from_slice(rest);
         let Frame { lights, surfaces, .. } = self.frame;
         let occluded = occlusion::reference::is_occluded(lights, light, &chain);
-        if !occluded && !occlusion::reference::is_hidden(surfaces, &chain) {
+        if !occluded && !occlusion::reference::is_hidden(lights, surfaces, light, &chain) {
             self.add(technique, light, weight, rest.len() - 1);
         }
     }
@@ -313,7 +314,7 @@ impl Walk<'_> {
     /// What a candidate of this weight, with `inserted` vertices after the last one, adds to the pixel.
     fn contribution(&self, light: usize, weight: f64, inserted: usize) -> [f64; 3] {
         let Frame { medium, lights, .. } = self.frame;
-        let emitted = lights.disks()[light].radiance.map(f64::from);
+        let emitted = lights.emitters()[light].radiance.map(f64::from);
         let albedo = medium.albedo.map(f64::from);
         accumulate::reference::contribution(weight, emitted, self.throughput, albedo, inserted)
     }
@@ -339,7 +340,7 @@ mod tests {
     use fogbow_kernels::connect::mvnee::Offset;
     use fogbow_kernels::phase::HenyeyGreenstein;
     use fogbow_kernels::tables::camera::Camera;
-    use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+    use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
     use fogbow_kernels::tables::media::Medium;
     use fogbow_kernels::tables::surfaces::Surfaces;
     use fogbow_kernels::{PathLengths, Walk as Limits};
@@ -348,7 +349,7 @@ mod tests {
 
     fn frame(albedo: f32, lengths: PathLengths) -> Frame {
         let medium = Medium { extinction: 0.5, albedo: [albedo; 3], phase: HenyeyGreenstein { g: 0.5 } };
-        let disk = |z: f64, normal: DVec3| Disk::new(DVec3::new(0.0, 0.0, z), normal, 2.0, [1.0, 2.0, 3.0]);
+        let disk = |z: f64, normal: DVec3| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, [1.0, 2.0, 3.0]);
         Frame {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
             medium,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fogbow::frame::Frame;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::tables::camera::Camera;
-use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
@@ -23,19 +23,8 @@ fn ray_camera(near: f64) -> Camera {
 fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
     for (distance, absorption, near) in [(5.0, 0.3, 0.0), (5.0, 0.3, 1.0), (40.0, 0.5, 0.5), (1.0, 0.0, 0.0)] {
         let medium = Medium { extinction: absorption as f32, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.3 } };
-        let disk = Disk::new(DVec3::new(0.0, 0.0, distance), -DVec3::Z, 1.0, [2.0, 3.0, 4.0]);
-        let base = Frame {
-            camera: ray_camera(near),
-            medium,
-            lights: Lights::new(vec![disk], Selection::Uniform),
-            surfaces: Arc::new(Surfaces::none()),
-            techniques: Active::Path.techniques(&medium, 4.0),
-            walk: Walk::ALL,
-            aimed: 0.0,
-            roulette: 0.0,
-            lengths: PathLengths { min: 1, max: 10 },
-            seed: 3,
-        };
+        let disk = Emitter::disk(DVec3::new(0.0, 0.0, distance), -DVec3::Z, 1.0, [2.0, 3.0, 4.0]);
+        let base = frames::plain(ray_camera(near), medium, Lights::new(vec![disk], Selection::Uniform), 10, 3);
         for active in Active::ALL {
             let pixel = render(&frames::with_techniques(&base, active, 4.0), [1, 1], 0..4).0.pixel(0, 0);
             let expected = (-absorption * (distance - near)).exp();
@@ -53,19 +42,9 @@ fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
 fn single_scatter(camera: Camera, active: Active) -> Frame {
     let extinction = 1.1;
     let medium = Medium { extinction, albedo: [0.8 / 1.1; 3], phase: HenyeyGreenstein { g: 0.7 } };
-    let disk = Disk::new(DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0), 0.5, [10.0, 5.0, 2.5]);
-    Frame {
-        camera,
-        medium,
-        lights: Lights::new(vec![disk], Selection::Uniform),
-        surfaces: Arc::new(Surfaces::none()),
-        techniques: active.techniques(&medium, f64::INFINITY),
-        walk: Walk::ALL,
-        aimed: 0.0,
-        roulette: 0.0,
-        lengths: PathLengths { min: 1, max: 2 },
-        seed: 5,
-    }
+    let disk = Emitter::disk(DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0), 0.5, [10.0, 5.0, 2.5]);
+    let base = frames::plain(camera, medium, Lights::new(vec![disk], Selection::Uniform), 2, 5);
+    frames::with_techniques(&base, active, f64::INFINITY)
 }
 
 /// Radiance along +z from `near` on, by quadrature over the ray and the disk, red.
@@ -136,7 +115,7 @@ fn lengths_can_be_counted_in_mean_free_paths() {
     let (mean, error) = green(&render(&base, [8, 8], 0..4000).0);
     for scale in [1e-4, 1e4] {
         let medium = Medium { extinction: (1.7 / scale) as f32, ..base.medium };
-        let disk = Disk::new(DVec3::new(0.0, 0.0, 5.0 * scale), -DVec3::Z, 0.5 * scale, [80.0; 3]);
+        let disk = Emitter::disk(DVec3::new(0.0, 0.0, 5.0 * scale), -DVec3::Z, 0.5 * scale, [80.0; 3]);
         let frame = Frame {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.5 * scale, [8, 8]),
             medium,
@@ -155,7 +134,7 @@ fn lengths_can_be_counted_in_mean_free_paths() {
 fn axes_can_be_exchanged() {
     let base = frames::fog(0.3, 0.8, DVec3::new(0.2, 0.7, -0.6), [12, 12]);
     let (mean, error) = green(&render(&base, [12, 12], 0..3000).0);
-    let disk = Disk::new(DVec3::new(5.0, 0.0, 0.0), DVec3::new(-0.6, 0.2, 0.7), 0.5, [80.0; 3]);
+    let disk = Emitter::disk(DVec3::new(5.0, 0.0, 0.0), DVec3::new(-0.6, 0.2, 0.7), 0.5, [80.0; 3]);
     let permuted = Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::X, DVec3::Z, frames::UNIT_FOV, 0.3, [12, 12]),
         lights: Lights::new(vec![disk], Selection::Uniform),
@@ -170,8 +149,8 @@ fn axes_can_be_exchanged() {
 #[test]
 fn the_back_of_a_light_is_black_and_opaque() {
     let toward = |normal: DVec3| {
-        let front = Disk::new(DVec3::new(0.0, 0.0, 2.0), normal, 1.0, [5.0; 3]);
-        let behind = Disk::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [7.0; 3]);
+        let front = Emitter::disk(DVec3::new(0.0, 0.0, 2.0), normal, 1.0, [5.0; 3]);
+        let behind = Emitter::disk(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [7.0; 3]);
         let medium = Medium { extinction: 0.2, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
         let frame = Frame {
             camera: ray_camera(0.0),

@@ -5,7 +5,7 @@ use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
 use fogbow_kernels::phase::HenyeyGreenstein;
-use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::truths::{Case, Start, density_ratios};
 use fogbow_testing::weighing::{Made, Weigher};
@@ -92,7 +92,7 @@ fn weights_of_kernel_and_twin_match_recorded_ratios_however_a_path_was_made() {
         let n = path.len() - 1;
         let radius = (case.light_area / core::f64::consts::PI).sqrt();
         // The recorded path ends on the light, wherever its centre is.
-        let disk = Disk::new(path[n], DVec3::from(case.light_normal), radius, [1.0; 3]);
+        let disk = Emitter::disk(path[n], DVec3::from(case.light_normal), radius, [1.0; 3]);
         let (medium, lights) = (medium(case), Lights::new(vec![disk], Selection::Uniform));
         let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
         let distance = path.iter().map(|v| v.length()).fold(0.0, f64::max);
@@ -138,7 +138,7 @@ fn lights_around(path: &[DVec3], turn: DQuat, scale: f64, selection: Selection) 
     let end = path[path.len() - 1];
     let place = |offset: DVec3| end + scale * (turn * offset);
     let disk = |offset: DVec3, normal: DVec3, radius: f64, radiance: f64| {
-        Disk::new(place(offset), turn * normal, scale * radius, [radiance; 3])
+        Emitter::disk(place(offset), turn * normal, scale * radius, [radiance; 3])
     };
     let lights = vec![
         disk(DVec3::new(0.05, 0.1, 0.0), -DVec3::Z, 0.4, 3.0),

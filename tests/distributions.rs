@@ -4,14 +4,15 @@ use bumpalo::Bump;
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::accumulate::reference::contribution;
-use fogbow_kernels::connect::light_sample::{self, Reach, reference::selection_probability};
+use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
+use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
 use fogbow_kernels::roulette::{self, Threshold};
-use fogbow_kernels::tables::lights::Selection;
+use fogbow_kernels::tables::lights::{Emitter, Selection, Shape};
 use fogbow_kernels::{PathLengths, Walk, mis_weight, random};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded;
@@ -135,25 +136,57 @@ fn light_points(frame: &Frame, reach: Reach, mut visit: impl FnMut(DVec3, usize,
     });
 }
 
+/// The numbers in the unit square that a point of an emitter stands for.
+fn coordinates(emitter: &Emitter, point: DVec3) -> [f64; 2] {
+    let offset = point - vector(emitter.origin);
+    let (tangent, bitangent) = (vector(emitter.tangent), vector(emitter.bitangent));
+    let (x, y, radius) = (offset.dot(tangent), offset.dot(bitangent), f64::from(emitter.radius));
+    let azimuth = y.atan2(x).rem_euclid(core::f64::consts::TAU) / core::f64::consts::TAU;
+    match emitter.shape {
+        Shape::Disk => [(x * x + y * y) / (radius * radius), azimuth],
+        Shape::Sphere => [(1.0 - offset.z / radius) / 2.0, azimuth],
+        Shape::Triangle => {
+            // Cramer's rule in the triangle's plane.
+            let normal = tangent.cross(bitangent);
+            let weight = |edge: DVec3, other: DVec3| offset.cross(other).dot(normal) / edge.cross(other).dot(normal);
+            let (p, q) = (weight(tangent, bitangent), weight(bitangent, tangent));
+            [(p + q).powi(2), q / (p + q)]
+        }
+    }
+}
+
 #[test]
-fn light_points_are_uniform_on_their_disks() {
-    let frame = frame(0.3);
+fn light_points_are_uniform_on_disks_spheres_and_triangles() {
     // Everything is accepted, so that what is tested is the sampler alone.
     let reach = Reach { facing: false, ..nee::REACH };
-    let mut cells = vec![vec![0.0; 64]; 3];
-    light_points(&frame, reach, |_, light, point| {
-        let disk = &frame.lights.disks()[light];
-        let offset = point - vector(disk.center);
-        let (u, v) = (offset.dot(vector(disk.tangent)), offset.dot(vector(disk.bitangent)));
-        let radius = (u * u + v * v) / f64::from(disk.radius).powi(2);
-        let azimuth = v.atan2(u).rem_euclid(core::f64::consts::TAU) / core::f64::consts::TAU;
-        cells[light][8 * ((radius * 8.0) as usize).min(7) + ((azimuth * 8.0) as usize).min(7)] += 1.0;
-    });
-    for (light, cells) in cells.iter().enumerate() {
-        let count: f64 = cells.iter().sum();
-        let p = p_of_counts(cells, &[count / 64.0; 64]);
-        assert!(p > SUSPICIOUS && count > 1000.0, "light {light}: p = {p} of {count} points");
+    let lamps = frames::lamps(1.0, 0.3, Selection::Uniform, [64, 64]);
+    for frame in [frame(0.3), lamps] {
+        let mut cells = vec![vec![0.0; 64]; frame.lights.emitters().len()];
+        light_points(&frame, reach, |_, light, point| {
+            let cell = coordinates(&frame.lights.emitters()[light], point).map(|x| ((x * 8.0) as usize).min(7));
+            cells[light][8 * cell[0] + cell[1]] += 1.0;
+        });
+        for (light, cells) in cells.iter().enumerate() {
+            let count: f64 = cells.iter().sum();
+            let p = p_of_counts(cells, &[count / 64.0; 64]);
+            assert!(p > SUSPICIOUS && count > 1000.0, "emitter {light}: p = {p} of {count} points");
+        }
     }
+}
+
+#[test]
+fn triangles_of_a_mesh_are_chosen_by_area() {
+    let frame = frames::lamps(1.0, 0.3, Selection::IntensityDistance, [64, 64]);
+    let emitters = frame.lights.emitters();
+    let (mut found, mut expected) = (vec![0.0; emitters.len()], vec![0.0; emitters.len()]);
+    light_points(&frame, Reach { facing: false, ..nee::REACH }, |start, light, _| {
+        found[light] += 1.0;
+        for (light, emitter) in emitters.iter().enumerate() {
+            expected[light] += light_density(&frame.lights, light, start) * emitter.area();
+        }
+    });
+    let p = p_of_counts(&found, &expected);
+    assert!(p > SUSPICIOUS, "p = {p}, {found:?} instead of {expected:?}");
 }
 
 #[test]
@@ -344,7 +377,7 @@ fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
             let columns = roulette::Columns { bucket: *bucket, candidates: bridged, paths };
             (SIMD.roulette)(medium, lights, threshold, *step, columns);
             for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {
-                let light = &lights.disks()[bridged.light.rows()[row] as usize];
+                let light = &lights.emitters()[bridged.light.rows()[row] as usize];
                 let channels = contribution(
                     before,
                     light.radiance.map(f64::from),

@@ -93,6 +93,14 @@ fn all_techniques_have_equal_means_per_path_length_among_surfaces() {
 }
 
 #[test]
+fn all_techniques_have_equal_means_per_path_length_among_lamps() {
+    for (selection, g) in [(Selection::Intensity, 0.7), (Selection::IntensityDistance, -0.3)] {
+        let base = frames::lamps(1.0, g, selection, SMALL);
+        assert_equal_means(&format!("lamps, {selection:?}"), &base, 2.0, 1..=6, 1000);
+    }
+}
+
+#[test]
 fn the_length_limit_counts_camera_and_light_segment() {
     // One segment more would be brighter by a tenth.
     let frame = frames::with_techniques(&frames::fog_facing(1.0, 0.0, SMALL), Active::Nee, 4.0);

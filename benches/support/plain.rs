@@ -39,7 +39,7 @@ impl State {
         let lanes = w.paths.batches() * 8;
         let rows = |row: &dyn Fn(usize) -> Vec3| (0..lanes).map(row).collect::<Vec<_>>();
         let vertices = w.vertices.at(w.step.clock);
-        let disk = &frame.lights.disks()[0];
+        let disk = &frame.lights.emitters()[0];
         let arriving = w.rays.at(w.step.clock - 1);
         Self {
             pixel: w.paths.columns.pixel.rows().to_vec(),
@@ -53,12 +53,12 @@ impl State {
             next_position: vec![Vec3::ZERO; lanes],
             next_direction: vec![Vec3::ZERO; lanes],
             hits: Vec::with_capacity(lanes),
-            points: vec![disk.center.into(); lanes],
+            points: vec![disk.origin.into(); lanes],
             weights: vec![0.0; lanes],
             seed: frame.seed,
             extinction: frame.medium.extinction,
             g: frame.medium.phase.g,
-            center: disk.center.into(),
+            center: disk.origin.into(),
             normal: disk.normal.into(),
             tangent: disk.tangent.into(),
             bitangent: disk.bitangent.into(),

@@ -83,6 +83,10 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
     loaded.lights.iter().try_for_each(|light| describe_light(light, loaded))?;
+    if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
+        let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
+        say(format!("shining meshes: {shining}, of {triangles} triangles"))?;
+    }
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
     say(format!(
         "technique {}, paths of {} to {} segments",

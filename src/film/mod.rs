@@ -61,7 +61,7 @@ impl Film {
     /// # Errors
     /// If the system refuses the memory, [`Self::bytes`].
     pub fn try_new(frame: &Frame, region: Region, tile_size: u32) -> Result<Self, TryReserveError> {
-        let radiances = frame.lights.disks().iter().flat_map(|disk| disk.radiance);
+        let radiances = frame.lights.emitters().iter().flat_map(|emitter| emitter.radiance);
         let unit = Unit::for_radiance(radiances.fold(0.0, f32::max));
         let channels = frame.channels();
         let mut tiles = Vec::new();

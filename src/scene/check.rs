@@ -6,7 +6,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
-use fogbow_kernels::tables::lights::{Lights, Selection};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
@@ -52,10 +52,11 @@ pub fn frame(
     check.film_size(scene.film.size)?;
     let camera = camera.pinhole(&scene.film)?;
     let medium = check.medium(scene)?;
-    let lights = check.lights(lights, scene.render.light_selection)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
-    let surfaces = Arc::new(model.map_or_else(Surfaces::none, surfaces::from_model));
+    let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
+    let surfaces = Arc::new(surfaces);
+    let lights = check.lights(lights, meshes, scene.render.light_selection)?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
@@ -106,14 +107,19 @@ impl Check<'_> {
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 
-    fn lights(&self, lights: &[Placed<'_>], selection: LightSelection) -> Result<Lights> {
-        let rows = lights.iter().map(|placed| lights::row(&placed.source, &placed.light)).collect::<Result<_>>()?;
+    fn lights(&self, lights: &[Placed<'_>], meshes: Vec<Vec<Emitter>>, selection: LightSelection) -> Result<Lights> {
+        if lights.is_empty() && meshes.is_empty() {
+            let remedy = "add a [[light]] table, or geometry that shines; without any the image is black";
+            return Err(self.document.error("light", "the scene has no light", remedy));
+        }
+        let solids =
+            lights.iter().map(|placed| lights::emitter(&placed.source, &placed.light)).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,
             LightSelection::IntensityDistance => Selection::IntensityDistance,
         };
-        Ok(Lights::new(rows, selection))
+        Ok(Lights::with_meshes(solids, meshes, selection))
     }
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {
@@ -174,7 +180,7 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
-        let small = frame.techniques.bridge.is_some() && frame.lights.disks().len() <= MOST_AIMED_LIGHTS;
+        let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
         let aimed = render.aimed.0.unwrap_or(if small { AIMED } else { 0.0 });
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;

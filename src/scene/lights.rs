@@ -1,6 +1,6 @@
 //! The lights of a scene: its own, and those that stand for the punctual lights of its model.
 
-use fogbow_kernels::tables::lights::Disk;
+use fogbow_kernels::tables::lights::Emitter;
 use glam::DVec3;
 
 use super::document::Document;
@@ -34,19 +34,11 @@ pub fn all<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -
         Placed { source, name: None, light: light.clone() }
     });
     let of_model = loaded.map_or(Ok(Vec::new()), |loaded| punctual::lights(loaded, radius))?;
-    let lights: Vec<_> = own.chain(of_model).collect();
-    if lights.is_empty() {
-        let remedy = "add a [[light]] table, or a point or spot light to the geometry; without one the image is black";
-        return Err(document.error("light", "the scene has no light", remedy));
-    }
-    Ok(lights)
+    Ok(own.chain(of_model).collect())
 }
 
-/// A row of the kernels' table of lights.
-type Row = Disk;
-
-/// The row of a light with valid values.
-pub fn row(source: &Source<'_>, light: &Light) -> Result<Row> {
+/// What connections connect with, of a light with valid values.
+pub fn emitter(source: &Source<'_>, light: &Light) -> Result<Emitter> {
     let center = source.position("center", light.center)?;
     let radius = source.radius("radius", light.radius)?;
     let Spectrum(radiance) = light.radiance;
@@ -54,14 +46,9 @@ pub fn row(source: &Source<'_>, light: &Light) -> Result<Row> {
     let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
     source.require(ok, "radiance", light.radiance, remedy)?;
     let (normal, exponent) = (normal(source, light)?, exponent(source, light)?);
-    let Some(normal) = normal else { return sphere(source, center, radius, radiance) };
-    let disk = Disk::new(center, normal, radius, radiance);
+    let Some(normal) = normal else { return Ok(Emitter::sphere(center, radius, radiance)) };
+    let disk = Emitter::disk(center, normal, radius, radiance);
     Ok(exponent.map_or(disk, |exponent| disk.focused(exponent)))
-}
-
-/// The row of a sphere light. TO MERGE: `Ok(Sphere::new(center, radius, radiance))`, once the kernels have such rows.
-fn sphere(source: &Source<'_>, _center: DVec3, _radius: f64, _radiance: [f64; 3]) -> Result<Row> {
-    Err(source.wrong("type", "\"sphere\": sphere lights are not there yet", "use a disk or a spot light instead"))
 }
 
 /// The normal of a disk or spot; none of a sphere.

@@ -137,9 +137,11 @@ impl LoadedScene {
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
         let mut hasher = blake3::Hasher::new();
         hasher.update(&canonical);
-        self.frame.surfaces.digest(&mut |bytes| {
+        let mut digest = |bytes: &[u8]| {
             hasher.update(bytes);
-        });
+        };
+        self.frame.surfaces.digest(&mut digest);
+        self.frame.lights.digest(&mut digest);
         hasher.finalize().to_hex()[..32].to_string()
     }
 

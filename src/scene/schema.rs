@@ -12,7 +12,7 @@ pub use values::{CameraOrName, NumberOrAuto, Spectrum, Starts, Techniques};
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
-    /// colour (factor, texture, colours of vertices), and hide what is behind; its point and spot lights shine, beside those
+    /// colour (factor, texture, colours of vertices), and hide what is behind; those with an emissive material shine, and its point and spot lights, beside those
     /// of this file. Absent: nothing is solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]

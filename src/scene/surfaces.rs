@@ -1,53 +1,114 @@
-//! Surfaces from a glTF model.
+//! Surfaces, and what of them shines, from a glTF model.
 
 use fogbow_kernels::tables::geometry::Geometry;
+use fogbow_kernels::tables::lights::Emitter;
 use fogbow_kernels::tables::surfaces::{Material, Paint, Surfaces};
 
 use super::model::Loaded;
-use crate::gltf::{LightKind, Model};
+use crate::gltf::{self, LightKind, Model};
 
-/// The triangles of `model`, with the base colours of their materials: factors, textures, colours of vertices.
-pub fn from_model(model: Model) -> Surfaces {
-    let corners = model.triangles.iter().map(|triangle| triangle.corners).collect();
+/// Points per side of the grid over which the texture of a triangle's emission is averaged.
+const GRID: u16 = 8;
+
+/// The triangles of `model`, with the base colours of their materials: factors, textures, colours of vertices; and, mesh by
+/// mesh, those that shine.
+pub fn from_model(model: Model) -> (Surfaces, Vec<Vec<Emitter>>) {
     let material_of = model.triangles.iter().map(|triangle| triangle.material).collect();
-    let material = |material: &crate::gltf::Material| Material {
+    let material = |material: &gltf::Material| Material {
         albedo: material.base_color,
         texture: material.base_color_texture,
         double_sided: material.double_sided,
     };
     let materials = model.materials.iter().map(material).collect();
-    let Model { positions, colors, texcoords, textures, images, .. } = model;
+    let Model { positions, colors, texcoords, textures, images, triangles, instances, materials: looks, .. } = model;
     let paint = Paint { colors, texcoords, textures, images };
-    Surfaces::new(Geometry::new(positions, corners), materials, material_of).painted(paint)
+    let shining = |instance: &gltf::Instance| -> Vec<Emitter> {
+        let emitter = |index: u32| {
+            let gltf::Triangle { corners, material } = triangles[index as usize];
+            let corners = corners.map(|corner| corner as usize);
+            let radiance = radiance(&looks[material as usize], &paint, corners);
+            let positions = corners.map(|corner| positions[corner]);
+            let shines = radiance != [0.0; 3] && has_area(positions);
+            shines.then(|| Emitter::triangle(positions, index, looks[material as usize].double_sided, radiance))
+        };
+        instance.triangles.clone().filter_map(emitter).collect()
+    };
+    let meshes = instances.iter().map(shining).filter(|mesh| !mesh.is_empty()).collect();
+    let corners = triangles.iter().map(|triangle| triangle.corners).collect();
+    (Surfaces::new(Geometry::new(positions, corners), materials, material_of).painted(paint), meshes)
+}
+
+/// Emitted radiance of a triangle [W/(m^2 sr)]: the factor times the mean of the texture over the triangle.
+fn radiance(material: &gltf::Material, paint: &Paint, corners: [usize; 3]) -> [f32; 3] {
+    let Some(texture) = material.emissive_texture.filter(|_| material.emission != [0.0; 3]) else {
+        return material.emission;
+    };
+    let steps = || (0..GRID).map(|i| (f32::from(i) + 0.5) / f32::from(GRID));
+    let mut mean = [0.0; 3];
+    for (u, v) in steps().flat_map(|u| steps().map(move |v| (u, v))) {
+        // Uniform over the triangle.
+        let weights = [1.0 - u.sqrt(), u.sqrt() * (1.0 - v), u.sqrt() * v];
+        let texel = paint.texel(&texture, corners, weights);
+        mean = core::array::from_fn(|channel| mean[channel] + texel[channel] / f32::from(GRID * GRID));
+    }
+    core::array::from_fn(|channel| material.emission[channel] * mean[channel])
+}
+
+fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
+    let [a, b, c] = [a, b, c].map(|corner| glam::DVec3::from(corner.map(f64::from)));
+    (b - a).cross(c - a).length() > 0.0
 }
 
 /// What a model holds that is not rendered, and what was passed over in reading it, a line each.
 pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<String> {
-    let lines = not_rendered(model).into_iter().chain(model.warnings.iter().cloned());
-    lines.map(|line| format!("{file}: {line}")).collect()
-}
-
-fn not_rendered(model: &Model) -> Vec<String> {
-    let used = |is: fn(&crate::gltf::Material) -> bool| model.materials.iter().filter(|material| is(material)).count();
-    let directional = model.lights.iter().filter(|light| light.kind == LightKind::Directional).count();
-    let found = [
-        (used(|material| material.emission != [0.0; 3]), "emissive materials: they do not shine"),
-        (directional, "directional lights: they do not shine"),
-    ];
-    let line = |(_, what): (usize, &str)| format!("not rendered so far: {what}");
-    found.into_iter().filter(|(count, _)| *count > 0).map(line).collect()
+    let directional = model.lights.iter().any(|light| light.kind == LightKind::Directional);
+    let not_rendered = directional.then(|| "not rendered so far: directional lights: they do not shine".into());
+    let lines = not_rendered.into_iter().chain(model.warnings.iter().cloned());
+    lines.map(|line: String| format!("{file}: {line}")).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
+
+    /// Two triangles with area and one without, in one instance; the material shines red through a texture that is white
+    /// on the left half and black on the right.
+    fn model() -> Model {
+        let texture = TextureRef { texture: 0, texcoords: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
+        let triangle = |corners: [u32; 3]| gltf::Triangle { corners, material: 0 };
+        Model {
+            positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0]],
+            texcoords: [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], Vec::new()],
+            triangles: vec![triangle([0, 1, 2]), triangle([1, 1, 2]), triangle([1, 3, 2])],
+            instances: vec![gltf::Instance { node: 0, name: "lamp".into(), triangles: 0..3 }],
+            materials: vec![gltf::Material {
+                emission: [8.0, 0.0, 0.0],
+                emissive_texture: Some(texture),
+                ..Default::default()
+            }],
+            textures: vec![Texture { image: 0, wrap: [Wrap::Clamp; 2], filter: Filter::Nearest }],
+            images: vec![Image { width: 2, height: 1, texels: vec![[255; 3], [0; 3]] }],
+            ..Default::default()
+        }
+    }
 
     #[test]
-    fn what_is_left_out_is_told() {
-        let mut model = Model::default();
-        assert!(not_rendered(&model).is_empty());
-        model.materials = vec![crate::gltf::Material { emission: [0.0, 1.0, 0.0], ..Default::default() }];
-        let told = not_rendered(&model).join("\n");
-        assert!(told.contains("emissive") && !told.contains("directional"), "{told}");
+    fn triangles_shine_in_the_mean_of_their_texture() {
+        let (surfaces, meshes) = from_model(model());
+        assert_eq!(surfaces.geometry().len(), 3);
+        let [mesh] = meshes.as_slice() else { panic!("one mesh") };
+        let found: Vec<_> = mesh.iter().map(|emitter| (emitter.triangle, emitter.radiance)).collect();
+        let [(0, first), (2, second)] = found[..] else { panic!("{found:?}") };
+        // Three quarters of the first triangle, one of the second, lie on the left.
+        assert!((first[0] - 6.0).abs() < 0.3 && (second[0] - 2.0).abs() < 0.3, "{first:?} {second:?}");
+        assert_eq!([first[1], second[2]], [0.0; 2]);
+    }
+
+    #[test]
+    fn dark_meshes_are_no_lights() {
+        let mut model = model();
+        model.materials[0].emission = [0.0; 3];
+        assert!(from_model(model).1.is_empty());
     }
 }

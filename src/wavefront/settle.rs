@@ -80,7 +80,7 @@ impl<'q> Settle<'_, 'q> {
 
     /// Nothing lies between a point in front of the only disk and that disk, where nothing is solid.
     fn may_be_blocked(&self, bucket: Bucket) -> bool {
-        bucket.inserted > 0 || self.frame.lights.disks().len() > 1 || !self.frame.surfaces.is_empty()
+        bucket.inserted > 0 || self.frame.lights.emitters().len() > 1 || !self.frame.surfaces.is_empty()
     }
 
     fn occlude(&mut self, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {

@@ -6,6 +6,7 @@ mod flags;
 mod help;
 mod images;
 mod info;
+mod lamps;
 mod models;
 mod progress;
 mod render;

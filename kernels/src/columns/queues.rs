@@ -3,8 +3,8 @@
 //! | queue | filled by | read by | rows |
 //! |---|---|---|---|
 //! | [`RequestTable`] | the wavefront | generate | lanes to refill |
-//! | [`FlightTable`] | medium_sample | extend, light_hit, scatter | one per lane |
-//! | [`HitQueue`] | extend | light_hit | rays that meet a disk |
+//! | [`FlightTable`] | medium_sample | extend, light_hit, scatter, surface | one per lane |
+//! | [`HitQueue`] | extend | light_hit | rays that meet a light |
 //! | [`SurfaceHitQueue`] | extend | surface | rays that meet a triangle |
 //! | [`CandidateQueue`] | light_hit, light_sample, mvnee_build | mvnee_*, mis_weight, occlusion, accumulate | complete paths |
 //! | [`ChainTable`] | mvnee_build | mis_weight, occlusion | inserted vertices of the candidates |
@@ -60,12 +60,12 @@ columns! {
 }
 
 columns! {
-    /// Rays that meet a disk before their flight ends, or anywhere if they leave the camera.
+    /// Rays that meet a light before their flight ends, or anywhere if they leave the camera.
     queue HitQueue of Hit, HitBatch {
         /// Lane of the path.
         lane: u32,
-        /// Index of the disk.
-        disk: u32,
+        /// Index of the emitter.
+        light: u32,
         /// Distance from the ray's origin `[m]`, > 0.
         distance: f32,
     }
@@ -96,7 +96,7 @@ columns! {
     queue CandidateQueue of Candidate, CandidateBatch {
         /// Lane of the path.
         lane: u32,
-        /// Index of the light.
+        /// Index of the emitter.
         light: u32,
         /// Position of the start vertex, the path's current vertex `[m]`.
         start: [f32; 3],

@@ -1,4 +1,4 @@
-//! Rays against disks and surfaces: what each path meets before its flight ends.
+//! Rays against lights and surfaces: what each path meets before its flight ends.
 
 pub mod reference;
 pub mod simd;
@@ -25,11 +25,11 @@ pub struct Columns<'a, 'q> {
     pub surface_hits: &'a mut SurfaceHitQueue<'q>,
 }
 
-/// Finds the closest disk, front or back, that each live ray crosses before its flight ends.
+/// Finds the closest disk or sphere, front or back, that each live ray crosses before its flight ends.
 ///
 /// Camera rays (depth 0) are not bounded by their flight, because [`light_hit`](crate::light_hit) takes directly seen
 /// light by expectation. A ray that lies in a disk's plane, or starts there, does not meet that disk.
 ///
-/// Then finds the closest triangle, front or back, in front of that disk. It hides the disk; the path ends on it if the
-/// flight does not end before.
+/// Then finds the closest triangle, front or back, in front of that. It hides what is behind it; the path ends on it if the
+/// flight does not end before. If it shines, it is a hit of its own.
 pub type Kernel = fn(&Lights, &Surfaces, Step, Columns<'_, '_>);

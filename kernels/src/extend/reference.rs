@@ -1,4 +1,4 @@
-//! Ray against disk in f64.
+//! Ray against disk and sphere in f64.
 //!
 //! The ray `x + t d` meets the plane through `c` with normal `n` at
 //!
@@ -6,7 +6,11 @@
 //! t = (c - x) . n / (d . n)
 //! ```
 //!
-//! and the disk of radius R if there `|x + t d - c| <= R`.
+//! and the disk of radius R if there `|x + t d - c| <= R`; a sphere where `|x + t d - c| = R`, that is at the roots of
+//!
+//! ```text
+//! t^2 + 2 t (x - c) . d + |x - c|^2 - R^2
+//! ```
 
 use glam::DVec3;
 
@@ -14,7 +18,7 @@ use super::Columns;
 use crate::Step;
 use crate::columns::LANES;
 use crate::columns::queues::{Hit, SurfaceHit};
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 
@@ -32,9 +36,9 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
         let leaves_camera = paths.depth(step.clock, lane) == 0;
         let flight = f64::from(flights.flight.rows()[lane]);
         let bound = if leaves_camera { f64::INFINITY } else { flight };
-        let (disk, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
-        if let Some((disk, distance)) = disk {
-            hits.push(Hit { lane: lane as u32, disk: disk as u32, distance: distance as f32 });
+        let (light, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
+        if let Some((light, distance)) = light {
+            hits.push(Hit { lane: lane as u32, light: light as u32, distance: distance as f32 });
         }
         if let Some(hit) = surface {
             paths.on_surface.insert(lane as u32);
@@ -43,8 +47,8 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
     }
 }
 
-/// What a ray meets: the disk that it sees within `bound`, unless a surface is in front of it, and the surface on which it
-/// ends, unless `flight` or a disk ends it before. The surface's lane is left open.
+/// What a ray meets: the emitter that it sees within `bound`, unless something is in front of it, and the surface on which it
+/// ends, unless `flight` or a disk or sphere ends it before. The surface's lane is left open.
 pub fn meet_first(
     lights: &Lights,
     surfaces: &Surfaces,
@@ -53,26 +57,28 @@ pub fn meet_first(
     bound: f64,
     flight: f64,
 ) -> (Option<(usize, f64)>, Option<SurfaceHit>) {
-    let disk = closest(lights, origin, direction, bound);
+    let solid = closest(lights, origin, direction, bound);
     let [origin, direction] = [origin, direction].map(|v| v.as_vec3().to_array());
     let Some(hit) = trace::reference::closest(surfaces.geometry(), &Ray { origin, direction, max: f32::INFINITY })
     else {
-        return (disk, None);
+        return (solid, None);
     };
-    if disk.is_some_and(|(_, distance)| distance <= hit.distance) {
-        return (disk, None);
+    if solid.is_some_and(|(_, distance)| distance <= hit.distance) {
+        return (solid, None);
     }
     let [second, third] = hit.barycentric.map(|weight| weight as f32);
     let met = SurfaceHit { lane: 0, triangle: hit.triangle as u32, distance: hit.distance as f32, second, third };
-    (None, (hit.distance < flight).then_some(met))
+    let shining = lights.of_triangle(met.triangle).filter(|_| hit.distance < bound);
+    let light = shining.map(|emitter| (emitter as usize, hit.distance));
+    (light, (hit.distance < flight).then_some(met))
 }
 
-/// The first disk that the ray meets before `bound`, and how far away `[m]`.
+/// The first disk or sphere that the ray meets before `bound`, and how far away `[m]`.
 pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> Option<(usize, f64)> {
     let mut found = None;
     let mut bound = bound;
-    for (index, disk) in lights.disks().iter().enumerate() {
-        if let Some(distance) = meet(disk, origin, direction)
+    for (index, solid) in lights.solids().iter().enumerate() {
+        if let Some(distance) = meet(solid, origin, direction)
             && distance < bound
         {
             bound = distance;
@@ -82,20 +88,36 @@ pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> 
     found
 }
 
-/// Distance at which the ray meets the disk, front or back `[m]`. None from the disk's plane itself, or along it.
-pub fn meet(disk: &Disk, origin: DVec3, direction: DVec3) -> Option<f64> {
-    let center = DVec3::from(disk.center.map(f64::from));
-    let normal = DVec3::from(disk.normal.map(f64::from));
+/// Distance at which the ray meets a disk or sphere, front or back `[m]`. None from a disk's plane itself, or along it.
+pub fn meet(solid: &Emitter, origin: DVec3, direction: DVec3) -> Option<f64> {
+    let center = DVec3::from(solid.origin.map(f64::from));
+    let normal = DVec3::from(solid.normal.map(f64::from));
+    let radius = f64::from(solid.radius);
+    if solid.shape == Shape::Sphere {
+        return meet_sphere(center, radius, origin, direction);
+    }
     let towards = direction.dot(normal);
     let height = (center - origin).dot(normal);
     if towards == 0.0 || height == 0.0 {
         return None;
     }
     let distance = height / towards;
-    if distance <= 0.0 || (origin + distance * direction - center).length() > f64::from(disk.radius) {
+    if distance <= 0.0 || (origin + distance * direction - center).length() > radius {
         return None;
     }
     Some(distance)
+}
+
+/// Distance at which the ray meets a sphere, from outside or inside `[m]`.
+fn meet_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<f64> {
+    let from_center = origin - center;
+    let half = from_center.dot(direction);
+    let discriminant = half * half - from_center.length_squared() + radius * radius;
+    if discriminant <= 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    [-half - root, -half + root].into_iter().find(|distance| *distance > 0.0)
 }
 
 #[cfg(test)]
@@ -105,7 +127,7 @@ mod tests {
 
     #[test]
     fn the_closest_disk_within_the_bound_is_met() {
-        let disk = |z: f64| Disk::new(DVec3::new(0.0, 0.0, z), DVec3::Z, 1.0, [1.0; 3]);
+        let disk = |z: f64| Emitter::disk(DVec3::new(0.0, 0.0, z), DVec3::Z, 1.0, [1.0; 3]);
         let lights = Lights::new(vec![disk(3.0), disk(2.0), disk(-1.0)], Selection::Uniform);
         let ray = |x: f64, bound: f64| closest(&lights, DVec3::new(x, 0.0, 0.0), DVec3::Z, bound);
         assert_eq!(ray(0.5, f64::INFINITY), Some((1, 2.0)));
@@ -113,5 +135,15 @@ mod tests {
         assert_eq!(ray(1.5, f64::INFINITY), None);
         assert_eq!(closest(&lights, DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 9.0), Some((0, 1.0)), "starts in a plane");
         assert_eq!(closest(&lights, DVec3::new(-5.0, 0.0, 2.0), DVec3::X, 9.0), None, "runs along a plane");
+    }
+
+    #[test]
+    fn spheres_are_met_from_outside_and_from_inside() {
+        let lights = Lights::new(vec![Emitter::sphere(5.0 * DVec3::Z, 1.0, [1.0; 3])], Selection::Uniform);
+        let ray = |z: f64, direction: DVec3| closest(&lights, DVec3::new(0.6, 0.0, z), direction, f64::INFINITY);
+        let distance = |found: Option<(usize, f64)>| found.map_or(f64::NAN, |(_, distance)| distance);
+        assert!((distance(ray(0.0, DVec3::Z)) - 4.2).abs() < 1e-6);
+        assert!((distance(ray(5.0, DVec3::Z)) - 0.8).abs() < 1e-6, "from inside");
+        assert_eq!([ray(0.0, DVec3::NEG_Z), ray(9.0, DVec3::Z), ray(0.0, DVec3::X)], [None; 3]);
     }
 }

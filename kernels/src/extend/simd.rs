@@ -1,10 +1,12 @@
 //! ```text
-//! for each disk: t = ((c - o) . n) / (d . n);  hit if 0 < t < bound and |o + t d - c| <= R
+//! for each disk:    t = ((c - o) . n) / (d . n);  hit if 0 < t < bound and |o + t d - c| <= R
+//! for each sphere:  t = b -+ sqrt(R^2 - |c - o - b d|^2),  b = (c - o) . d;  the smaller one that is positive
 //! keep the nearest
 //! ```
 //!
-//! 1. Eight rays against one disk at a time, so lanes are full whatever the number of disks.
-//! 2. Triangles are traced one ray at a time, up to the disk or the end of the flight: as far as anything may matter.
+//! 1. Eight rays against one light at a time, so lanes are full whatever their number.
+//! 2. Triangles are traced one ray at a time, up to the light or the end of the flight: as far as anything may matter. Where
+//!    triangles shine, the camera looks at all distances.
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
@@ -12,7 +14,7 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::columns::LANES;
 use crate::columns::queues::{HitBatch, SurfaceHit, SurfaceHitQueue};
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 use crate::vec3x8::Vec3x8;
@@ -32,70 +34,100 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
         let mut nearest = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
         let mut met = u32x8::splat(0);
         let mut any = f32x8::ZERO;
-        for (index, disk) in lights.disks().iter().enumerate() {
-            let distance = crossing(disk, origin, direction, nearest);
+        for (index, solid) in lights.solids().iter().enumerate() {
+            let distance = crossing(solid, origin, direction, nearest);
             let hit = distance.simd_lt(nearest);
             nearest = hit.select(distance, nearest);
             met = bytemuck::cast::<f32x8, u32x8>(hit).select(u32x8::splat(index as u32), met);
             any |= hit;
         }
-        let mut met_any = lanes::bits(any) & live;
+        let mut found = Found {
+            bits: lanes::bits(any) & live,
+            light: met.to_array(),
+            distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
+        };
         if !surfaces.is_empty() {
-            let disks = any.select(nearest, f32x8::splat(f32::INFINITY));
-            let beams = Beams { b, origin, direction, flight: flight[b], disks, at_camera: lanes::bits(at_camera) };
-            let (hidden, on_surface) = beams.trace(surfaces, live, surface_hits);
-            met_any &= !hidden;
+            let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
+            let on_surface = beams.trace(lights, surfaces, live, &mut found, surface_hits);
             paths.on_surface.insert_batch(b, on_surface);
         }
-        hits.push_batch(met_any, HitBatch { lane: lanes::indices(b), disk: met, distance: nearest });
+        let (light, distance) = (u32x8::new(found.light), f32x8::new(found.distance));
+        hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), light, distance });
     }
 }
 
-/// Eight rays, and what is known of them before any triangle is.
+/// The lights that eight rays meet.
+struct Found {
+    /// Rays that meet one.
+    bits: u32,
+    light: [u32; LANES],
+    /// How far away, infinite where there is none.
+    distance: [f32; LANES],
+}
+
+/// Eight rays on their way to triangles.
 struct Beams {
     b: usize,
     origin: Vec3x8,
     direction: Vec3x8,
     flight: f32x8,
-    /// Distance of the disk that each meets, infinite where there is none.
-    disks: f32x8,
     /// Rays that leave the camera.
     at_camera: u32,
 }
 
 impl Beams {
-    /// Lists the surfaces at which flights end; gives the rays whose disk is hidden, and those that end on a surface.
+    /// Lists the surfaces at which flights end, and gives their rays. What is `found` behind a surface is forgotten, and
+    /// replaced by the surface itself if that shines.
     #[inline(always)]
-    fn trace(&self, surfaces: &Surfaces, live: u32, found: &mut SurfaceHitQueue<'_>) -> (u32, u32) {
+    fn trace(
+        &self,
+        lights: &Lights,
+        surfaces: &Surfaces,
+        live: u32,
+        found: &mut Found,
+        surface_hits: &mut SurfaceHitQueue<'_>,
+    ) -> u32 {
         let ([x, y, z], [dx, dy, dz]) = (self.origin.to_arrays(), self.direction.to_arrays());
-        let (flight, disks) = (self.flight.to_array(), self.disks.to_array());
-        let (mut hidden, mut on_surface) = (0, 0);
+        let flight = self.flight.to_array();
+        let mut on_surface = 0;
         for i in lanes::each(live) {
-            // The camera sees a disk at any distance, so what may hide it counts as far.
-            let sees_disk = self.at_camera >> i & 1 == 1 && disks[i].is_finite();
-            let max = if sees_disk { disks[i] } else { flight[i].min(disks[i]) };
+            // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
+            let looks = self.at_camera >> i & 1 == 1 && (found.distance[i].is_finite() || lights.has_meshes());
+            let max = if looks { found.distance[i] } else { flight[i].min(found.distance[i]) };
             let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]], max };
             let Some(hit) = trace::closest(surfaces.geometry(), &ray) else { continue };
-            hidden |= 1 << i;
+            found.bits &= !(1 << i);
+            if let Some(emitter) = lights.of_triangle(hit.triangle) {
+                found.bits |= 1 << i;
+                (found.light[i], found.distance[i]) = (emitter, hit.distance);
+            }
             if hit.distance < flight[i] {
                 on_surface |= 1 << i;
                 let (lane, [second, third]) = ((self.b * LANES + i) as u32, hit.barycentric);
-                found.push(SurfaceHit { lane, triangle: hit.triangle, distance: hit.distance, second, third });
+                surface_hits.push(SurfaceHit { lane, triangle: hit.triangle, distance: hit.distance, second, third });
             }
         }
-        (hidden, on_surface)
+        on_surface
     }
 }
 
-/// Distance to `disk`, or infinity where the ray does not meet it before `bound`.
+/// Distance to a disk or sphere, or infinity where the ray does not meet it before `bound`.
 #[inline(always)]
-fn crossing(disk: &Disk, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
-    let normal = Vec3x8::splat(disk.normal);
-    let from_center = origin - Vec3x8::splat(disk.center);
-    let distance = -from_center.dot(normal) / direction.dot(normal);
-    let across = direction.mul_add(distance, from_center).length_squared();
-    let hit = distance.simd_gt(f32x8::ZERO)
-        & distance.simd_lt(bound)
-        & across.simd_le(f32x8::splat(disk.radius * disk.radius));
+fn crossing(solid: &Emitter, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
+    let from_center = origin - Vec3x8::splat(solid.origin);
+    let radius_squared = f32x8::splat(solid.radius * solid.radius);
+    let (distance, inside) = if solid.shape == Shape::Sphere {
+        let closest = -from_center.dot(direction);
+        let half_squared = radius_squared - direction.mul_add(closest, from_center).length_squared();
+        let half = half_squared.fast_max(f32x8::ZERO).sqrt();
+        let near = closest - half;
+        (near.simd_gt(f32x8::ZERO).select(near, closest + half), half_squared.simd_gt(f32x8::ZERO))
+    } else {
+        let normal = Vec3x8::splat(solid.normal);
+        let distance = -from_center.dot(normal) / direction.dot(normal);
+        let across = direction.mul_add(distance, from_center).length_squared();
+        (distance, across.simd_le(radius_squared))
+    };
+    let hit = distance.simd_gt(f32x8::ZERO) & distance.simd_lt(bound) & inside;
     hit.select(distance, f32x8::splat(f32::INFINITY))
 }

@@ -18,7 +18,7 @@ use glam::DVec3;
 
 use super::{Columns, THINNED};
 use crate::columns::LANES;
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Light, Lights};
 use crate::tables::media::Medium;
 use crate::{Step, random};
 
@@ -51,7 +51,7 @@ pub fn uniforms(pixel: u32, sample: u32, seed: u32) -> [f64; 2] {
 /// The first flight of the ray `[m]`, >= 0: a stretched `free` one, or drawn towards a light if `u` says so.
 pub fn flight(lights: &Lights, share: f64, origin: DVec3, direction: DVec3, free: f64, u: [f64; 2]) -> f64 {
     match choose_light(lights, share, u[0]) {
-        Some(light) => aimed_flight(&lights.disks()[light], origin, direction, u[1]),
+        Some(light) => aimed_flight(&lights.lights()[light], origin, direction, u[1]),
         None => free / f64::from(THINNED),
     }
 }
@@ -64,29 +64,29 @@ fn choose_light(lights: &Lights, share: f64, u: f64) -> Option<usize> {
         return None;
     }
     let mut sum = 0.0;
-    for (light, intensity) in lights.intensities().iter().enumerate() {
-        sum += f64::from(*intensity);
+    for (index, light) in lights.lights().iter().enumerate() {
+        sum += f64::from(light.intensity);
         if u < share * sum {
-            return Some(light);
+            return Some(index);
         }
     }
-    lights.disks().len().checked_sub(1)
+    lights.lights().len().checked_sub(1)
 }
 
-/// The distance along the ray that a share `v` of the flights drawn towards `disk` does not reach `[m]`.
-fn aimed_flight(disk: &Disk, origin: DVec3, direction: DVec3, v: f64) -> f64 {
-    let (delta, offset) = approach(disk, origin, direction);
+/// The distance along the ray that a share `v` of the flights drawn towards `light` does not reach `[m]`.
+fn aimed_flight(light: &Light, origin: DVec3, direction: DVec3, v: f64) -> f64 {
+    let (delta, offset) = approach(light, origin, direction);
     let span = span(delta, offset);
     delta.hypot(offset) * (v * span).sin() / ((1.0 - v) * span).sin()
 }
 
-/// How far along the ray it is closest to the centre of the disk, and D, how far it then passes, widened by the disk's
+/// How far along the ray it is closest to the centre of the light, and D, how far it then passes, widened by the light's
 /// radius `[m]`.
-fn approach(disk: &Disk, origin: DVec3, direction: DVec3) -> (f64, f64) {
-    let center = DVec3::from(disk.center.map(f64::from));
+fn approach(light: &Light, origin: DVec3, direction: DVec3) -> (f64, f64) {
+    let center = DVec3::from(light.center.map(f64::from));
     let delta = (center - origin).dot(direction);
     let miss = (origin + delta * direction - center).length();
-    (delta, miss.hypot(f64::from(disk.radius)))
+    (delta, miss.hypot(f64::from(light.radius)))
 }
 
 /// The angle that the whole ray spans, (0, pi).
@@ -94,9 +94,9 @@ fn span(delta: f64, offset: f64) -> f64 {
     offset.atan2(-delta)
 }
 
-/// q_l: the density of the flights drawn towards `disk` at `t` [1/m].
-pub fn density(disk: &Disk, origin: DVec3, direction: DVec3, t: f64) -> f64 {
-    let (delta, offset) = approach(disk, origin, direction);
+/// q_l: the density of the flights drawn towards `light` at `t` [1/m].
+pub fn density(light: &Light, origin: DVec3, direction: DVec3, t: f64) -> f64 {
+    let (delta, offset) = approach(light, origin, direction);
     offset / (span(delta, offset) * (offset.powi(2) + (t - delta).powi(2)))
 }
 
@@ -105,8 +105,8 @@ pub fn weight(extinction: f64, lights: &Lights, share: f64, origin: DVec3, direc
     let thinned = f64::from(THINNED) * extinction;
     let flight = |extinction: f64| extinction * (-extinction * t).exp();
     let mut aimed = 0.0;
-    for (disk, intensity) in lights.disks().iter().zip(lights.intensities()) {
-        aimed += f64::from(*intensity) * density(disk, origin, direction, t);
+    for light in lights.lights() {
+        aimed += f64::from(light.intensity) * density(light, origin, direction, t);
     }
     flight(extinction) / ((1.0 - share) * flight(thinned) + share * aimed)
 }
@@ -118,13 +118,13 @@ mod tests {
     use crate::columns::queues::{Flight, FlightTable, RequestTable};
     use crate::medium_sample;
     use crate::phase::HenyeyGreenstein;
-    use crate::tables::lights::Selection;
+    use crate::tables::lights::{Emitter, Selection};
     use bumpalo::Bump;
 
     /// Shares of the intensity: a quarter and three quarters.
     fn lights() -> Lights {
         let disk = |x: f64, z: f64, radius: f64, radiance: f64| {
-            Disk::new(DVec3::new(x, 0.5, z), DVec3::new(0.3, -0.2, -1.0), radius, [radiance; 3])
+            Emitter::disk(DVec3::new(x, 0.5, z), DVec3::new(0.3, -0.2, -1.0), radius, [radiance; 3])
         };
         Lights::new(vec![disk(0.5, 3.0, 0.25, 4.0), disk(-1.0, 9.0, 0.5, 3.0)], Selection::Uniform)
     }
@@ -158,8 +158,8 @@ mod tests {
     #[test]
     fn aimed_densities_integrate_to_one() {
         for (origin, direction) in rays() {
-            for disk in lights().disks() {
-                let sum = integral(1e9, |t| density(disk, origin, direction, t));
+            for light in lights().lights() {
+                let sum = integral(1e9, |t| density(light, origin, direction, t));
                 assert!((sum - 1.0).abs() < 1e-6, "{sum} from {origin}");
             }
         }
@@ -168,10 +168,10 @@ mod tests {
     #[test]
     fn a_share_v_of_the_density_lies_below_the_flight_of_v() {
         for (origin, direction) in rays() {
-            for disk in lights().disks() {
+            for light in lights().lights() {
                 for v in [random::uniform(0), 0.003, 0.3, 0.8, 0.9999] {
-                    let t = aimed_flight(disk, origin, direction, v);
-                    let share = integral(t, |s| density(disk, origin, direction, s));
+                    let t = aimed_flight(light, origin, direction, v);
+                    let share = integral(t, |s| density(light, origin, direction, s));
                     assert!(t > 0.0 && (share - v).abs() < 1e-6 * v, "{share} at {v} from {origin}");
                 }
             }
@@ -181,11 +181,11 @@ mod tests {
     #[test]
     fn flights_are_those_of_the_papers_formula_and_never_negative() {
         for (origin, direction) in rays() {
-            for disk in lights().disks() {
-                let (delta, offset) = approach(disk, origin, direction);
+            for light in lights().lights() {
+                let (delta, offset) = approach(light, origin, direction);
                 let span = core::f64::consts::FRAC_PI_2 + (delta / offset).atan();
                 for v in cells(50).chain([random::uniform(0), random::uniform(u32::MAX)]) {
-                    let t = aimed_flight(disk, origin, direction, v);
+                    let t = aimed_flight(light, origin, direction, v);
                     let expected = delta + offset / ((1.0 - v) * span).tan();
                     assert!(t > 0.0 && (t - expected).abs() < 1e-7 * (t + delta.abs()), "{t}, not {expected}");
                 }
@@ -199,8 +199,8 @@ mod tests {
         for (origin, direction) in rays() {
             for t in [0.5, 3.0, 20.0] {
                 let mut expected = (1.0 - share) * -(-f64::from(THINNED) * extinction * t).exp_m1();
-                for (disk, part) in lights.disks().iter().zip([0.25, 0.75]) {
-                    expected += share * part * integral(t, |s| density(disk, origin, direction, s));
+                for (light, part) in lights.lights().iter().zip([0.25, 0.75]) {
+                    expected += share * part * integral(t, |s| density(light, origin, direction, s));
                 }
                 // No flight takes both numbers, so that they may be the same.
                 let ends_below = |u: f64, v: f64| {

@@ -13,7 +13,7 @@ use wide::f32x8;
 use super::{Columns, THINNED};
 use crate::columns::queues::FlightTable;
 use crate::random::{self, uniform_x8};
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Light, Lights};
 use crate::tables::media::Medium;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
@@ -33,16 +33,16 @@ pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Co
 
         let mut t = flight.batch(b) * f32x8::splat(1.0 / THINNED);
         let (mut open, mut below) = (u.simd_lt(share), f32x8::ZERO);
-        for (index, (disk, part)) in lights.disks().iter().zip(lights.intensities()).enumerate() {
-            below += share * f32x8::splat(*part);
-            let last = index + 1 == lights.disks().len();
+        for (index, light) in lights.lights().iter().enumerate() {
+            below += share * f32x8::splat(light.intensity);
+            let last = index + 1 == lights.lights().len();
             let drawn = if last { open } else { open & u.simd_lt(below) };
-            t = drawn.select(Sight::new(disk, origin, direction).draw(v), t);
+            t = drawn.select(Sight::new(light, origin, direction).draw(v), t);
             open &= !drawn;
         }
         let mut density = f32x8::ZERO;
-        for (disk, part) in lights.disks().iter().zip(lights.intensities()) {
-            density += f32x8::splat(*part) * Sight::new(disk, origin, direction).density(t);
+        for light in lights.lights() {
+            density += f32x8::splat(light.intensity) * Sight::new(light, origin, direction).density(t);
         }
         let optical = extinction * t;
         let thinned = (f32x8::ONE - share) * f32x8::splat(THINNED) * exp(optical * f32x8::splat(1.0 - THINNED));
@@ -65,11 +65,11 @@ struct Sight {
 
 impl Sight {
     #[inline(always)]
-    fn new(disk: &Disk, origin: Vec3x8, direction: Vec3x8) -> Self {
-        let to_center = Vec3x8::splat(disk.center) - origin;
+    fn new(light: &Light, origin: Vec3x8, direction: Vec3x8) -> Self {
+        let to_center = Vec3x8::splat(light.center) - origin;
         let delta = to_center.dot(direction);
         let across = direction.mul_neg_add(delta, to_center).length_squared();
-        let closest = (across + f32x8::splat(disk.radius * disk.radius)).sqrt();
+        let closest = (across + f32x8::splat(light.radius * light.radius)).sqrt();
         Self { delta, closest, span: closest.atan2(-delta) }
     }
 

@@ -28,10 +28,10 @@ use super::Columns;
 use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
 use crate::connect::bridge::{Bridge, Roll};
-use crate::connect::light_sample::reference::light_density;
+use crate::connect::light_sample::reference::{cosine, light_density, normal};
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::reference as phase;
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Emitter, Lights};
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
@@ -102,11 +102,10 @@ pub fn weight(
     surface: Option<DVec3>,
     light: usize,
 ) -> f64 {
-    let disk = &lights.disks()[light];
     let [.., before, point] = path else {
         return 0.0;
     };
-    let profile = profile(disk, *point - *before);
+    let profile = profile(&lights.emitters()[light], *point, *point - *before);
     if profile == 0.0 {
         return 0.0;
     }
@@ -125,16 +124,14 @@ pub fn weight(
     profile / sum
 }
 
-/// Radiance of a disk towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
-pub fn profile(disk: &Disk, direction: DVec3) -> f64 {
-    let cosine = -direction.normalize_or_zero().dot(DVec3::from(disk.normal.map(f64::from)));
+/// Radiance of an emitter from `point` towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
+pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
+    let cosine = cosine(emitter, point, direction);
     if cosine <= 0.0 {
         return 0.0;
     }
-    // Where there is no exponent all directions are alike.
-    let exponent = f64::from(disk.exponent);
-    let is_spot = disk.scale != 1.0;
-    if is_spot { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
+    let exponent = f64::from(emitter.exponent);
+    if emitter.is_focused() { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
 }
 
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
@@ -156,7 +153,10 @@ fn ratios(
     light: usize,
 ) -> f64 {
     let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
-    let normal = DVec3::from(lights.disks()[light].normal.map(f64::from));
+    let [.., before, point] = path else {
+        return 0.0;
+    };
+    let normal = normal(&lights.emitters()[light], *point, *point - *before);
     let Some(traced) = path_tracing_density(extinction, g, path, start, surface, normal) else {
         return 0.0;
     };
@@ -271,7 +271,7 @@ mod tests {
     use crate::connect::bridge::{Bridge, Roll};
     use crate::connect::mvnee::{Mvnee, Offset};
     use crate::phase::HenyeyGreenstein;
-    use crate::tables::lights::{Disk, Selection};
+    use crate::tables::lights::{Emitter, Selection};
     use core::f64::consts::PI;
 
     fn medium(extinction: f32, g: f32) -> Medium {
@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn light(center: DVec3) -> Lights {
-        Lights::new(vec![Disk::new(center, -DVec3::Z, 0.5, [1.0; 3])], Selection::Uniform)
+        Lights::new(vec![Emitter::disk(center, -DVec3::Z, 0.5, [1.0; 3])], Selection::Uniform)
     }
 
     fn both(medium: &Medium) -> Techniques {
@@ -332,7 +332,7 @@ mod tests {
         let weights = [1e-5_f64, 1.0, 1e4].map(|mfp| {
             let mut path: Vec<_> = (0..200).map(|k| mfp * zigzag(k)).collect();
             path.push(mfp * DVec3::new(0.0, 0.0, 101.0));
-            let disk = Disk::new(path[200], -DVec3::Z, 20.0 * mfp, [1.0; 3]);
+            let disk = Emitter::disk(path[200], -DVec3::Z, 20.0 * mfp, [1.0; 3]);
             let lights = Lights::new(vec![disk], Selection::Uniform);
             let medium = medium((1.0 / mfp) as f32, 0.6);
             weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, None, 0)

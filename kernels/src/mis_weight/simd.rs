@@ -169,8 +169,7 @@ impl Batch<'_> {
                 if is_start { candidates.start.batch(b) } else { chains.vertices[self.inserted - a].batch(b) };
             let (length, direction) = segment(position, next);
             if a == 1 {
-                let normal = self.lights.gather3(&self.light_of, |disk| disk.normal);
-                (last, cos_light) = (length, -direction.dot(normal));
+                (last, cos_light) = (length, self.lights.cosine(&self.light_of, point, direction));
             } else if self.densities {
                 self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
             }
@@ -184,10 +183,9 @@ impl Batch<'_> {
         let start = &mut suffix.vertices[self.inserted + 1];
         start.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
 
-        let inverse_area = |radius: f32| core::f32::consts::FRAC_1_PI / (radius * radius);
         Arrival {
             extinction: f32x8::splat(extinction),
-            inverse_area: self.lights.gather(&self.light_of, |disk| inverse_area(disk.radius)),
+            inverse_area: self.lights.gather(&self.light_of, |emitter| emitter.density),
             last_squared: last * last,
             cos_light,
         }

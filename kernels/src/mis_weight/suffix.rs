@@ -81,7 +81,7 @@ impl<'q> Suffix<'q> {
 pub struct Arrival {
     /// Extinction [1/m].
     pub extinction: f32x8,
-    /// One over the light's area, p_A [1/m^2].
+    /// Density of the point on its light, p_A [1/m^2].
     pub inverse_area: f32x8,
     /// Squared length of the last segment, l_{n-1}^2 [m^2].
     pub last_squared: f32x8,

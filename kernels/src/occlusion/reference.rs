@@ -1,4 +1,4 @@
-//! Segment against disk in f64.
+//! Segment against disk and sphere in f64.
 //!
 //! With the heights `h = (x - c) . n` of its ends over the disk's plane, a segment from a to b crosses the plane if
 //! they have opposite signs, at
@@ -8,12 +8,13 @@
 //! ```
 //!
 //! and the disk of radius R blocks it if that point is within R of the centre c. The test covers the segment as it is,
-//! from perturbed vertex to perturbed vertex, not its seed on the axis.
+//! from perturbed vertex to perturbed vertex, not its seed on the axis. A sphere blocks it if its closest point to the centre
+//! is within the radius.
 
 use glam::DVec3;
 
 use super::Columns;
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 
@@ -29,22 +30,22 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
         }
         chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
         let light = candidates.light.rows()[row] as usize;
-        if is_occluded(lights, light, &chain) || is_hidden(surfaces, &chain) {
+        if is_occluded(lights, light, &chain) || is_hidden(lights, surfaces, light, &chain) {
             candidates.weight.rows_mut()[row] = 0.0;
         }
     }
 }
 
-/// Whether a disk blocks the chain from a start to a point on `light`. The light does not block the segment that ends
-/// on it.
+/// Whether a disk or sphere blocks the chain from a start to a point on the emitter `light`, which does not block the segment
+/// that ends on it.
 pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
     for (index, ends) in chain.windows(2).enumerate() {
-        for (other, disk) in lights.disks().iter().enumerate() {
+        for (other, solid) in lights.solids().iter().enumerate() {
             if index == last && other == light {
                 continue;
             }
-            if blocks(disk, ends[0], ends[1]) {
+            if blocks(solid, ends[0], ends[1]) {
                 return true;
             }
         }
@@ -52,26 +53,35 @@ pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
     false
 }
 
-/// Whether a triangle blocks a segment of the chain.
-pub fn is_hidden(surfaces: &Surfaces, chain: &[DVec3]) -> bool {
-    chain.windows(2).any(|ends| {
+/// Whether a triangle blocks a segment of the chain to a point on the emitter `light`, which does not block the last.
+pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, light: usize, chain: &[DVec3]) -> bool {
+    let (geometry, own) = (surfaces.geometry(), lights.emitters()[light].triangle as usize);
+    let last = chain.len().saturating_sub(2);
+    chain.windows(2).enumerate().any(|(index, ends)| {
         let [origin, end] = [ends[0], ends[1]].map(|v| v.as_vec3().to_array());
         let direction = core::array::from_fn(|axis| end[axis] - origin[axis]);
-        trace::reference::any(surfaces.geometry(), &Ray { origin, direction, max: 1.0 })
+        let ray = Ray { origin, direction, max: 1.0 };
+        let others = (0..geometry.len()).filter(|triangle| index != last || *triangle != own);
+        others.into_iter().any(|triangle| trace::reference::meet(geometry.corners(triangle), &ray).is_some())
     })
 }
 
-/// Whether the segment from `a` to `b` crosses the disk; one that only touches its plane does not.
-pub fn blocks(disk: &Disk, a: DVec3, b: DVec3) -> bool {
-    let center = DVec3::from(disk.center.map(f64::from));
-    let normal = DVec3::from(disk.normal.map(f64::from));
+/// Whether the segment from `a` to `b` crosses a disk, or enters a sphere; one that only touches a disk's plane does not.
+pub fn blocks(solid: &Emitter, a: DVec3, b: DVec3) -> bool {
+    let center = DVec3::from(solid.origin.map(f64::from));
+    let normal = DVec3::from(solid.normal.map(f64::from));
+    if solid.shape == Shape::Sphere {
+        let edge = b - a;
+        let along = ((center - a).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        return (a + along * edge - center).length() < f64::from(solid.radius);
+    }
     let (height_a, height_b) = ((a - center).dot(normal), (b - center).dot(normal));
     let crosses = (height_a > 0.0 && height_b < 0.0) || (height_a < 0.0 && height_b > 0.0);
     if !crosses {
         return false;
     }
     let crossing = a + (b - a) * (height_a / (height_a - height_b));
-    (crossing - center).length() <= f64::from(disk.radius)
+    (crossing - center).length() <= f64::from(solid.radius)
 }
 
 #[cfg(test)]
@@ -81,7 +91,7 @@ mod tests {
 
     #[test]
     fn segments_are_blocked_only_where_they_cross_a_disk() {
-        let disk = Disk::new(DVec3::new(0.0, 0.0, 1.0), DVec3::Z, 1.0, [1.0; 3]);
+        let disk = Emitter::disk(DVec3::new(0.0, 0.0, 1.0), DVec3::Z, 1.0, [1.0; 3]);
         let blocked = |a: [f64; 3], b: [f64; 3]| blocks(&disk, DVec3::from(a), DVec3::from(b));
         assert!(blocked([0.5, 0.0, 0.0], [0.5, 0.0, 2.0]) && blocked([0.5, 0.0, 2.0], [0.5, 0.0, 0.0]));
         assert!(!blocked([1.5, 0.0, 0.0], [1.5, 0.0, 2.0]), "passes beside it");
@@ -92,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_light_blocks_every_segment_but_the_one_that_ends_on_it() {
-        let lights = Lights::new(vec![Disk::new(DVec3::Z, -DVec3::Z, 1.0, [1.0; 3])], Selection::Uniform);
+        let lights = Lights::new(vec![Emitter::disk(DVec3::Z, -DVec3::Z, 1.0, [1.0; 3])], Selection::Uniform);
         let chain = [DVec3::ZERO, DVec3::new(0.0, 0.1, 1.5), DVec3::new(0.0, 0.2, 1.0)];
         assert!(is_occluded(&lights, 0, &chain));
         let beside = [DVec3::ZERO, DVec3::new(0.0, 3.5, 1.5), DVec3::new(0.0, 0.2, 1.0)];

@@ -1,8 +1,9 @@
 //! ```text
 //! for each segment a -> b of start, inserted vertices .., point:
-//!     for each disk, but the candidate's own where b is the point:
-//!         fa, fb = signed distances of a, b from the disk's plane
-//!         blocked if fa fb < 0 and the crossing a + (b - a) fa / (fa - fb) lies within the radius
+//!     for each light, but the candidate's own where b is the point:
+//!         disk:    fa, fb = signed distances of a, b from its plane
+//!                  blocked if fa fb < 0 and the crossing a + (b - a) fa / (fa - fb) lies within the radius
+//!         sphere:  blocked if the point of the segment that is closest to the centre is within the radius
 //! ```
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full.
@@ -15,7 +16,7 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::lanes;
-use crate::tables::lights::{Disk, Lights};
+use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 use crate::vec3x8::Vec3x8;
@@ -33,15 +34,15 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
             }
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
-            for (index, disk) in lights.disks().iter().enumerate() {
+            for (index, solid) in lights.solids().iter().enumerate() {
                 let own = lanes::as_mask(candidates.light.batch(b).simd_eq(u32x8::splat(index as u32)));
                 let spared = if last { own } else { f32x8::ZERO };
-                free &= spared | !crosses(disk, from, to);
+                free &= spared | !crosses(solid, from, to);
             }
             from = to;
         }
         if !surfaces.is_empty() {
-            free &= lanes::mask(unhidden(surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
+            free &= lanes::mask(unhidden(lights, surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
         }
         candidates.weight.set_batch(b, free.select(weight, f32x8::ZERO));
     }
@@ -50,6 +51,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
 /// Which of the rows `free` of batch `b` no triangle hides.
 #[inline(always)]
 fn unhidden(
+    lights: &Lights,
     surfaces: &Surfaces,
     inserted: usize,
     b: usize,
@@ -57,6 +59,7 @@ fn unhidden(
     candidates: &CandidateQueue<'_>,
     chains: &ChainTable<'_>,
 ) -> u32 {
+    let light_of = candidates.light.batch(b).to_array();
     let mut from = candidates.start.batch(b).to_arrays();
     for segment in 0..=inserted {
         if free == 0 {
@@ -67,7 +70,8 @@ fn unhidden(
         for i in lanes::each(free) {
             let origin = from.map(|component| component[i]);
             let direction = core::array::from_fn(|axis| to[axis][i] - origin[axis]);
-            if trace::any(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }) {
+            let spared = if last { lights.emitters()[light_of[i] as usize].triangle } else { u32::MAX };
+            if trace::any_but(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }, spared) {
                 free &= !(1 << i);
             }
         }
@@ -76,12 +80,18 @@ fn unhidden(
     free
 }
 
-/// Whether the segment from `a` to `b` crosses `disk`.
+/// Whether the segment from `a` to `b` crosses a disk or enters a sphere.
 #[inline(always)]
-fn crosses(disk: &Disk, a: Vec3x8, b: Vec3x8) -> f32x8 {
-    let (center, normal) = (Vec3x8::splat(disk.center), Vec3x8::splat(disk.normal));
+fn crosses(solid: &Emitter, a: Vec3x8, b: Vec3x8) -> f32x8 {
+    let (center, normal) = (Vec3x8::splat(solid.origin), Vec3x8::splat(solid.normal));
     let (a, b) = (a - center, b - center);
+    if solid.shape == Shape::Sphere {
+        let edge = b - a;
+        let closest = -a.dot(edge) / edge.length_squared().fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        let closest = closest.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        return edge.mul_add(closest, a).length_squared().simd_lt(f32x8::splat(solid.radius * solid.radius));
+    }
     let (fa, fb) = (a.dot(normal), b.dot(normal));
     let across = (b - a).mul_add(fa / (fa - fb), a).length_squared();
-    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(disk.radius * disk.radius))
+    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(solid.radius * solid.radius))
 }

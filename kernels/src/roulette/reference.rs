@@ -21,7 +21,7 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
         let weight = f64::from(candidates.weight.rows()[row]);
         let channels = contribution(
             weight,
-            lights.disks()[candidates.light.rows()[row] as usize].radiance.map(f64::from),
+            lights.emitters()[candidates.light.rows()[row] as usize].radiance.map(f64::from),
             paths.columns.throughput.row(lane).map(f64::from),
             medium.albedo.map(f64::from),
             bucket.inserted,
@@ -58,7 +58,7 @@ mod tests {
     use crate::columns::paths::PathTable;
     use crate::columns::queues::{Bucket, Candidate, CandidateQueue};
     use crate::phase::HenyeyGreenstein;
-    use crate::tables::lights::{Disk, Selection};
+    use crate::tables::lights::{Emitter, Selection};
     use bumpalo::Bump;
     use glam::DVec3;
 
@@ -85,7 +85,7 @@ mod tests {
     fn faint_candidates_survive_as_often_as_they_should() {
         let arena = Bump::new();
         let medium = Medium { extinction: 1.0, albedo: [0.5, 0.25, 1.0], phase: HenyeyGreenstein { g: 0.0 } };
-        let disk = Disk::new(DVec3::Z, -DVec3::Z, 1.0, [2.0, 1.0, 9.0]);
+        let disk = Emitter::disk(DVec3::Z, -DVec3::Z, 1.0, [2.0, 1.0, 9.0]);
         let lights = Lights::new(vec![disk], Selection::Uniform);
         let (rows, inserted) = (4000, 2);
         // One channel is in use: C = 0.5 * 2 * 0.8 * 0.25 = 0.2.

@@ -108,10 +108,7 @@ impl Surfaces {
             albedo = core::array::from_fn(|channel| albedo[channel] * color[channel].clamp(0.0, 1.0));
         }
         if let Some(texture) = &material.texture {
-            let texcoords = &self.paint.texcoords[texture.texcoords as usize];
-            let at = mix(corners.map(|corner| texcoords[corner]), weights);
-            let table = &self.paint.textures[texture.texture as usize];
-            let texel = table.sample(&self.paint.images[table.image as usize], texture.transform(at));
+            let texel = self.paint.texel(texture, corners, weights);
             albedo = core::array::from_fn(|channel| albedo[channel] * texel[channel]);
         }
         albedo
@@ -140,6 +137,14 @@ impl Surfaces {
 }
 
 impl Paint {
+    /// The linear value of a texture at the point of a triangle with these vertices and barycentric weights.
+    pub fn texel(&self, texture: &TextureRef, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
+        let texcoords = &self.texcoords[texture.texcoords as usize];
+        let at = mix(corners.map(|corner| texcoords[corner]), weights);
+        let table = &self.textures[texture.texture as usize];
+        table.sample(&self.images[table.image as usize], texture.transform(at))
+    }
+
     fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         digest(bytemuck::cast_slice(&self.colors));
         self.texcoords.iter().for_each(|set| digest(bytemuck::cast_slice(set)));

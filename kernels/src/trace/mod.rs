@@ -20,7 +20,7 @@ pub mod simd;
 pub mod surface;
 pub mod triangles;
 
-pub use simd::{any, closest};
+pub use simd::{any, any_but, closest};
 
 /// A ray: the points `origin + t direction` for t in `(0, max)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -83,6 +83,12 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
 /// Whether the ray hits anything.
 #[inline]
 pub fn any(geometry: &Geometry, ray: &Ray) -> bool {
+    any_but(geometry, ray, u32::MAX)
+}
+
+/// Whether the ray hits anything but the triangle `spared`; `u32::MAX` for none.
+#[inline]
+pub fn any_but(geometry: &Geometry, ray: &Ray, spared: u32) -> bool {
     let tree = geometry.tree();
     let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
     if leaves.is_empty() {
@@ -93,8 +99,12 @@ pub fn any(geometry: &Geometry, ray: &Ray) -> bool {
     let mut child = tree.root;
     loop {
         if child.is_leaf() {
-            if let Some(crossings) = cross(&leaves[child.index()], &ready, ray.max)
-                && lanes::each(crossings.bits).any(|lane| crossings.distance[lane] < ray.max)
+            let leaf = &leaves[child.index()];
+            let counts = |bits: u32, distance: &[f32; LANES]| {
+                lanes::each(bits).any(|lane| distance[lane] < ray.max && leaf.triangles.as_array()[lane] != spared)
+            };
+            if let Some(crossings) = cross(leaf, &ready, ray.max)
+                && counts(crossings.bits, &crossings.distance)
             {
                 return true;
             }

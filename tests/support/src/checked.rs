@@ -12,7 +12,7 @@ use fogbow_kernels::columns::{Column3, LANES};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
-use fogbow_kernels::connect::light_sample::{self, Reach};
+use fogbow_kernels::connect::light_sample::{self, Reach, reference::cosine};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::mis_weight::reference::position_before;
@@ -545,9 +545,9 @@ impl Sight<'_, '_> {
         let path = self.path(at);
         let distance = path.iter().map(|position| position.length()).fold(0.0, f64::max);
         let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
-        let normal = self.lights.disks()[self.candidates.light.rows()[at] as usize].normal.map(f64::from);
-        let last = path[path.len() - 1] - path[path.len() - 2];
-        let cos_light = -last.normalize_or_zero().dot(glam::DVec3::from(normal));
+        let emitter = &self.lights.emitters()[self.candidates.light.rows()[at] as usize];
+        let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
+        let cos_light = cosine(emitter, point, point - before);
         tolerances::weight_conditioning(g, distance, shortest, cos_light)
     }
 }

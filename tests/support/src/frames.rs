@@ -11,7 +11,7 @@ use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::geometry::Geometry;
-use fogbow_kernels::tables::lights::{Disk, Lights, Selection};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, Walk};
@@ -84,22 +84,28 @@ pub fn with_length(frame: &Frame, segments: u32) -> Frame {
     Frame { lengths: PathLengths { min: segments, max: segments }, ..frame.clone() }
 }
 
-/// The fog scenes: a disk at (0, 0, 5) that faces `normal`, seen through fog of mean free path 1/1.7 m, K = 15.
-pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
-    let medium = Medium { extinction: 1.7, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
-    let disk = Disk::new(DVec3::new(0.0, 0.0, 5.0), normal, 0.5, [80.0; 3]);
-    let frame = Frame {
-        camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, UNIT_FOV, near, size),
+/// A path-traced frame without surfaces, of paths of up to `longest` segments.
+pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed: u32) -> Frame {
+    Frame {
+        camera,
         medium,
-        lights: Lights::new(vec![disk], Selection::Uniform),
+        lights,
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),
         walk: Walk::ALL,
         aimed: 0.0,
         roulette: 0.0,
-        lengths: PathLengths { min: 1, max: 15 },
-        seed: 1,
-    };
+        lengths: PathLengths { min: 1, max: longest },
+        seed,
+    }
+}
+
+/// The fog scenes: a disk at (0, 0, 5) that faces `normal`, seen through fog of mean free path 1/1.7 m, K = 15.
+pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
+    let medium = Medium { extinction: 1.7, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+    let disk = Emitter::disk(DVec3::new(0.0, 0.0, 5.0), normal, 0.5, [80.0; 3]);
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, UNIT_FOV, near, size);
+    let frame = plain(camera, medium, Lights::new(vec![disk], Selection::Uniform), 15, 1);
     with_techniques(&frame, Active::Mvnee, 4.0)
 }
 
@@ -112,22 +118,12 @@ pub fn fog_facing(near: f64, g: f32, size: [u32; 2]) -> Frame {
 pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let medium = Medium { extinction: 1.2, albedo: [0.9, 0.75, 0.5], phase: HenyeyGreenstein { g } };
     let lights = vec![
-        Disk::new(DVec3::new(0.6, 0.2, 2.5), DVec3::new(-0.3, 0.1, -1.0), 0.4, [10.0, 2.0, 1.0]),
-        Disk::new(DVec3::new(-0.8, -0.3, 2.0), DVec3::new(1.0, 0.2, -0.4), 0.25, [1.0, 20.0, 4.0]),
-        Disk::new(DVec3::new(0.3, 0.1, 1.6), DVec3::new(0.2, 0.0, 1.0), 0.3, [0.5, 1.0, 30.0]),
+        Emitter::disk(DVec3::new(0.6, 0.2, 2.5), DVec3::new(-0.3, 0.1, -1.0), 0.4, [10.0, 2.0, 1.0]),
+        Emitter::disk(DVec3::new(-0.8, -0.3, 2.0), DVec3::new(1.0, 0.2, -0.4), 0.25, [1.0, 20.0, 4.0]),
+        Emitter::disk(DVec3::new(0.3, 0.1, 1.6), DVec3::new(0.2, 0.0, 1.0), 0.3, [0.5, 1.0, 30.0]),
     ];
-    let frame = Frame {
-        camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size),
-        medium,
-        lights: Lights::new(lights, selection),
-        surfaces: Arc::new(Surfaces::none()),
-        techniques: Techniques::default(),
-        walk: Walk::ALL,
-        aimed: 0.0,
-        roulette: 0.0,
-        lengths: PathLengths { min: 1, max: 8 },
-        seed: 11,
-    };
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size);
+    let frame = plain(camera, medium, Lights::new(lights, selection), 8, 11);
     with_techniques(&frame, Active::Both, 3.0)
 }
 
@@ -176,23 +172,66 @@ pub fn room(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         (matte([0.9, 0.5, 0.1], false), panel(0.2, 0.6)),
     ]);
     let lights = vec![
-        Disk::new(DVec3::new(0.1, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3, [10.0, 9.0, 8.0]),
-        Disk::new(DVec3::new(-0.8, 1.5, 0.4), DVec3::new(1.0, -0.8, 0.9), 0.2, [40.0, 60.0, 90.0]).focused(6.0),
+        Emitter::disk(DVec3::new(0.1, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3, [10.0, 9.0, 8.0]),
+        Emitter::disk(DVec3::new(-0.8, 1.5, 0.4), DVec3::new(1.0, -0.8, 0.9), 0.2, [40.0, 60.0, 90.0]).focused(6.0),
     ];
     let medium = Medium { extinction: 0.8, albedo: [0.95, 0.9, 0.8], phase: HenyeyGreenstein { g } };
-    let frame = Frame {
-        camera: Camera::new(DVec3::new(0.0, 1.0, -1.5), DVec3::Z, DVec3::Y, 1.0, 0.2, size),
-        medium,
-        lights: Lights::new(lights, selection),
-        surfaces,
-        techniques: Techniques::default(),
-        walk: Walk::ALL,
-        aimed: 0.0,
-        roulette: 0.0,
-        lengths: PathLengths { min: 1, max: 7 },
-        seed: 5,
+    let camera = Camera::new(DVec3::new(0.0, 1.0, -1.5), DVec3::Z, DVec3::Y, 1.0, 0.2, size);
+    let frame = plain(camera, medium, Lights::new(lights, selection), 7, 5);
+    with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
+}
+
+/// The faces of an octahedron, seen from outside.
+fn octahedron(center: [f32; 3], radius: f32) -> Vec<[[f32; 3]; 3]> {
+    let corner = |axis: usize, side: f32| {
+        let mut corner = center;
+        corner[axis] += side * radius;
+        corner
     };
-    with_techniques(&frame, Active::Every, 3.0)
+    let face = |sides: [f32; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|axis| corner(axis, sides[axis]));
+        if sides[0] * sides[1] * sides[2] > 0.0 { [x, y, z] } else { [x, z, y] }
+    };
+    let side = |i: u32, axis: u32| if i >> axis & 1 == 0 { 1.0 } else { -1.0 };
+    (0..8).map(|i| face([0, 1, 2].map(|axis| side(i, axis)))).collect()
+}
+
+/// Those of the triangles of `surfaces`, as emitters of `radiance`.
+pub fn shining(surfaces: &Surfaces, triangles: core::ops::Range<u32>, radiance: [f32; 3]) -> Vec<Emitter> {
+    let emitter = |i: u32| {
+        let double_sided = surfaces.material(i).double_sided;
+        Emitter::triangle(surfaces.geometry().corners(i as usize), i, double_sided, radiance)
+    };
+    triangles.map(emitter).collect()
+}
+
+/// A room with a floor in a coloured medium, and what else shines: a sphere, a closed mesh that also reflects, and a panel that
+/// shines to both sides; and a disk. `unit` stands for a metre everywhere, in the mean free path too.
+pub fn lamps(unit: f64, g: f32, selection: Selection, size: [u32; 2]) -> Frame {
+    let [floor, _, left, ..] = walls();
+    let panel = quad([[0.2, 0.5, 1.9], [0.8, 0.6, 1.7], [0.8, 1.2, 1.8], [0.2, 1.1, 2.0]]).to_vec();
+    let matte = Material::plain;
+    let lamp = octahedron([-0.3, 0.7, 1.4], 0.25);
+    let groups = [
+        (matte([0.7, 0.6, 0.5], false), floor),
+        (matte([0.1, 0.8, 0.1], false), left),
+        (matte([0.5, 0.5, 0.9], false), lamp),
+        (matte([0.8, 0.5, 0.1], true), panel),
+    ];
+    let scaled = |corner: [f32; 3]| corner.map(|x| (unit * f64::from(x)) as f32);
+    let groups = groups.map(|(material, faces)| (material, faces.into_iter().map(|face| face.map(scaled)).collect()));
+    let surfaces = surfaces(&groups);
+    let meshes = vec![shining(&surfaces, 4..12, [3.0, 2.0, 5.0]), shining(&surfaces, 12..14, [1.0, 4.0, 2.0])];
+    let at = |x: f64, y: f64, z: f64| unit * DVec3::new(x, y, z);
+    let solids = vec![
+        Emitter::sphere(at(0.4, 1.6, 1.0), 0.2 * unit, [10.0, 9.0, 2.0]),
+        Emitter::disk(at(-0.6, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3 * unit, [5.0, 9.0, 8.0]),
+    ];
+    let extinction = (0.8 / unit) as f32;
+    let medium = Medium { extinction, albedo: [0.95, 0.9, 0.8], phase: HenyeyGreenstein { g } };
+    let camera = Camera::new(at(0.0, 1.0, -1.0), DVec3::Z, DVec3::Y, 1.0, 0.1 * unit, size);
+    let frame = plain(camera, medium, Lights::with_meshes(solids, meshes, selection), 7, 9);
+    with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
 }
 
 /// A scene that ships, at another size and with other techniques.
@@ -239,6 +278,16 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     }
     let few = room(0.8, Selection::Intensity, size).with_walk(1, 0.7);
     add("room, 1 start, survival 0.7".into(), few);
+    for (selection, active) in [
+        (Selection::Uniform, Active::Nee),
+        (Selection::Intensity, Active::Bridge),
+        (Selection::IntensityDistance, Active::Every),
+    ] {
+        add(
+            format!("lamps, {selection:?}, {active:?}"),
+            with_techniques(&lamps(1.0, 0.5, selection, size), active, 3.0),
+        );
+    }
     let empty = Medium { extinction: 0.0, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
     let vacuum = room(0.0, Selection::Uniform, size);
     add("room in vacuum".into(), Frame { medium: empty, techniques: vacuum.techniques.without_vertices(), ..vacuum });

@@ -6,17 +6,24 @@
 //! 1 / lights,      I_l / sum I,      (I_l / D_l) / sum (I / D)
 //! ```
 //!
-//! the last being Weber et al. 2017, Eq. 8. The point is uniform on the disk: `r = R sqrt(u)`, density
-//! `p_A = 1 / (pi R^2)` (area measure).
+//! the last being Weber et al. 2017, Eq. 8, with I and D those of a light as a whole. Of a mesh it then chooses a triangle in
+//! proportion to `A L`, area times radiance. The point is uniform on the emitter (area measure):
+//!
+//! ```text
+//! disk:      r = R sqrt(u),                              p_A = 1 / (pi R^2)
+//! sphere:    height z = R (1 - 2 u), r^2 = R^2 - z^2     p_A = 1 / (4 pi R^2)
+//! triangle:  weights 1 - sqrt(u), (1 - v) sqrt(u), v sqrt(u)
+//!            p_A = (A L / sum over the mesh of A L) / A
+//! ```
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 use glam::DVec3;
 
 use super::{Columns, Reach};
 use crate::columns::LANES;
 use crate::columns::queues::Candidate;
-use crate::tables::lights::{Disk, LEAST_SELECTION_DISTANCE, Lights, Selection};
+use crate::tables::lights::{Emitter, LEAST_SELECTION_DISTANCE, Light, Lights, Selection, Shape};
 use crate::{Step, random};
 
 /// How much farther than its reach a light still counts as near, so that rounding cannot lose one.
@@ -65,44 +72,61 @@ pub fn may_start(reach: Reach, depth: u32, first: u32) -> bool {
     depth <= reach.max_depth && depth - first < reach.starts
 }
 
-/// The numbers that decide on light, radius and azimuth.
-pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> [f64; 3] {
-    let [light, radius, azimuth, _] = random::words(pixel, sample, random::block(depth, purpose), seed);
-    [light, radius, azimuth].map(random::uniform)
+/// What decides on light, emitter and point.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    /// Uniform number for the light.
+    pub light: f64,
+    /// Random word for the emitter.
+    pub emitter: u32,
+    /// Uniform numbers for the point.
+    pub point: [f64; 2],
 }
 
-/// The light and the point that `start` is to be connected with, if they are within reach.
-pub fn connect(lights: &Lights, reach: Reach, start: DVec3, u: [f64; 3]) -> Option<(usize, DVec3)> {
-    let light = choose_light(lights, start, u[0])?;
-    let disk = &lights.disks()[light];
-    let point = point_on_disk(disk, u[1], u[2]);
-    if reach.facing && !is_in_front(disk, start) {
+/// The numbers of a vertex's light point.
+pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> Draws {
+    let [light, u, v, emitter] = random::words(pixel, sample, random::block(depth, purpose), seed);
+    Draws { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
+}
+
+/// The emitter and the point that `start` is to be connected with, if they are within reach.
+pub fn connect(lights: &Lights, reach: Reach, start: DVec3, u: Draws) -> Option<(usize, DVec3)> {
+    let light = choose_light(lights, start, u.light)?;
+    let index = lights.choose_emitter(light as u32, u.emitter) as usize;
+    let emitter = &lights.emitters()[index];
+    let point = point_on(emitter, u.point);
+    if reach.facing && cosine(emitter, point, point - start) <= 0.0 {
         return None;
     }
     if (point - start).length() > f64::from(reach.max_distance) {
         return None;
     }
-    Some((light, point))
+    Some((index, point))
 }
 
 /// What the probability of choosing `light` from `start` is proportional to.
 fn preference(lights: &Lights, light: usize, start: DVec3) -> f64 {
-    let disk = &lights.disks()[light];
     match lights.selection() {
         Selection::Uniform => 1.0,
-        Selection::Intensity => disk.intensity(),
-        Selection::IntensityDistance => disk.intensity() / selection_distance(disk, start),
+        Selection::Intensity => intensity(lights, light),
+        Selection::IntensityDistance => intensity(lights, light) / selection_distance(&lights.lights()[light], start),
     }
 }
 
-/// Distance from `start` to the centre of the disk, as far as the selection is concerned `[m]`.
-fn selection_distance(disk: &Disk, start: DVec3) -> f64 {
-    (DVec3::from(disk.center.map(f64::from)) - start).length().max(f64::from(LEAST_SELECTION_DISTANCE))
+/// Intensity of a light: that of all its emitters [W/sr].
+fn intensity(lights: &Lights, light: usize) -> f64 {
+    let [first, end] = [lights.lights()[light].emitters.start, lights.lights()[light].emitters.end];
+    lights.emitters()[first as usize..end as usize].iter().map(Emitter::intensity).sum()
+}
+
+/// Distance from `start` to the centre of the light, as far as the selection is concerned `[m]`.
+fn selection_distance(light: &Light, start: DVec3) -> f64 {
+    (DVec3::from(light.center.map(f64::from)) - start).length().max(f64::from(LEAST_SELECTION_DISTANCE))
 }
 
 /// Sum of the preferences of all lights.
 fn total_preference(lights: &Lights, start: DVec3) -> f64 {
-    (0..lights.disks().len()).map(|light| preference(lights, light, start)).sum()
+    (0..lights.lights().len()).map(|light| preference(lights, light, start)).sum()
 }
 
 /// The light in whose interval `u` falls, when intervals as long as the probabilities are laid end to end in the order
@@ -110,13 +134,13 @@ fn total_preference(lights: &Lights, start: DVec3) -> f64 {
 pub fn choose_light(lights: &Lights, start: DVec3, u: f64) -> Option<usize> {
     let target = u * total_preference(lights, start);
     let mut sum = 0.0;
-    for light in 0..lights.disks().len() {
+    for light in 0..lights.lights().len() {
         sum += preference(lights, light, start);
         if target < sum {
             return Some(light);
         }
     }
-    lights.disks().len().checked_sub(1)
+    lights.lights().len().checked_sub(1)
 }
 
 /// P_l: the probability with which `start` chooses `light`.
@@ -126,36 +150,60 @@ pub fn selection_probability(lights: &Lights, light: usize, start: DVec3) -> f64
 
 /// Sum over the lights of their share in the total intensity over their distance [1/m].
 pub fn light_sum(lights: &Lights, start: DVec3) -> f64 {
-    let total: f64 = lights.disks().iter().map(Disk::intensity).sum();
-    lights.disks().iter().map(|disk| disk.intensity() / total / selection_distance(disk, start)).sum()
+    let intensities: Vec<f64> = (0..lights.lights().len()).map(|light| intensity(lights, light)).collect();
+    let total: f64 = intensities.iter().sum();
+    let score = |(light, intensity): (&Light, f64)| intensity / total / selection_distance(light, start);
+    lights.lights().iter().zip(intensities).map(score).sum()
 }
 
-/// The point at radius `R sqrt(radius_u)` and azimuth `2 pi azimuth_u` `[m]`.
-pub fn point_on_disk(disk: &Disk, radius_u: f64, azimuth_u: f64) -> DVec3 {
-    let [center, tangent, bitangent] =
-        [disk.center, disk.tangent, disk.bitangent].map(|v| DVec3::from(v.map(f64::from)));
-    let radius = f64::from(disk.radius) * radius_u.sqrt();
-    let (sin_azimuth, cos_azimuth) = (TAU * azimuth_u).sin_cos();
-    center + radius * (cos_azimuth * tangent + sin_azimuth * bitangent)
+/// The point of an emitter for two numbers `[m]`.
+pub fn point_on(emitter: &Emitter, [u, v]: [f64; 2]) -> DVec3 {
+    let [origin, tangent, bitangent] =
+        [emitter.origin, emitter.tangent, emitter.bitangent].map(|v| DVec3::from(v.map(f64::from)));
+    let radius = f64::from(emitter.radius);
+    let (sin_azimuth, cos_azimuth) = (TAU * v).sin_cos();
+    let around = cos_azimuth * tangent + sin_azimuth * bitangent;
+    match emitter.shape {
+        Shape::Disk => origin + radius * u.sqrt() * around,
+        Shape::Sphere => {
+            let height = radius * (1.0 - 2.0 * u);
+            origin + height * tangent.cross(bitangent) + (radius * radius - height * height).max(0.0).sqrt() * around
+        }
+        Shape::Triangle => origin + u.sqrt() * ((1.0 - v) * tangent + v * bitangent),
+    }
 }
 
-/// p_A P_l: the density of a connection from `start` choosing a given point on `light` (area measure) [1/m^2].
-pub fn light_density(lights: &Lights, light: usize, start: DVec3) -> f64 {
-    let area = PI * f64::from(lights.disks()[light].radius).powi(2);
-    selection_probability(lights, light, start) / area
+/// Cosine between the normal of an emitter at `point`, on the side that shines, and the way back of a ray that arrives there in
+/// `direction`; negative where it is dark, 0 if there is no direction.
+pub fn cosine(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
+    -direction.normalize_or_zero().dot(normal(emitter, point, direction))
 }
 
-/// Whether `start` lies on the side to which the disk emits.
-pub fn is_in_front(disk: &Disk, start: DVec3) -> bool {
-    let [center, normal] = [disk.center, disk.normal].map(|v| DVec3::from(v.map(f64::from)));
-    (start - center).dot(normal) > 0.0
+/// Unit normal of an emitter at `point`, on the side that shines; where both do, on the one where a ray in `direction` arrives.
+pub fn normal(emitter: &Emitter, point: DVec3, direction: DVec3) -> DVec3 {
+    let [origin, flat] = [emitter.origin, emitter.normal].map(|v| DVec3::from(v.map(f64::from)));
+    match emitter.shape {
+        Shape::Sphere => (point - origin) / f64::from(emitter.radius),
+        _ if emitter.double_sided && direction.dot(flat) > 0.0 => -flat,
+        _ => flat,
+    }
+}
+
+/// p_A P_l: the density of a connection from `start` choosing a given point on `emitter` (area measure) [1/m^2].
+pub fn light_density(lights: &Lights, emitter: usize, start: DVec3) -> f64 {
+    let emitter = &lights.emitters()[emitter];
+    let light = &lights.lights()[emitter.light as usize];
+    let mesh = &lights.emitters()[light.emitters.start as usize..light.emitters.end as usize];
+    let total: f64 = mesh.iter().map(Emitter::intensity).sum();
+    let share = if mesh.len() > 1 { emitter.intensity() / total } else { 1.0 };
+    selection_probability(lights, emitter.light as usize, start) * share / emitter.area()
 }
 
 /// Whether some point of some light may be within reach; certainly true if one is.
 pub fn is_near_a_light(lights: &Lights, reach: Reach, start: DVec3) -> bool {
-    lights.disks().iter().any(|disk| {
-        let distance = (DVec3::from(disk.center.map(f64::from)) - start).length();
-        distance <= (f64::from(reach.max_distance) + f64::from(disk.radius)) * NEAR_MARGIN
+    lights.lights().iter().any(|light| {
+        let distance = (DVec3::from(light.center.map(f64::from)) - start).length();
+        distance <= (f64::from(reach.max_distance) + f64::from(light.radius)) * NEAR_MARGIN
     })
 }
 
@@ -168,7 +216,7 @@ mod tests {
 
     fn lights(selection: Selection) -> Lights {
         let disk = |z: f64, radius: f64, radiance: f64| {
-            Disk::new(DVec3::new(0.5, -1.0, z), DVec3::new(0.2, 0.1, -1.0), radius, [radiance; 3])
+            Emitter::disk(DVec3::new(0.5, -1.0, z), DVec3::new(0.2, 0.1, -1.0), radius, [radiance; 3])
         };
         Lights::new(
             vec![disk(1.0, 0.5, 2.0), disk(2.0, 1.0, 0.0), disk(3.0, 0.25, 16.0), disk(9.0, 0.5, 4.0)],
@@ -200,7 +248,7 @@ mod tests {
     #[test]
     fn the_light_sum_normalises_the_selection() {
         let (lights, start) = (lights(Selection::IntensityDistance), DVec3::new(0.5, -1.0, 0.0));
-        let share = f64::from(lights.shares()[2]) / 3.0 / light_sum(&lights, start);
+        let share = f64::from(lights.lights()[2].share) / 3.0 / light_sum(&lights, start);
         assert!((share - selection_probability(&lights, 2, start)).abs() < 1e-7);
         assert!(light_sum(&lights, DVec3::new(0.5, -1.0, 1.0)).is_finite(), "a start at a centre");
     }
@@ -208,12 +256,46 @@ mod tests {
     #[test]
     fn points_lie_on_the_disk_uniformly_in_area() {
         let lights = lights(Selection::Uniform);
-        let disk = &lights.disks()[2];
-        let center = DVec3::from(disk.center.map(f64::from));
-        for (radius_u, azimuth_u) in [(0.0, 0.0), (0.25, 0.3), (0.99, 0.9)] {
-            let offset = point_on_disk(disk, radius_u, azimuth_u) - center;
-            assert!((offset.length_squared() - 0.0625 * radius_u).abs() < 1e-7);
+        let disk = &lights.emitters()[2];
+        let center = DVec3::from(disk.origin.map(f64::from));
+        for [u, v] in [[0.0, 0.0], [0.25, 0.3], [0.99, 0.9]] {
+            let offset = point_on(disk, [u, v]) - center;
+            assert!((offset.length_squared() - 0.0625 * u).abs() < 1e-7);
             assert!(offset.dot(DVec3::from(disk.normal.map(f64::from))).abs() < 1e-7);
+        }
+    }
+
+    /// Mean of `value` over points of an emitter, at the middles of cells.
+    fn mean(emitter: &Emitter, value: impl Fn(DVec3) -> f64) -> f64 {
+        let cells = (0..300 * 300).map(|i| [f64::from(i % 300), f64::from(i / 300)].map(|x| (x + 0.5) / 300.0));
+        cells.map(|cell| value(point_on(emitter, cell))).sum::<f64>() / 90_000.0
+    }
+
+    #[test]
+    fn points_lie_on_spheres_and_triangles_uniformly_in_area() {
+        let center = DVec3::new(1.0, -2.0, 0.5);
+        let sphere = Emitter::sphere(center, 0.5, [1.0; 3]);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            assert!(mean(&sphere, |point| (point - center).dot(axis)).abs() < 1e-5);
+            assert!((mean(&sphere, |point| (point - center).dot(axis).powi(2)) - 0.25 / 3.0).abs() < 1e-5);
+        }
+        let corners = [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [0.0, 4.0, 1.0]];
+        let triangle = Emitter::triangle(corners, 0, false, [1.0; 3]);
+        // Moments of barycentric weights: 1/3 and 1/6.
+        assert!((mean(&triangle, |point| point.x / 2.0) - 1.0 / 3.0).abs() < 1e-4);
+        assert!((mean(&triangle, |point| (point.x / 2.0).powi(2)) - 1.0 / 6.0).abs() < 1e-4);
+        assert!((mean(&triangle, |point| (point.y / 4.0).powi(2)) - 1.0 / 6.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn lights_shine_where_their_cosine_is_positive() {
+        let sphere = Emitter::sphere(DVec3::Z, 0.5, [1.0; 3]);
+        assert!((cosine(&sphere, 0.5 * DVec3::Z, 3.0 * DVec3::Z) - 1.0).abs() < 1e-6);
+        assert!(cosine(&sphere, 1.5 * DVec3::Z, DVec3::Z) < 0.0);
+        let corners = [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [0.0, 4.0, 1.0]];
+        for (double_sided, back) in [(false, -1.0), (true, 1.0)] {
+            let triangle = Emitter::triangle(corners, 0, double_sided, [1.0; 3]);
+            assert_eq!([DVec3::NEG_Z, DVec3::Z].map(|d| cosine(&triangle, DVec3::Z, d)), [1.0, back]);
         }
     }
 

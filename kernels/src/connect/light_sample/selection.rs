@@ -22,9 +22,10 @@ fn inverse_distance(position: Vec3x8, center: Vec3x8) -> f32x8 {
 /// What the probability of light `index` is proportional to, at `position`.
 #[inline(always)]
 fn score(lights: &Lights, index: usize, position: Vec3x8) -> f32x8 {
-    let share = f32x8::splat(lights.shares()[index]);
+    let light = &lights.lights()[index];
+    let share = f32x8::splat(light.share);
     if lights.selection_depends_on_start() {
-        share * inverse_distance(position, Vec3x8::splat(lights.disks()[index].center))
+        share * inverse_distance(position, Vec3x8::splat(light.center))
     } else {
         share
     }
@@ -36,7 +37,7 @@ pub fn light_sum(lights: &Lights, position: Vec3x8) -> f32x8 {
     if !lights.selection_depends_on_start() {
         return f32x8::ONE;
     }
-    (0..lights.disks().len()).fold(f32x8::ZERO, |sum, index| sum + score(lights, index, position))
+    (0..lights.lights().len()).fold(f32x8::ZERO, |sum, index| sum + score(lights, index, position))
 }
 
 /// Draws a light from the uniform number `u`, with `sum` from [`light_sum`].
@@ -44,7 +45,7 @@ pub fn light_sum(lights: &Lights, position: Vec3x8) -> f32x8 {
 pub fn choose(lights: &Lights, position: Vec3x8, sum: f32x8, u: f32x8) -> u32x8 {
     let goal = u * sum;
     let (mut below, mut chosen) = (f32x8::ZERO, u32x8::splat(0));
-    for index in 0..lights.disks().len() - 1 {
+    for index in 0..lights.lights().len() - 1 {
         below += score(lights, index, position);
         let beyond: u32x8 = bytemuck::cast(goal.simd_ge(below));
         chosen -= beyond; // a mask of all ones is -1
@@ -52,13 +53,13 @@ pub fn choose(lights: &Lights, position: Vec3x8, sum: f32x8, u: f32x8) -> u32x8 
     chosen
 }
 
-/// Probability of choosing the lights that `light_of` names from `position`, with `sum` from [`light_sum`].
+/// Probability of choosing the lights of these emitters from `position`, with `sum` from [`light_sum`].
 #[inline(always)]
-pub fn probability(lights: &Lights, light_of: &[u32; LANES], position: Vec3x8, sum: f32x8) -> f32x8 {
-    let share = lights.gather_shares(light_of);
+pub fn probability(lights: &Lights, emitters: &[u32; LANES], position: Vec3x8, sum: f32x8) -> f32x8 {
+    let share = lights.gather(emitters, |emitter| lights.light_of(emitter).share);
     if !lights.selection_depends_on_start() {
         return share;
     }
-    let center = lights.gather3(light_of, |disk| disk.center);
+    let center = lights.gather3(emitters, |emitter| lights.light_of(emitter).center);
     share * inverse_distance(position, center) / sum
 }

@@ -1,7 +1,10 @@
 //! ```text
-//! l = light chosen by the first uniform
-//! y = c_l + R_l sqrt(u) (cos(2 pi v) tangent + sin(2 pi v) bitangent)
-//! keep if depth <= max_depth and depth - first < starts, |y - x| <= max_distance, and (x - y) . n > 0 where the technique needs a facing light
+//! l = light chosen by the first uniform,    e = one of its emitters
+//! disk:      y = o + R sqrt(u) (cos(2 pi v) tangent + sin(2 pi v) bitangent)
+//! sphere:    y = o + R (2 sqrt(u - u^2) (cos(2 pi v) tangent + sin(2 pi v) bitangent) + (1 - 2 u) z)
+//! triangle:  y = o + sqrt(u) ((1 - v) edge_1 + v edge_2)
+//! keep if depth <= max_depth and depth - first < starts, |y - x| <= max_distance, and y shines towards x where the technique
+//! needs a facing light
 //! ```
 //!
 //! 1. Where the distance is limited, rows farther than the limit plus the radius from every light are out of reach
@@ -12,6 +15,7 @@
 use wide::{f32x8, u32x8};
 
 use super::{Columns, Reach, selection};
+use crate::columns::LANES;
 use crate::columns::queues::CandidateBatch;
 use crate::random::{self, uniform_x8};
 use crate::tables::lights::Lights;
@@ -52,19 +56,19 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
         }
         let block = depth << 16_u32 | u32x8::splat(reach.purpose);
-        let [choice, radius, azimuth, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
+        let [choice, u, v, emitter] = random::words_x8(pixel[b], sample[b], block, step.seed);
+        let [choice, u, v] = [choice, u, v].map(uniform_x8);
 
         let sum = selection::light_sum(lights, start);
         if lights.selection_depends_on_start() {
             light_sum[b] = sum;
         }
-        let light = selection::choose(lights, start, sum, choice);
-        let point = point_on(lights, &light.to_array(), radius, azimuth);
+        let light = emitters_of(lights, selection::choose(lights, start, sum, choice), emitter);
+        let point = point_on(lights, &light.to_array(), u, v);
         let to_start = start - point;
         let mut keep = to_start.length_squared().simd_le(f32x8::splat(reach.max_distance * reach.max_distance));
         if reach.facing {
-            let normal = lights.gather3(&light.to_array(), |disk| disk.normal);
-            keep &= to_start.dot(normal).simd_gt(f32x8::ZERO);
+            keep &= lights.cosine(&light.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }
         let (lane, arriving) = (lanes::indices(b), arriving.at(b));
         let batch = CandidateBatch { lane, light, start, arriving, point, weight: f32x8::ONE };
@@ -76,20 +80,46 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
 #[inline(always)]
 fn near_any(lights: &Lights, reach: Reach, start: Vec3x8) -> f32x8 {
     const MARGIN: f32 = 1.0 + 1e-4;
-    lights.disks().iter().fold(f32x8::ZERO, |near, disk| {
-        let limit = (reach.max_distance + disk.radius) * MARGIN;
-        let distance_squared = (start - Vec3x8::splat(disk.center)).length_squared();
+    lights.lights().iter().fold(f32x8::ZERO, |near, light| {
+        let limit = (reach.max_distance + light.radius) * MARGIN;
+        let distance_squared = (start - Vec3x8::splat(light.center)).length_squared();
         near | distance_squared.simd_le(f32x8::splat(limit * limit))
     })
 }
 
-/// Uniform points on the disks that `light_of` names.
+/// One emitter of each light.
 #[inline(always)]
-fn point_on(lights: &Lights, light_of: &[u32; 8], radius: f32x8, azimuth: f32x8) -> Vec3x8 {
-    let r = lights.gather(light_of, |disk| disk.radius) * radius.sqrt();
-    let (sin, cos) = sin_cos_turn(azimuth);
-    let center = lights.gather3(light_of, |disk| disk.center);
-    let tangent = lights.gather3(light_of, |disk| disk.tangent);
-    let bitangent = lights.gather3(light_of, |disk| disk.bitangent);
-    tangent.mul_add(r * cos, bitangent.mul_add(r * sin, center))
+fn emitters_of(lights: &Lights, light: u32x8, words: u32x8) -> u32x8 {
+    if !lights.has_meshes() {
+        return light;
+    }
+    let (light, words) = (light.to_array(), words.to_array());
+    u32x8::new(core::array::from_fn(|i| lights.choose_emitter(light[i], words[i])))
+}
+
+/// Points on emitters, uniform in area.
+#[inline(always)]
+fn point_on(lights: &Lights, emitters: &[u32; LANES], u: f32x8, v: f32x8) -> Vec3x8 {
+    let origin = lights.gather3(emitters, |emitter| emitter.origin);
+    let tangent = lights.gather3(emitters, |emitter| emitter.tangent);
+    let bitangent = lights.gather3(emitters, |emitter| emitter.bitangent);
+    let radius = lights.gather(emitters, |emitter| emitter.radius);
+    let (sin, cos) = sin_cos_turn(v);
+    let root = u.sqrt();
+    let mut r = radius * root;
+    let mut axial = f32x8::ZERO;
+    if lights.has_spheres() {
+        let sphere = lights.gather(emitters, |emitter| emitter.curvature).simd_gt(f32x8::ZERO);
+        let across = root * (f32x8::ONE - u).sqrt();
+        r = sphere.select((across + across) * radius, r);
+        axial = sphere.select((f32x8::ONE - (u + u)) * radius, axial);
+    }
+    let [mut first, mut second] = [r * cos, r * sin];
+    if lights.has_meshes() {
+        let triangle = radius.simd_eq(f32x8::ZERO);
+        first = triangle.select(root * (f32x8::ONE - v), first);
+        second = triangle.select(root * v, second);
+    }
+    let point = tangent.mul_add(first, bitangent.mul_add(second, origin));
+    Vec3x8::new(point.x, point.y, point.z + axial)
 }

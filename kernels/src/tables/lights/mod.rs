@@ -1,0 +1,292 @@
+//! Lights: what shines, and the rule by which a connection picks one.
+//!
+//! A connection first chooses a light, by the rule, and then an emitter of it. Disks and spheres are lights with one
+//! emitter; a mesh has as many as it has triangles that shine, and chooses among them by area times radiance in constant
+//! time, so that their number does not matter.
+
+mod alias;
+mod emitter;
+mod meshes;
+
+use wide::f32x8;
+
+use crate::columns::LANES;
+use crate::transcendental::{exp, neg_ln};
+use crate::vec3x8::Vec3x8;
+use alias::AliasTable;
+pub use emitter::{Emitter, Shape};
+
+/// How a connection picks its light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// All lights alike.
+    Uniform,
+    /// In proportion to intensity.
+    Intensity,
+    /// In proportion to intensity over the distance from the start to the light's centre (Weber et al. 2017, Eq. 8).
+    IntensityDistance,
+}
+
+/// Distances to a light's centre are not taken below this `[m]`, so that a start at the very centre has a finite share.
+pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
+
+/// What a connection chooses: a disk, a sphere, or a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Its emitters: a range of [`Lights::emitters`].
+    pub emitters: core::ops::Range<u32>,
+    /// Centre of a ball that holds it `[m]`.
+    pub center: [f32; 3],
+    /// Radius of that ball `[m]`.
+    pub radius: f32,
+    /// What its probability is proportional to; the sum over all lights is one. Probabilities are the shares themselves, or
+    /// share over distance, normalised, under [`Selection::IntensityDistance`].
+    pub share: f32,
+    /// What it has of the intensity of all; the sum over all lights is one.
+    pub intensity: f32,
+    /// The choice among several emitters.
+    alias: AliasTable,
+}
+
+/// All lights of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lights {
+    emitters: Vec<Emitter>,
+    lights: Vec<Light>,
+    /// Emitters that are disks or spheres; they come first.
+    solids: usize,
+    /// Emitter of each triangle, `u32::MAX` where it does not shine; empty if none does.
+    of_triangle: Vec<u32>,
+    selection: Selection,
+    /// What there is among the emitters: code for the rest is passed by.
+    focused: bool,
+    spheres: bool,
+    double_sided: bool,
+}
+
+impl Lights {
+    /// Disks and spheres, among which connections choose by `selection`.
+    ///
+    /// # Panics
+    /// If one is a triangle: these come in meshes.
+    pub fn new(solids: Vec<Emitter>, selection: Selection) -> Self {
+        Self::with_meshes(solids, Vec::new(), selection)
+    }
+
+    /// Disks and spheres, and the triangles of each mesh that shines; triangles of one mesh, and only these, are chosen
+    /// together. Where meshes are many, neighbours are put together.
+    ///
+    /// # Panics
+    /// If a solid is a triangle, or a mesh has something else, or nothing.
+    pub fn with_meshes(solids: Vec<Emitter>, meshes: Vec<Vec<Emitter>>, selection: Selection) -> Self {
+        assert!(solids.iter().all(|emitter| emitter.shape != Shape::Triangle), "a triangle without a mesh");
+        let meshes = meshes::few(meshes);
+        assert!(meshes.iter().all(|mesh| !mesh.is_empty()), "a mesh without triangles");
+        assert!(meshes.iter().flatten().all(|emitter| emitter.shape == Shape::Triangle), "a mesh of something else");
+        let count = solids.len();
+        let (mut emitters, mut lights) = (Vec::new(), Vec::new());
+        for pieces in solids.into_iter().map(|solid| vec![solid]).chain(meshes) {
+            let first = emitters.len() as u32;
+            lights.push(Light::of(&pieces, first));
+            let weights: Vec<f64> = pieces.iter().map(meshes::weight).collect();
+            let total: f64 = weights.iter().sum();
+            emitters.extend(pieces.into_iter().zip(weights).map(|(piece, weight)| Emitter {
+                light: lights.len() as u32 - 1,
+                density: (f64::from(piece.density) * if total > 0.0 { weight / total } else { 1.0 }) as f32,
+                ..piece
+            }));
+        }
+        // With one light, or none that shines, every rule is the uniform one, and the cheapest.
+        let intensity = |light: &Light| emitters[range(light)].iter().map(Emitter::intensity).sum::<f64>();
+        let intensities: Vec<f64> = lights.iter().map(intensity).collect();
+        let total: f64 = intensities.iter().sum();
+        let selection = if lights.len() < 2 || total <= 0.0 { Selection::Uniform } else { selection };
+        let uniform = 1.0 / lights.len() as f64;
+        for (light, intensity) in lights.iter_mut().zip(intensities) {
+            light.intensity = if total > 0.0 { (intensity / total) as f32 } else { uniform as f32 };
+            light.share = if selection == Selection::Uniform { uniform as f32 } else { light.intensity };
+        }
+        Self {
+            solids: count,
+            of_triangle: of_triangle(&emitters),
+            selection,
+            focused: emitters.iter().any(Emitter::is_focused),
+            spheres: emitters.iter().any(|emitter| emitter.shape == Shape::Sphere),
+            double_sided: emitters.iter().any(|emitter| emitter.double_sided),
+            emitters,
+            lights,
+        }
+    }
+
+    /// What connections choose among.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// All emitters, disks and spheres first; candidates name them by their place here.
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// Disks and spheres.
+    pub fn solids(&self) -> &[Emitter] {
+        &self.emitters[..self.solids]
+    }
+
+    /// Whether surfaces shine.
+    pub fn has_meshes(&self) -> bool {
+        self.solids < self.emitters.len()
+    }
+
+    /// Whether there are spheres.
+    pub fn has_spheres(&self) -> bool {
+        self.spheres
+    }
+
+    /// The emitter that a triangle is, if it shines.
+    #[inline(always)]
+    pub fn of_triangle(&self, triangle: u32) -> Option<u32> {
+        self.of_triangle.get(triangle as usize).copied().filter(|emitter| *emitter != u32::MAX)
+    }
+
+    /// An emitter of a light for a random word.
+    #[inline(always)]
+    pub fn choose_emitter(&self, light: u32, word: u32) -> u32 {
+        let light = &self.lights[light as usize];
+        if light.emitters.len() < 2 { light.emitters.start } else { light.emitters.start + light.alias.choose(word) }
+    }
+
+    /// Shows the emitters to `digest`, in pieces.
+    pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        self.emitters.iter().for_each(|emitter| emitter.digest(digest));
+    }
+
+    /// The rule in force: uniform where the others come to the same.
+    pub fn selection(&self) -> Selection {
+        self.selection
+    }
+
+    /// Whether probabilities depend on the start, so that a vertex's `light_sum` is defined.
+    pub fn selection_depends_on_start(&self) -> bool {
+        self.selection == Selection::IntensityDistance
+    }
+
+    /// Unit normals of the fronts of emitters at `point`.
+    #[inline(always)]
+    pub fn normal(&self, emitters: &[u32; LANES], point: Vec3x8) -> Vec3x8 {
+        let flat = self.gather3(emitters, |emitter| emitter.normal);
+        if !self.spheres {
+            return flat;
+        }
+        let from_center = point - self.gather3(emitters, |emitter| emitter.origin);
+        from_center.mul_add(self.gather(emitters, |emitter| emitter.curvature), flat)
+    }
+
+    /// Cosine to the normal, at `point`, on the side that shines, of rays that arrive there in `direction`; negative where it
+    /// is dark.
+    #[inline(always)]
+    pub fn cosine(&self, emitters: &[u32; LANES], point: Vec3x8, direction: Vec3x8) -> f32x8 {
+        let cosine = -direction.dot(self.normal(emitters, point));
+        if !self.double_sided {
+            return cosine;
+        }
+        let both = self.gather(emitters, |emitter| if emitter.double_sided { -1.0 } else { 1.0 });
+        cosine.fast_max(cosine * both)
+    }
+
+    /// Radiance of emitters at the angles of these cosines, over their `radiance`.
+    #[inline(always)]
+    pub fn profile(&self, emitters: &[u32; LANES], cosine: f32x8) -> f32x8 {
+        if !self.focused {
+            return f32x8::ONE;
+        }
+        let exponent = self.gather(emitters, |emitter| emitter.exponent);
+        let scale = self.gather(emitters, |emitter| emitter.scale);
+        scale * exp(-exponent * neg_ln(cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE))))
+    }
+
+    /// One value of eight emitters.
+    #[inline(always)]
+    pub fn gather(&self, emitters: &[u32; LANES], value: impl Fn(&Emitter) -> f32) -> f32x8 {
+        match self.emitters.as_slice() {
+            [only] => f32x8::splat(value(only)),
+            all => f32x8::new(emitters.map(|emitter| value(&all[emitter as usize]))),
+        }
+    }
+
+    /// One vector of eight emitters.
+    #[inline(always)]
+    pub fn gather3(&self, emitters: &[u32; LANES], value: impl Fn(&Emitter) -> [f32; 3]) -> Vec3x8 {
+        let component = |axis: usize| self.gather(emitters, |emitter| value(emitter)[axis]);
+        Vec3x8::new(component(0), component(1), component(2))
+    }
+
+    /// The light of an emitter.
+    #[inline(always)]
+    pub fn light_of(&self, emitter: &Emitter) -> &Light {
+        &self.lights[emitter.light as usize]
+    }
+}
+
+impl Light {
+    /// The light of these emitters, the first of which has the index `first`; shares are yet to be found.
+    fn of(emitters: &[Emitter], first: u32) -> Self {
+        let (center, radius) = meshes::bounds(emitters);
+        let weights: Vec<f64> = emitters.iter().map(meshes::weight).collect();
+        Self {
+            emitters: first..first + emitters.len() as u32,
+            center: center.as_vec3().to_array(),
+            radius: radius as f32,
+            share: 0.0,
+            intensity: 0.0,
+            alias: if emitters.len() > 1 { AliasTable::new(&weights) } else { AliasTable::default() },
+        }
+    }
+}
+
+fn range(light: &Light) -> core::ops::Range<usize> {
+    light.emitters.start as usize..light.emitters.end as usize
+}
+
+/// The emitter of each triangle, up to the last that shines.
+fn of_triangle(emitters: &[Emitter]) -> Vec<u32> {
+    let shining = || emitters.iter().enumerate().filter(|(_, emitter)| emitter.shape == Shape::Triangle);
+    let count = shining().map(|(_, emitter)| emitter.triangle as usize + 1).max().unwrap_or(0);
+    let mut found = vec![u32::MAX; count];
+    shining().for_each(|(index, emitter)| found[emitter.triangle as usize] = index as u32);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn triangle(at: f32, size: f32, index: u32, radiance: f32) -> Emitter {
+        Emitter::triangle([[at, 0.0, 0.0], [at + size, 0.0, 0.0], [at, size, 0.0]], index, false, [radiance; 3])
+    }
+
+    #[test]
+    fn triangles_of_a_mesh_have_one_density_where_they_shine_alike() {
+        let disk = Emitter::disk(DVec3::Z, DVec3::Z, 0.5, [1.0; 3]);
+        let mesh = vec![triangle(0.0, 1.0, 5, 2.0), triangle(3.0, 2.0, 2, 2.0)];
+        let lights = Lights::with_meshes(vec![disk], vec![mesh], Selection::Intensity);
+        assert_eq!(lights.lights().len(), 2);
+        assert_eq!(lights.solids().len(), 1);
+        let [.., a, b] = lights.emitters() else { panic!("two triangles") };
+        assert!((a.density - 0.4).abs() < 1e-6 && (b.density - 0.4).abs() < 1e-6, "one over the area of both");
+        assert_eq!([5, 2, 0, 9].map(|index| lights.of_triangle(index)), [Some(1), Some(2), None, None]);
+        let total = 5.0 + core::f32::consts::FRAC_PI_4;
+        assert!((lights.lights()[1].share - 5.0 / total).abs() < 1e-6);
+        let chosen = (0..1000).filter(|i| lights.choose_emitter(1, i * 4_294_967) == 1).count();
+        assert!(chosen.abs_diff(200) < 3, "{chosen}");
+    }
+
+    #[test]
+    fn brighter_triangles_are_chosen_more_often() {
+        let mesh = vec![triangle(0.0, 1.0, 0, 1.0), triangle(3.0, 1.0, 1, 3.0)];
+        let lights = Lights::with_meshes(Vec::new(), vec![mesh], Selection::Uniform);
+        let [a, b] = lights.emitters() else { panic!("two triangles") };
+        assert!((a.density - 0.5).abs() < 1e-6 && (b.density - 1.5).abs() < 1e-6);
+    }
+}
