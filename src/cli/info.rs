@@ -11,15 +11,19 @@ use super::{InfoArgs, say};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
+use crate::gltf::quoted;
 use crate::image;
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
-use crate::scene::{self, LoadedScene};
+use crate::scene::schema::LightKind;
+use crate::scene::{self, Contents, Light, LoadedScene};
 
 /// How long the rate is measured.
 const PILOT: Duration = Duration::from_millis(300);
 /// About how many pixels the rate is measured on.
 const PILOT_PIXELS: u32 = 1 << 14;
+/// Meshes of a scene that are named.
+const MOST_MESHES: usize = 20;
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     let path = args.path.as_path();
@@ -60,7 +64,7 @@ fn albedo(frame: &Frame) -> String {
 }
 
 fn describe_scene(loaded: &LoadedScene) -> Result<()> {
-    let LoadedScene { name, scene, frame, warnings } = loaded;
+    let LoadedScene { name, scene, frame, contents, warnings, .. } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
@@ -76,16 +80,12 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         let (geometry, materials) = (frame.surfaces.geometry(), frame.surfaces.materials().len());
         say(format!("surfaces: {} triangles, {materials} materials, {} KiB", geometry.len(), geometry.bytes() >> 10))?;
     }
+    describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
-    for light in &scene.light {
-        let distance = glam::DVec3::from(light.center).distance(glam::DVec3::from(scene.camera.position));
-        let depth = number(distance * f64::from(frame.medium.extinction), 3);
-        let (distance, radius) = (number(distance, 4), light.radius);
-        let kind = match light.exponent {
-            Some(exponent) => format!("spot of exponent {exponent:?} and"),
-            None => "disk of".into(),
-        };
-        say(format!("light: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))?;
+    loaded.lights.iter().try_for_each(|light| describe_light(light, loaded))?;
+    if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
+        let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
+        say(format!("shining meshes: {shining}, of {triangles} triangles"))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
     say(format!(
@@ -107,6 +107,34 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         rate(measured),
         (Film::bytes(frame, pixels) >> 20).max(1),
     ))
+}
+
+/// Meshes and cameras of the scene's glTF file.
+fn describe_contents(contents: &Contents) -> Result<()> {
+    for (name, triangles) in contents.meshes.iter().take(MOST_MESHES) {
+        say(format!("mesh {}: {triangles} triangles", quoted(name)))?;
+    }
+    if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_MESHES) {
+        say(format!("and {more} more meshes"))?;
+    }
+    for (index, name) in contents.cameras.iter().enumerate() {
+        let renders = if contents.camera == Some(index) { ", which renders" } else { "" };
+        say(format!("camera {}{renders}", quoted(name)))?;
+    }
+    Ok(())
+}
+
+fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
+    let Light { name, values } = light;
+    let distance = glam::DVec3::from(values.center).distance(glam::DVec3::from(loaded.camera.position));
+    let depth = number(distance * f64::from(loaded.frame.medium.extinction), 3);
+    let (distance, radius) = (number(distance, 4), values.radius);
+    let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
+    let kind = match (values.kind, values.exponent) {
+        (LightKind::Spot, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
+        (kind, _) => format!("{} of", kind.name()),
+    };
+    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))
 }
 
 /// Samples per second of this scene on this machine, from a short render, and the walk that it will take.

@@ -58,7 +58,7 @@ enum Progress {
 
 #[derive(Debug, Args)]
 struct RenderArgs {
-    /// The scene: a TOML file, or a folder with a scene.toml.
+    /// The scene: a TOML file, a folder with a scene.toml, or a glTF file with a camera.
     #[arg(required_unless_present = "help_scene")]
     scene: Option<PathBuf>,
     /// Where to write the image; .exr or .png; may be repeated. Default: the scene's name with .exr.
@@ -127,7 +127,7 @@ struct CompareArgs {
 
 #[derive(Debug, Args)]
 struct InfoArgs {
-    /// A scene file or folder, or an EXR image.
+    /// A scene file or folder, a glTF file, or an EXR image.
     path: PathBuf,
 }
 

@@ -27,7 +27,7 @@ pub fn read(cameras: &[schema::Camera], placed: &[Placed<'_>], warnings: &mut Wa
         }
         let name = placed.node.name.as_ref().or(camera.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| label("camera", index, None));
-        found.push(look(name, placed, perspective));
+        found.push(Camera { extras: camera.extras.clone(), ..look(name, placed, perspective) });
     }
     Ok(found)
 }
@@ -70,5 +70,6 @@ fn look(name: String, placed: &Placed<'_>, lens: &Perspective) -> Camera {
         vertical_fov: lens.yfov,
         aspect: lens.aspect_ratio,
         near: lens.znear,
+        extras: None,
     }
 }

@@ -43,6 +43,7 @@ fn place(light: &schema::Light, name: String, placed: &Placed<'_>) -> Checked<Li
         intensity: light.intensity,
         position: placed.world.translation.to_array(),
         direction: placed.forward().to_array(),
+        extras: light.extras.clone(),
     })
 }
 

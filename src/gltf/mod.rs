@@ -37,6 +37,7 @@ mod warnings;
 
 use std::path::Path;
 
+pub(crate) use fault::quoted;
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
 

@@ -112,6 +112,8 @@ pub struct Camera {
     pub aspect: Option<f64>,
     /// Distance of the near plane `[m]`, > 0. The scale of nodes does not apply to it.
     pub near: f64,
+    /// What the file says beyond glTF.
+    pub extras: Option<Value>,
 }
 
 /// A light without extent.
@@ -131,6 +133,8 @@ pub struct Light {
     pub position: [f64; 3],
     /// Where spots and directional lights shine, of length 1; of no meaning for points.
     pub direction: [f64; 3],
+    /// What the file says beyond glTF.
+    pub extras: Option<Value>,
 }
 
 /// Kinds of lights.
@@ -150,7 +154,7 @@ pub enum LightKind {
     Directional,
 }
 
-/// Values beyond glTF, for whoever put them into the file. Those of materials are with the [`Material`].
+/// Values beyond glTF, for whoever put them into the file. Those of materials, cameras and lights are with them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extras {
     /// Those of the scene.

@@ -258,6 +258,7 @@ pub struct Camera {
     #[serde(rename = "type")]
     pub kind: String,
     pub perspective: Option<Perspective>,
+    pub extras: Option<Value>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -284,6 +285,7 @@ pub struct Light {
     pub intensity: f64,
     pub range: Option<f64>,
     pub spot: Option<Spot>,
+    pub extras: Option<Value>,
 }
 
 impl Light {

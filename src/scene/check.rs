@@ -6,27 +6,21 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
-use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
-use glam::DVec3;
 
+use super::cameras::Chosen;
 use super::document::Document;
-use super::schema::{self, LightKind, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::lights::{self, LARGEST_RADIANCE, Placed};
+use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gltf;
+use crate::gltf::Model;
 
-/// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
-/// thinnest medium, are still f32.
-const LARGEST: f64 = 1e9;
-/// Smallest radius: one over its area is still f32, and so is that times the square of the largest distance.
-const SMALLEST_RADIUS: f64 = 1e-9;
-/// Largest radiance: sums over paths stay far inside f32.
-const LARGEST_RADIANCE: f64 = 1e30;
 /// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike, 0
 /// has fireflies, 0.3 costs a third.
 const AIMED: f64 = 0.05;
@@ -34,8 +28,6 @@ const AIMED: f64 = 0.05;
 const LARGEST_AIMED: f64 = 0.99;
 /// Most lights at which flights are aimed by default: a camera ray looks at each of them.
 const MOST_AIMED_LIGHTS: usize = 16;
-/// Largest exponent of a spot: a cone of one degree.
-const LARGEST_EXPONENT: f64 = 10_000.0;
 /// Smallest probability of going on from a vertex.
 const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
@@ -48,19 +40,26 @@ struct Check<'a> {
     document: &'a Document,
 }
 
-/// The frame of `scene`, whose values stand in `document`, and what of its geometry is not rendered.
-pub fn frame(scene: &Scene, document: &Document) -> Result<(Frame, Vec<String>)> {
+/// The frame of `scene`, whose values stand in `document`, with this camera, these lights, and the surfaces of `model`.
+pub fn frame(
+    scene: &Scene,
+    document: &Document,
+    camera: &Chosen<'_>,
+    lights: &[Placed<'_>],
+    model: Option<Model>,
+) -> Result<Frame> {
     let check = Check { document };
-    let camera = check.camera(scene)?;
+    check.film_size(scene.film.size)?;
+    let camera = camera.pinhole(&scene.film)?;
     let medium = check.medium(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
-    let (surfaces, meshes, warnings) = check.surfaces(scene)?;
+    let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
-    let lights = check.lights(scene, meshes)?;
+    let lights = check.lights(lights, meshes, scene.render.light_selection)?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
-    Ok((check.walk(&scene.render, frame)?, warnings))
+    check.walk(&scene.render, frame)
 }
 
 impl Check<'_> {
@@ -72,44 +71,10 @@ impl Check<'_> {
         if ok { Ok(()) } else { Err(self.wrong(path, finding, remedy)) }
     }
 
-    fn position(&self, path: &str, value: [f64; 3]) -> Result<DVec3> {
-        let ok = value.iter().all(|x| x.abs() <= LARGEST);
-        self.require(ok, path, format!("{value:?}"), "give three finite coordinates of at most 1e9 m")?;
-        Ok(DVec3::from(value))
-    }
-
-    fn direction(&self, path: &str, value: [f64; 3]) -> Result<DVec3> {
-        let direction = self.position(path, value)?;
-        let remedy = "give a direction, a vector that is not zero";
-        self.require(direction.length() > 1e-30, path, format!("{value:?}"), remedy)?;
-        Ok(direction)
-    }
-
-    fn camera(&self, scene: &Scene) -> Result<Camera> {
-        let schema::Camera { position, look_at, up, vertical_fov_deg, near } = scene.camera;
-        let [position, look_at] =
-            [self.position("camera.position", position)?, self.position("camera.look_at", look_at)?];
-        let forward = (look_at - position).try_normalize();
-        let remedy = "give a point other than the camera's position";
-        let forward =
-            forward.ok_or_else(|| self.wrong("camera.look_at", format!("{:?}", look_at.to_array()), remedy))?;
-        let upward = self.direction("camera.up", up)?.normalize();
-        let remedy = "give a direction that is not parallel to the viewing axis";
-        self.require(forward.cross(upward).length() > 1e-6, "camera.up", format!("{up:?}"), remedy)?;
-        let ok = vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0;
-        let finding = format!("{vertical_fov_deg:?}");
-        self.require(ok, "camera.vertical_fov_deg", finding, "give an angle between 0 and 180 degrees")?;
-        let ok = (0.0..=LARGEST).contains(&near);
-        self.require(ok, "camera.near", format!("{near:?}"), "give a distance from 0 m to 1e9 m")?;
-        let size = self.film_size(scene.film.size)?;
-        Ok(Camera::new(position, forward, upward, vertical_fov_deg.to_radians(), near, size))
-    }
-
-    fn film_size(&self, size: [u32; 2]) -> Result<[u32; 2]> {
+    fn film_size(&self, size: [u32; 2]) -> Result<()> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let remedy = format!("give a width and a height of 1 or more with at most {LARGEST_FILM} pixels");
-        self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)?;
-        Ok(size)
+        self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)
     }
 
     fn coefficient(&self, path: &str, value: Spectrum) -> Result<[f64; 3]> {
@@ -142,71 +107,19 @@ impl Check<'_> {
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 
-    fn lights(&self, scene: &Scene, meshes: Vec<Vec<Emitter>>) -> Result<Lights> {
-        if scene.light.is_empty() && meshes.is_empty() {
+    fn lights(&self, lights: &[Placed<'_>], meshes: Vec<Vec<Emitter>>, selection: LightSelection) -> Result<Lights> {
+        if lights.is_empty() && meshes.is_empty() {
             let remedy = "add a [[light]] table, or geometry that shines; without any the image is black";
             return Err(self.document.error("light", "the scene has no light", remedy));
         }
-        let disk = |(index, light): (usize, &schema::Light)| self.light(&format!("light[{index}]"), light);
-        let disks = scene.light.iter().enumerate().map(disk).collect::<Result<_>>()?;
-        let selection = match scene.render.light_selection {
+        let solids =
+            lights.iter().map(|placed| lights::emitter(&placed.source, &placed.light)).collect::<Result<_>>()?;
+        let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,
             LightSelection::IntensityDistance => Selection::IntensityDistance,
         };
-        Ok(Lights::with_meshes(disks, meshes, selection))
-    }
-
-    /// The surfaces of the scene's geometry, those that shine, and what else is in its file.
-    fn surfaces(&self, scene: &Scene) -> Result<(Surfaces, Vec<Vec<Emitter>>, Vec<String>)> {
-        let Some(geometry) = &scene.geometry else {
-            return Ok((Surfaces::none(), Vec::new(), Vec::new()));
-        };
-        let path = self.document.folder().join(geometry);
-        if !path.is_file() {
-            let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
-            return Err(self.wrong("geometry", format!("{geometry:?}: there is no file {}", path.display()), remedy));
-        }
-        let model = gltf::load(&path)?;
-        let far = model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
-        let remedy = "scale the model: coordinates may be 1e9 m at most";
-        self.require(far <= LARGEST, "geometry", format!("{geometry:?}, with a vertex at {far:e} m"), remedy)?;
-        let warnings = surfaces::not_rendered(&model).into_iter().chain(model.warnings.iter().cloned());
-        let warnings = warnings.map(|warning| format!("{}: {warning}", path.display())).collect();
-        let (surfaces, meshes) = surfaces::from_model(model);
-        Ok((surfaces, meshes, warnings))
-    }
-
-    /// The exponent of a spot; none of a disk.
-    fn exponent(&self, path: &str, light: &schema::Light) -> Result<Option<f64>> {
-        let path = format!("{path}.exponent");
-        match (light.kind, light.exponent) {
-            (LightKind::Disk, None) => Ok(None),
-            (LightKind::Disk, Some(exponent)) => {
-                let remedy = "write type = \"spot\", or leave the exponent out: a disk shines alike in all directions";
-                Err(self.wrong(&path, format!("{exponent:?}, of a disk"), remedy))
-            }
-            (LightKind::Spot, None) => Err(self.wrong(&path, "missing, of a spot", "give an exponent from 0 to 10000")),
-            (LightKind::Spot, Some(exponent)) => {
-                let ok = (0.0..=LARGEST_EXPONENT).contains(&exponent);
-                self.require(ok, &path, format!("{exponent:?}"), "give an exponent from 0 to 10000")?;
-                Ok(Some(exponent))
-            }
-        }
-    }
-
-    fn light(&self, path: &str, light: &schema::Light) -> Result<Emitter> {
-        let center = self.position(&format!("{path}.center"), light.center)?;
-        let normal = self.direction(&format!("{path}.normal"), light.normal)?;
-        let ok = (SMALLEST_RADIUS..=LARGEST).contains(&light.radius);
-        let remedy = "give a radius above 0 m, from 1e-9 to 1e9 m";
-        self.require(ok, &format!("{path}.radius"), format!("{:?}", light.radius), remedy)?;
-        let Spectrum(radiance) = light.radiance;
-        let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));
-        let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
-        self.require(ok, &format!("{path}.radiance"), light.radiance, remedy)?;
-        let disk = Emitter::disk(center, normal, light.radius, radiance);
-        Ok(self.exponent(path, light)?.map_or(disk, |exponent| disk.focused(exponent)))
+        Ok(Lights::with_meshes(solids, meshes, selection))
     }
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {

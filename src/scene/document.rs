@@ -4,23 +4,15 @@ use core::fmt;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use toml::de::{DeArray, DeTable, DeValue};
-use toml::{Spanned, Table, Value};
+use toml::de::DeTable;
+use toml::{Table, Value};
 
+use super::places::{EXTRAS, Place, note_extras, note_table, place_at};
 use super::plain;
 use crate::error::{Error, Kind, Result};
 
 /// Steps of the longest key that an override may have: some more than any key of a scene has.
 const LONGEST_KEY: usize = 16;
-
-/// Where a value comes from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Place {
-    /// The file, at this byte. Lines are counted when somebody asks: scenes may have thousands of lights.
-    Byte(usize),
-    /// A flag of the command line.
-    Flag(String),
-}
 
 /// A value that replaces or adds to one of the file's.
 #[derive(Clone, Debug)]
@@ -57,12 +49,44 @@ pub struct Document {
     file: String,
     text: String,
     places: BTreeMap<String, Place>,
+    is_model: bool,
 }
 
 impl Document {
     /// The folder that paths in the file are relative to.
     pub fn folder(&self) -> &Path {
         Path::new(&self.file).parent().unwrap_or(Path::new(""))
+    }
+
+    /// What errors call the file.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Whether the file is a glTF file.
+    pub fn is_model(&self) -> bool {
+        self.is_model
+    }
+
+    /// Whether the file or a flag gives the value of `key`, at the top.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.get(key).is_some()
+    }
+
+    /// Whether a flag gives the value at `path`.
+    pub fn is_set_by_flag(&self, path: &str) -> bool {
+        matches!(self.places.get(path), Some(Place::Flag(_)))
+    }
+
+    /// The document of a glTF file that is called `name` in its folder, with the `keys` of its extras.
+    pub fn of_model(file: &str, name: &str, keys: Table) -> Self {
+        let mut places = BTreeMap::new();
+        let mut values = Value::Table(keys);
+        note_extras(&mut places, "", &values);
+        if let Value::Table(table) = &mut values {
+            table.insert("geometry".into(), name.into());
+        }
+        Self { values, file: file.into(), text: String::new(), places, is_model: true }
     }
 
     /// Reads `path`.
@@ -95,7 +119,7 @@ impl Document {
         let mut places = BTreeMap::new();
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());
         let values = Value::Table(text.parse().map_err(malformed)?);
-        Ok(Self { values, file: file.into(), text: text.into(), places })
+        Ok(Self { values, file: file.into(), text: text.into(), places, is_model: false })
     }
 
     /// Puts `change` in the place of the file's value.
@@ -138,6 +162,7 @@ impl Document {
             match self.places.get(path) {
                 Some(Place::Byte(offset)) => return place_at(&self.file, &self.text, *offset),
                 Some(Place::Flag(flag)) => return flag.clone(),
+                Some(Place::Extras) => return format!("{}: {EXTRAS}", self.file),
                 None => {}
             }
             match path.rfind(['.', '[']) {
@@ -153,37 +178,6 @@ impl Document {
         let kind = if place.starts_with("--") { Kind::Usage } else { Kind::Failure };
         Error { kind, ..Error::failure(place, finding, remedy) }
     }
-}
-
-/// Notes the places of all values of `table`, which stands at `path`.
-fn note_table(places: &mut BTreeMap<String, Place>, path: &str, table: &DeTable<'_>) {
-    for (key, value) in table.iter() {
-        let path = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
-        note(places, path, key.span().start, value);
-    }
-}
-
-fn note_array(places: &mut BTreeMap<String, Place>, path: &str, array: &DeArray<'_>) {
-    for (index, value) in array.iter().enumerate() {
-        note(places, format!("{path}[{index}]"), value.span().start, value);
-    }
-}
-
-fn note(places: &mut BTreeMap<String, Place>, path: String, at: usize, value: &Spanned<DeValue<'_>>) {
-    match value.get_ref() {
-        DeValue::Table(table) => note_table(places, &path, table),
-        DeValue::Array(array) => note_array(places, &path, array),
-        _ => {}
-    }
-    places.insert(path, Place::Byte(at));
-}
-
-/// `file:line:column` of a byte of its text, counted from 1, columns in characters.
-fn place_at(file: &str, text: &str, offset: usize) -> String {
-    let before = &text[..offset];
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    let (line, column) = (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1);
-    format!("{file}:{line}:{column}")
 }
 
 fn is_at_or_below(path: &str, key: &str) -> bool {

@@ -1,10 +1,18 @@
 //! Scenes: from a file and flags to a [`Frame`].
 
+mod bare;
+mod cameras;
 mod check;
+mod contents;
 pub mod document;
 pub mod help;
+mod lights;
+mod model;
+mod places;
 mod plain;
+mod punctual;
 pub mod schema;
+mod source;
 mod surfaces;
 
 use std::path::{Path, PathBuf};
@@ -13,8 +21,10 @@ use serde::de::IntoDeserializer;
 
 use crate::error::{Error, Result};
 use crate::frame::Frame;
+use crate::gltf::Model;
+pub use contents::{Contents, Light};
 use document::{Document, Override};
-use schema::Scene;
+use schema::{Camera, CameraOrName, Film, Scene};
 
 /// A scene that was read and found valid.
 #[derive(Debug)]
@@ -23,25 +33,32 @@ pub struct LoadedScene {
     pub name: String,
     /// All keys, overrides and defaults included.
     pub scene: Scene,
+    /// Its camera, wherever that comes from.
+    pub camera: Camera,
+    /// Its lights: those of `scene`, then those of its geometry.
+    pub lights: Vec<Light>,
+    /// What else its geometry holds.
+    pub contents: Contents,
     /// The same as the stages read it.
     pub frame: Frame,
     /// What its geometry holds that is not rendered, a line each.
     pub warnings: Vec<String>,
 }
 
-/// Reads the scene at `path`, a TOML file or a folder with a `scene.toml`, and applies `overrides` in order.
+/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in order.
 ///
 /// # Errors
-/// If the file cannot be read, is not TOML, or has unknown keys, wrong types or values out of range.
+/// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let mut document = Document::read(&file)?;
+    let (mut document, model) = match bare::is_model(&file) {
+        true => bare::read(&file).map(|(document, model)| (document, Some(model)))?,
+        false => (Document::read(&file)?, None),
+    };
     for change in overrides {
         document.apply(change)?;
     }
-    let scene = read(&document)?;
-    let (frame, warnings) = check::frame(&scene, &document)?;
-    Ok(LoadedScene { name: name(path), scene, frame, warnings })
+    check(name(path), &document, model)
 }
 
 /// Parses and checks a scene from memory; `file` is what errors call it.
@@ -49,10 +66,23 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    let document = Document::parse(file, text)?;
-    let scene = read(&document)?;
-    let (frame, warnings) = check::frame(&scene, &document)?;
-    Ok(LoadedScene { name: name(Path::new(file)), scene, frame, warnings })
+    check(name(Path::new(file)), &Document::parse(file, text)?, None)
+}
+
+/// The scene that `document` describes; `model` is that of a glTF file which is a scene by itself.
+fn check(name: String, document: &Document, model: Option<Model>) -> Result<LoadedScene> {
+    let mut scene = read(document)?;
+    let loaded = model::of_scene(&scene, document, model)?;
+    let chosen = cameras::choose(&scene, document, loaded.as_ref())?;
+    if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film")) {
+        scene.film = Film::of_aspect(aspect);
+    }
+    let placed = lights::all(&scene, document, loaded.as_ref())?;
+    let warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
+    let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
+    let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model))?;
+    let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
+    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, contents, frame, warnings })
 }
 
 /// The scene file that `path` means.
@@ -64,7 +94,7 @@ fn file(path: &Path) -> Result<PathBuf> {
     if file.exists() {
         return Ok(file);
     }
-    let remedy = "give a scene file, or a folder with a scene.toml";
+    let remedy = "give a scene file, a glTF file, or a folder with a scene.toml";
     Err(Error::failure(path.display(), "is a folder without a scene.toml", remedy))
 }
 
@@ -99,8 +129,11 @@ impl LoadedScene {
     pub fn hash(&self) -> String {
         let mut scene = self.scene.clone();
         scene.render.samples = 0;
-        // What is in the geometry's file counts, not what the file is called.
+        // What is taken from the geometry's file counts, not what it is called there.
         scene.geometry = None;
+        scene.punctual_radius = 0.0;
+        scene.camera = Some(CameraOrName::Table(self.camera));
+        scene.light = self.lights.iter().map(|light| light.values.clone()).collect();
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
         let mut hasher = blake3::Hasher::new();
         hasher.update(&canonical);

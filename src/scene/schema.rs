@@ -1,23 +1,33 @@
 //! The keys of a scene file. The comments here are what `fogbow render --help-scene` prints.
 
-use core::fmt;
+mod values;
 
 use schemars::JsonSchema;
-use serde::de::{self, SeqAccess, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
+
+pub use values::{CameraOrName, NumberOrAuto, Spectrum, Starts, Techniques};
 
 /// A scene: one TOML file.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
-    /// colour (factor, texture, colours of vertices), and hide what is behind. Absent: nothing is solid.
+    /// colour (factor, texture, colours of vertices), and hide what is behind; those with an emissive material shine, and its point and spot lights, beside those
+    /// of this file. Absent: nothing is solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
-    /// The pinhole camera.
-    pub camera: Camera,
-    /// The image.
+    /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
+    /// "radius" in the extras of a light is its own. Their intensities are read as W/sr, per channel, where glTF has
+    /// candela; their ranges are not read. A spot's intensity falls to one half midway between its cone angles.
+    #[serde(default = "Scene::punctual_radius")]
+    pub punctual_radius: f64,
+    /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry that is called so, with
+    /// near from its extras, or else 0. Absent: the first camera of geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraOrName>,
+    /// The image. Absent: 512 rows, and columns by the aspect ratio of the glTF camera, or else 512.
+    #[serde(default)]
     pub film: Film,
     /// The medium around everything, unbounded and homogeneous; omit it for vacuum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,8 +40,14 @@ pub struct Scene {
     pub render: Render,
 }
 
+impl Scene {
+    fn punctual_radius() -> f64 {
+        0.01
+    }
+}
+
 /// `[camera]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Where the pinhole is `[m]`.
@@ -61,6 +77,23 @@ pub struct Film {
     /// Width and height in pixels. The pixel filter is a box.
     #[schemars(extend("x-format" = "[width, height]"))]
     pub size: [u32; 2],
+}
+
+impl Film {
+    /// Rows of images whose size nobody has given.
+    const ROWS: u32 = 512;
+
+    /// The film of a camera for images of width over height `aspect`.
+    pub fn of_aspect(aspect: f64) -> Self {
+        let columns = (aspect * f64::from(Self::ROWS)).round().max(1.0);
+        Self { size: [columns as u32, Self::ROWS] }
+    }
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self::of_aspect(1.0)
+    }
 }
 
 /// `[medium]`
@@ -111,11 +144,13 @@ pub struct Light {
     pub kind: LightKind,
     /// Centre `[m]`.
     pub center: [f64; 3],
-    /// Direction that the front faces, of any length but 0.
-    pub normal: [f64; 3],
+    /// Of a disk or spot: direction that the front faces, of any length but 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "[x, y, z]"))]
+    pub normal: Option<[f64; 3]>,
     /// Radius `[m]`, > 0.
     pub radius: f64,
-    /// Radiance of the front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
+    /// Radiance of the surface or front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
     /// radiance (exponent + 1) / (2 pi) cos^exponent of the angle to the normal.
     pub radiance: Spectrum,
     /// Of a spot, and only of a spot: how narrow it is, 0 to 10000.
@@ -132,6 +167,19 @@ pub enum LightKind {
     Disk,
     /// The same, focused about its normal.
     Spot,
+    /// A sphere that emits from all of its surface, alike in all directions.
+    Sphere,
+}
+
+impl LightKind {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Disk => "disk",
+            Self::Spot => "spot",
+            Self::Sphere => "sphere",
+        }
+    }
 }
 
 /// `[render]`
@@ -227,23 +275,6 @@ pub enum Roll {
     Uniform,
 }
 
-/// How many vertices connect.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
-#[schemars(with = "u32", extend("x-format" = "number, \"all\" or \"auto\""))]
-pub enum Starts {
-    /// What a pilot finds.
-    Auto,
-    /// Every vertex.
-    All,
-    /// So many.
-    First(u32),
-}
-
-/// A number; `None` where the program chooses.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
-#[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
-pub struct NumberOrAuto(pub Option<f64>);
-
 /// Shapes of MVNEE's perturbation.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -264,156 +295,4 @@ pub enum LightSelection {
     Intensity,
     /// By intensity over distance.
     IntensityDistance,
-}
-
-/// One technique or a list of them.
-#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
-#[schemars(with = "Vec<Technique>", extend("x-format" = "name, or a list of names"))]
-pub struct Techniques(pub Vec<Technique>);
-
-impl<'de> Deserialize<'de> for Starts {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Count;
-        impl Visitor<'_> for Count {
-            type Value = Starts;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a whole number from 1 to 1024, \"all\" or \"auto\"")
-            }
-
-            fn visit_i64<E: de::Error>(self, count: i64) -> Result<Starts, E> {
-                u32::try_from(count).map(Starts::First).map_err(|_| E::invalid_value(Unexpected::Signed(count), &self))
-            }
-
-            fn visit_str<E: de::Error>(self, word: &str) -> Result<Starts, E> {
-                match word {
-                    "auto" => Ok(Starts::Auto),
-                    "all" => Ok(Starts::All),
-                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
-                }
-            }
-        }
-        deserializer.deserialize_any(Count)
-    }
-}
-
-impl Serialize for Starts {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Auto => serializer.serialize_str("auto"),
-            Self::All => serializer.serialize_str("all"),
-            Self::First(count) => serializer.serialize_u32(*count),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for NumberOrAuto {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Number;
-        impl Visitor<'_> for Number {
-            type Value = NumberOrAuto;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or \"auto\"")
-            }
-
-            fn visit_f64<E: de::Error>(self, number: f64) -> Result<NumberOrAuto, E> {
-                Ok(NumberOrAuto(Some(number)))
-            }
-
-            fn visit_i64<E: de::Error>(self, number: i64) -> Result<NumberOrAuto, E> {
-                self.visit_f64(number as f64)
-            }
-
-            fn visit_str<E: de::Error>(self, word: &str) -> Result<NumberOrAuto, E> {
-                if word == "auto" {
-                    Ok(NumberOrAuto(None))
-                } else {
-                    Err(E::invalid_value(Unexpected::Str(word), &self))
-                }
-            }
-        }
-        deserializer.deserialize_any(Number)
-    }
-}
-
-impl Serialize for NumberOrAuto {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
-            Some(number) => serializer.serialize_f64(number),
-            None => serializer.serialize_str("auto"),
-        }
-    }
-}
-
-/// A number for all channels, or [red, green, blue].
-#[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Serialize)]
-#[schemars(with = "f64", extend("x-format" = "number, or [red, green, blue]"))]
-pub struct Spectrum(pub [f64; 3]);
-
-impl fmt::Display for Spectrum {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let grey = self.0.iter().all(|channel| channel.to_bits() == self.0[0].to_bits());
-        if grey { write!(f, "{:?}", self.0[0]) } else { write!(f, "{:?}", self.0) }
-    }
-}
-
-impl<'de> Deserialize<'de> for Spectrum {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Channels;
-        impl<'de> Visitor<'de> for Channels {
-            type Value = Spectrum;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or a list of three, [red, green, blue]")
-            }
-
-            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Spectrum, E> {
-                Ok(Spectrum([value; 3]))
-            }
-
-            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Spectrum, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Spectrum, A::Error> {
-                let mut channels = [0.0; 3];
-                for (index, channel) in channels.iter_mut().enumerate() {
-                    *channel = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &self))?;
-                }
-                match seq.next_element::<f64>()? {
-                    None => Ok(Spectrum(channels)),
-                    Some(_) => Err(de::Error::invalid_length(4, &self)),
-                }
-            }
-        }
-        deserializer.deserialize_any(Channels)
-    }
-}
-
-impl<'de> Deserialize<'de> for Techniques {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Names;
-        impl<'de> Visitor<'de> for Names {
-            type Value = Techniques;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a technique or a list of names")
-            }
-
-            fn visit_str<E: de::Error>(self, names: &str) -> Result<Techniques, E> {
-                let technique = |name: &str| Technique::deserialize(de::value::StrDeserializer::new(name.trim()));
-                names.split(',').map(technique).collect::<Result<_, _>>().map(Techniques)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Techniques, A::Error> {
-                let mut techniques = Vec::new();
-                while let Some(technique) = seq.next_element()? {
-                    techniques.push(technique);
-                }
-                Ok(Techniques(techniques))
-            }
-        }
-        deserializer.deserialize_any(Names)
-    }
 }

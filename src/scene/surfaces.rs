@@ -4,7 +4,8 @@ use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::lights::Emitter;
 use fogbow_kernels::tables::surfaces::{Material, Paint, Surfaces};
 
-use crate::gltf::{self, Model};
+use super::model::Loaded;
+use crate::gltf::{self, LightKind, Model};
 
 /// Points per side of the grid over which the texture of a triangle's emission is averaged.
 const GRID: u16 = 8;
@@ -58,14 +59,12 @@ fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
     (b - a).cross(c - a).length() > 0.0
 }
 
-/// What `model` has that is not rendered, a line each.
-pub fn not_rendered(model: &Model) -> Vec<String> {
-    let found = [
-        (model.lights.len(), "lights: those of the scene file count"),
-        (model.cameras.len(), "cameras: that of the scene file counts"),
-    ];
-    let line = |(_, what): (usize, &str)| format!("not rendered so far: {what}");
-    found.into_iter().filter(|(count, _)| *count > 0).map(line).collect()
+/// What a model holds that is not rendered, and what was passed over in reading it, a line each.
+pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<String> {
+    let directional = model.lights.iter().any(|light| light.kind == LightKind::Directional);
+    let not_rendered = directional.then(|| "not rendered so far: directional lights: they do not shine".into());
+    let lines = not_rendered.into_iter().chain(model.warnings.iter().cloned());
+    lines.map(|line: String| format!("{file}: {line}")).collect()
 }
 
 #[cfg(test)]

@@ -22,7 +22,10 @@ fn an_override_names_a_key_that_exists() {
 #[test]
 fn an_override_is_checked_like_the_scene() {
     refused(&["--set", "light[0].radius=-1"], "--set light[0].radius=-1: light[0].radius is -1.0\n");
-    refused(&["--set", "camera=3"], "--set camera=3: camera: this is the whole number `3`, expected a table\n");
+    refused(
+        &["--set", "camera=3"],
+        "--set camera=3: camera: this is the whole number `3`, expected a table, or the name of a camera of geometry\n",
+    );
     refused(&["--set", "medium.absorption=[1, 2, 3]"], "--set medium.absorption=[1, 2, 3]: extinction");
     refused(&["--technique", "bdpt"], "--technique bdpt: render.technique: unknown name `bdpt`");
     refused(&["--mesc", "0"], "--mesc 0: render.mesc is 0.0\n");

@@ -5,7 +5,15 @@ use super::support::Folder;
 #[test]
 fn help_for_scenes_lists_every_key() {
     let run = Folder::empty().done(&["render", "--help-scene"]);
-    for key in ["[camera]", "vertical_fov_deg = number  (required)", "[[light]]", "phase.g = number", "mesc = number"] {
+    for key in [
+        "[camera]",
+        "vertical_fov_deg = number  (required)",
+        "[[light]]",
+        "phase.g = number",
+        "mesc = number",
+        "punctual_radius = number  (default 0.01)",
+        "\"sphere\": ",
+    ] {
         assert!(run.stdout.contains(key), "{key} is missing\n{run}");
     }
     assert_eq!(run.stderr, "", "{run}");

@@ -7,6 +7,7 @@ mod help;
 mod images;
 mod info;
 mod lamps;
+mod models;
 mod progress;
 mod render;
 mod scenes;

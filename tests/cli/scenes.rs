@@ -41,7 +41,7 @@ fn a_wrong_type_is_reported_in_plain_words() {
         ),
         ("scattering = 0.7", "scattering = [1, 2]", "medium.scattering: the number of entries is 2, expected a number"),
         ("technique = \"mvnee\"", "technique = 3", "render.technique: this is the whole number `3`, expected the name"),
-        ("type = \"disk\"", "type = \"sphere\"", "light[0].type: unknown name `sphere`, expected `disk`"),
+        ("type = \"disk\"", "type = \"cube\"", "light[0].type: unknown name `cube`, expected one of `disk`"),
         (
             "technique = \"mvnee\"",
             "technique = \"bdpt\"",
@@ -320,6 +320,8 @@ fn strange_values_are_rendered_or_refused() {
         "film.size",
         "light",
         "medium",
+        "camera",
+        "punctual_radius",
     ];
     let values = [
         "0",
@@ -396,4 +398,23 @@ fn a_spot_has_an_exponent_and_a_disk_has_none() {
         1,
         &format!("{}: light[0].exponent is missing", folder.place("[[light]]")),
     );
+}
+
+#[test]
+fn a_disk_has_a_normal_and_a_sphere_has_neither_normal_nor_exponent() {
+    let refused_there = |folder: &Folder, place: &str, finding: &str| {
+        folder.refused(&["render", "scene.toml"], 1, &format!("{}: light[0].{finding}", folder.place(place)));
+    };
+    let folder = Folder::with_edited_scene("normal = [0, 0, -1]\n", "");
+    refused_there(&folder, "[[light]]", "normal is missing, of a disk\n");
+    let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
+    refused_there(&folder, "normal", "normal is [0.0, 0.0, -1.0], of a sphere\n");
+    let sphere = |line: &str| {
+        let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
+        let scene = std::fs::read_to_string(folder.path("scene.toml")).expect("a scene");
+        folder.write("scene.toml", scene.replace("normal = [0, 0, -1]", line));
+        folder
+    };
+    refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, of a sphere\n");
+    sphere("").done(&["render", "scene.toml"]);
 }

@@ -20,7 +20,7 @@ fn cameras_look_along_minus_z() {
     let perspective = json!({ "yfov": 0.8, "znear": 0.5, "zfar": 10, "aspectRatio": 1.5 });
     file.json["cameras"] = json!([
         { "type": "perspective", "perspective": perspective, "name": "lens" },
-        { "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } },
+        { "type": "perspective", "perspective": { "yfov": 1, "znear": 1 }, "extras": { "near": 2 } },
     ]);
     file.json["nodes"] = json!([
         { "camera": 1 },
@@ -36,6 +36,7 @@ fn cameras_look_along_minus_z() {
     assert!(near(turned.forward, [-1.0, 0.0, 0.0]) && near(turned.up, [0.0, 0.0, 1.0]), "{turned:?}");
     assert_eq!((turned.vertical_fov, turned.near, turned.aspect), (0.8, 0.5, Some(1.5)));
     assert_eq!((turned.name.as_str(), turned.node), ("lens", 2));
+    assert_eq!((&plain.extras, &turned.extras), (&Some(json!({ "near": 2 })), &None));
 }
 
 #[test]
@@ -65,7 +66,7 @@ fn orthographic_cameras_are_left_out() {
 fn lights_shine_along_minus_z() {
     let mut file = Builder::new();
     let lights = json!([
-        { "type": "point", "name": "bulb" },
+        { "type": "point", "name": "bulb", "extras": { "radius": 0.03 } },
         { "type": "spot", "color": [1, 0.5, 0], "intensity": 7.5, "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.2 } },
         { "type": "spot", "spot": {}, "range": 3 },
         { "type": "directional", "intensity": 0 },
@@ -87,6 +88,7 @@ fn lights_shine_along_minus_z() {
     let [point, spot, ..] = model.lights.as_slice() else { panic!("{:?}", model.lights) };
     assert!(near(point.position, [1.0, 2.0, 3.0]));
     assert_eq!((point.color, point.intensity), ([1.0; 3], 1.0));
+    assert_eq!((&point.extras, &spot.extras), (&Some(json!({ "radius": 0.03 })), &None));
     assert!(near(spot.direction, [0.0, -1.0, 0.0]), "{spot:?}");
     assert_eq!((spot.color, spot.intensity, spot.node), ([1.0, 0.5, 0.0], 7.5, 1));
     assert_eq!(model.warnings, ["light 2: its range is not read; light goes on for ever"]);

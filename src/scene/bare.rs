@@ -1,0 +1,64 @@
+//! A glTF file that is a scene by itself: its geometry, its first camera and its lights, in vacuum, and what our own keys in
+//! its scene's extras say: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
+
+use std::path::Path;
+
+use serde_json::Value as Json;
+use toml::{Table, Value};
+
+use super::document::Document;
+use super::places::EXTRAS;
+use crate::error::{Error, Result};
+use crate::gltf::{self, Model};
+
+/// What was read, or what is wrong with it.
+type Read<T> = core::result::Result<T, String>;
+
+/// Whether `path` is called like a glTF file.
+pub fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
+/// The keys of the scene that the file at `path` is, and what it holds.
+pub fn read(path: &Path) -> Result<(Document, Model)> {
+    let model = gltf::load(path)?;
+    let own = model.extras.scene.as_ref().and_then(|extras| extras.get("fogbow"));
+    let keys = own.map_or(Ok(Table::new()), keys).map_err(|finding| {
+        let remedy = "write in it what a scene.toml would say; fogbow render --help-scene lists every key";
+        Error::failure(path.display(), format!("{EXTRAS} {finding}"), remedy)
+    })?;
+    if keys.contains_key("geometry") {
+        let finding = format!("{EXTRAS} has a geometry, which is this file");
+        return Err(Error::failure(path.display(), finding, "leave it out"));
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok((Document::of_model(&path.display().to_string(), &name, keys), model))
+}
+
+/// The keys as a scene file would have them, or what is wrong with them.
+fn keys(own: &Json) -> Read<Table> {
+    match from_json(own, "")? {
+        Value::Table(table) => Ok(table),
+        _ => Err(format!("is {own}, not an object")),
+    }
+}
+
+fn from_json(json: &Json, path: &str) -> Read<Value> {
+    Ok(match json {
+        Json::Null => return Err(format!("has null at {path:?}, which is no value")),
+        Json::Bool(value) => Value::Boolean(*value),
+        Json::Number(number) => match number.as_i64() {
+            Some(integer) => Value::Integer(integer),
+            None => Value::Float(number.as_f64().unwrap_or(f64::NAN)),
+        },
+        Json::String(text) => Value::String(text.clone()),
+        Json::Array(list) => Value::Array(list.iter().map(|entry| from_json(entry, path)).collect::<Read<_>>()?),
+        Json::Object(object) => {
+            let one = |(key, value): (&String, &Json)| {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                from_json(value, &path).map(|value| (key.clone(), value))
+            };
+            Value::Table(object.iter().map(one).collect::<Read<_>>()?)
+        }
+    })
+}

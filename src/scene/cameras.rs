@@ -1,0 +1,139 @@
+//! The camera of a scene: that of its table, or one of its model.
+
+use fogbow_kernels::tables::camera::Camera as Pinhole;
+
+use super::document::Document;
+use super::model::{self, Loaded};
+use super::schema::{Camera, CameraOrName, Film, Scene};
+use super::source::{LARGEST, Source};
+use crate::error::{Error, Result};
+use crate::gltf;
+
+/// The camera that renders a scene.
+#[derive(Debug)]
+pub struct Chosen<'a> {
+    /// Where its values stand.
+    pub source: Source<'a>,
+    /// Its values.
+    pub camera: Camera,
+    /// Its place among the cameras of the model, if it is one of them.
+    pub of_model: Option<usize>,
+    /// Width over height of the images it is meant for, if it says so.
+    pub aspect: Option<f64>,
+}
+
+/// The camera that `scene` asks for.
+pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -> Result<Chosen<'a>> {
+    match (&scene.camera, loaded) {
+        (Some(CameraOrName::Table(camera)), _) => {
+            let source = Source::Table(document, "camera".into());
+            Ok(Chosen { source, camera: *camera, of_model: None, aspect: None })
+        }
+        (Some(CameraOrName::Name(name)), Some(loaded)) => of_model(loaded, named(name, document, loaded)?),
+        (Some(CameraOrName::Name(name)), None) => {
+            let finding = format!("camera is {name:?}, but there is no geometry that it could be in");
+            Err(document.error("camera", finding, "name a glTF file as geometry, or write a [camera] table"))
+        }
+        (None, Some(loaded)) if !loaded.model.cameras.is_empty() => of_model(loaded, 0),
+        (None, loaded) => Err(missing(document, loaded)),
+    }
+}
+
+/// The error that there is no camera at all.
+fn missing(document: &Document, loaded: Option<&Loaded>) -> Error {
+    let (finding, remedy) = match loaded {
+        None => {
+            ("missing key `camera`".into(), "write a [camera] table, or name a glTF file with a camera as geometry")
+        }
+        Some(_) if document.is_model() => (
+            "has no perspective camera".into(),
+            "write a scene.toml with [camera] and this file as geometry, or give camera.position, camera.look_at and \
+             camera.vertical_fov_deg with --set",
+        ),
+        Some(Loaded { file, .. }) => {
+            (format!("missing key `camera`, and {file} has no perspective camera"), "write a [camera] table")
+        }
+    };
+    document.error(if loaded.is_some() { "geometry" } else { "camera" }, finding, remedy)
+}
+
+/// The place of the camera called `name`, which is the only one.
+fn named(name: &str, document: &Document, loaded: &Loaded) -> Result<usize> {
+    let Loaded { file, model } = loaded;
+    let mut found = model.cameras.iter().enumerate().filter(|(_, camera)| camera.name == name).map(|(index, _)| index);
+    let wrong = |what: &str, remedy: String| {
+        Err(document.error("camera", format!("camera is {name:?}, but {file} has {what}"), remedy))
+    };
+    match (found.next(), found.count()) {
+        (Some(index), 0) => Ok(index),
+        (Some(_), others) => {
+            let what = format!("{} cameras of that name", others + 1);
+            wrong(&what, "give every node with a camera a name of its own in the glTF file".into())
+        }
+        (None, _) if model.cameras.is_empty() => wrong("no perspective camera", "write a [camera] table".into()),
+        (None, _) => {
+            let names = model::list(model.cameras.iter().map(|camera| camera.name.as_str()));
+            wrong("none of that name", format!("name one of its cameras: {names}"))
+        }
+    }
+}
+
+/// A camera of the model as a table says it. A near plane of glTF clips what is before it, ours is where paths start: it
+/// is taken from the extras alone.
+fn of_model(loaded: &Loaded, index: usize) -> Result<Chosen<'static>> {
+    let camera = &loaded.model.cameras[index];
+    let source = loaded.source("camera", &camera.name);
+    let near = model::number(&source, camera.extras.as_ref(), "near")?.unwrap_or(0.0);
+    Ok(Chosen { source, camera: table(camera, near), of_model: Some(index), aspect: camera.aspect })
+}
+
+fn table(camera: &gltf::Camera, near: f64) -> Camera {
+    let look_at = core::array::from_fn(|axis| camera.position[axis] + camera.forward[axis]);
+    let vertical_fov_deg = camera.vertical_fov.to_degrees();
+    Camera { position: camera.position, look_at, up: camera.up, vertical_fov_deg, near }
+}
+
+impl Chosen<'_> {
+    /// The pinhole in front of `film`, of valid size.
+    pub fn pinhole(&self, film: &Film) -> Result<Pinhole> {
+        let at = &self.source;
+        let Camera { position, look_at, up, vertical_fov_deg, near } = self.camera;
+        let [position, look_at] = [at.position("position", position)?, at.position("look_at", look_at)?];
+        let forward = (look_at - position).try_normalize();
+        let remedy = "give a point other than the camera's position";
+        let forward = forward.ok_or_else(|| at.wrong("look_at", format!("{:?}", look_at.to_array()), remedy))?;
+        let upward = at.direction("up", up)?.normalize();
+        let remedy = "give a direction that is not parallel to the viewing axis";
+        at.require(forward.cross(upward).length() > 1e-6, "up", format!("{up:?}"), remedy)?;
+        let ok = vertical_fov_deg > 0.0 && vertical_fov_deg < 180.0;
+        let finding = format!("{vertical_fov_deg:?}");
+        at.require(ok, "vertical_fov_deg", finding, "give an angle between 0 and 180 degrees")?;
+        let ok = (0.0..=LARGEST).contains(&near);
+        at.require(ok, "near", format!("{near:?}"), "give a distance from 0 m to 1e9 m")?;
+        Ok(Pinhole::new(position, forward, upward, vertical_fov_deg.to_radians(), near, film.size))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_a_gltf_camera_is_the_same_view() {
+        let perspective = gltf::Camera {
+            name: "Eye".into(),
+            node: 0,
+            position: [1.0, 2.0, 3.0],
+            forward: [0.0, 0.6, -0.8],
+            up: [0.0, 0.8, 0.6],
+            vertical_fov: 0.5,
+            aspect: None,
+            near: 0.1,
+            extras: None,
+        };
+        let Camera { position, look_at, up, vertical_fov_deg, near } = table(&perspective, 0.25);
+        assert_eq!((position, look_at, up), ([1.0, 2.0, 3.0], [1.0, 2.6, 2.2], [0.0, 0.8, 0.6]));
+        assert!((vertical_fov_deg.to_radians() - 0.5).abs() < 1e-15);
+        assert_eq!(near, 0.25, "the plane that clips is not the one where paths start");
+    }
+}

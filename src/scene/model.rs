@@ -1,0 +1,68 @@
+//! The glTF file of a scene.
+
+use serde_json::Value;
+
+use super::document::Document;
+use super::schema::Scene;
+use super::source::{LARGEST, Source};
+use crate::error::Result;
+use crate::gltf::{self, Model, quoted};
+
+/// Names that an error lists.
+const MOST_LISTED: usize = 10;
+
+/// A model and its file.
+#[derive(Debug)]
+pub struct Loaded {
+    /// What errors call the file.
+    pub file: String,
+    /// What it holds.
+    pub model: Model,
+}
+
+/// The model that `scene` names as its geometry; `given` is that of a file which is a scene by itself.
+pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Result<Option<Loaded>> {
+    let Some(geometry) = &scene.geometry else { return Ok(None) };
+    let loaded = match given {
+        Some(model) if !document.is_set_by_flag("geometry") => Loaded { file: document.file().into(), model },
+        _ => load(geometry, document)?,
+    };
+    let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
+    if far <= LARGEST {
+        return Ok(Some(loaded));
+    }
+    let finding = format!("geometry is {geometry:?}, with a vertex at {far:e} m");
+    Err(document.error("geometry", finding, "scale the model: coordinates may be 1e9 m at most"))
+}
+
+fn load(geometry: &str, document: &Document) -> Result<Loaded> {
+    let path = document.folder().join(geometry);
+    let file = path.display().to_string();
+    if !path.is_file() {
+        let finding = format!("geometry is {geometry:?}: there is no file {file}");
+        let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
+        return Err(document.error("geometry", finding, remedy));
+    }
+    Ok(Loaded { model: gltf::load(&path)?, file })
+}
+
+impl Loaded {
+    /// The source of the values of its object `name`; `kind` is what such objects are called.
+    pub fn source(&self, kind: &str, name: &str) -> Source<'static> {
+        Source::Object(format!("{}: {kind} {}", self.file, quoted(name)))
+    }
+}
+
+/// The number under `key` of the extras of an object, if there is one.
+pub fn number(source: &Source<'_>, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
+    let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
+    let remedy = "give a number, in metres, or leave it out";
+    value.as_f64().map(Some).ok_or_else(|| source.wrong(&format!("extras.{key}"), value, remedy))
+}
+
+/// Names as an error lists them.
+pub fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let more = names.len().saturating_sub(MOST_LISTED);
+    let named = names.take(MOST_LISTED).map(quoted).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{named} and {more} more") } else { named }
+}

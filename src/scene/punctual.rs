@@ -1,0 +1,128 @@
+//! Punctual lights of a model as lights with an extent, of the same intensity.
+//!
+//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a disk
+//! with Le(theta) = radiance (n + 1) / (2 pi) cos^n theta, whose intensity is pi r^2 cos theta Le(theta): r^2 radiance
+//! (n + 1) / 2 along the axis, and falling as cos^(n + 1).
+
+use core::f64::consts::PI;
+
+use super::lights::{LARGEST_EXPONENT, Placed};
+use super::model::{self, Loaded};
+use super::schema::{Light, LightKind, Spectrum};
+use crate::error::Result;
+use crate::gltf;
+
+/// The lights that stand for the point and spot lights of a model; `radius` is of those that do not say their own.
+/// Directional lights shine from nowhere and are left out.
+pub fn lights(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
+    let placed = |light: &gltf::Light| {
+        let source = loaded.source("light", &light.name);
+        let radius = match model::number(&source, light.extras.as_ref(), "radius") {
+            Ok(own) => own.unwrap_or(radius),
+            Err(error) => return Some(Err(error)),
+        };
+        let light =
+            extended(light, radius).map(|values| Placed { source, name: Some(light.name.clone()), light: values });
+        light.map(Ok)
+    };
+    loaded.model.lights.iter().filter_map(placed).collect()
+}
+
+/// What stands for `light`, with this radius.
+fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
+    let (kind, exponent) = match light.kind {
+        gltf::LightKind::Point => (LightKind::Sphere, None),
+        gltf::LightKind::Spot { inner, outer } => (LightKind::Spot, Some(exponent(inner, outer))),
+        gltf::LightKind::Directional => return None,
+    };
+    // What makes a radiance of 1 an intensity.
+    let area = match exponent {
+        None => PI * radius * radius,
+        Some(exponent) => 0.5 * (exponent + 1.0) * radius * radius,
+    };
+    let radiance = light.color.map(|channel| f64::from(channel) * light.intensity / area);
+    let normal = exponent.map(|_| light.direction);
+    Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent })
+}
+
+/// The n with which the intensity of a spot, cos^(n + 1), is one half midway between its cone angles; 0, a plain disk with
+/// one half at 60 degrees, is the widest there is.
+fn exponent(inner: f64, outer: f64) -> f64 {
+    let sine = (0.5 * (inner + outer)).sin();
+    // ln cos as half the logarithm of 1 - sin^2, for narrow cones.
+    let power = 2.0 * 0.5_f64.ln() / (-sine * sine).ln_1p();
+    (power - 1.0).clamp(0.0, LARGEST_EXPONENT)
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    use super::super::lights::emitter;
+    use super::super::source::Source;
+    use super::*;
+
+    fn light(kind: gltf::LightKind) -> gltf::Light {
+        gltf::Light {
+            name: "Lamp".into(),
+            node: 0,
+            kind,
+            color: [1.0, 0.5, 0.25],
+            intensity: 8.0,
+            position: [1.0, 2.0, 3.0],
+            direction: [0.0, 0.0, -1.0],
+            extras: None,
+        }
+    }
+
+    const CONES: [(f64, f64); 5] = [(0.0, FRAC_PI_4), (0.1, 0.2), (0.0, 0.05), (0.5, FRAC_PI_2), (0.0, FRAC_PI_2)];
+
+    #[test]
+    fn a_sphere_has_the_intensity_of_its_point_light() {
+        for radius in [0.001, 0.01, 2.0] {
+            let sphere = extended(&light(gltf::LightKind::Point), radius).expect("a sphere");
+            assert_eq!((sphere.kind, sphere.center, sphere.radius), (LightKind::Sphere, [1.0, 2.0, 3.0], radius));
+            assert_eq!((sphere.normal, sphere.exponent), (None, None));
+            let sphere = emitter(&Source::Object("bulb".into()), &sphere).expect("valid");
+            assert!((sphere.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {radius} m", sphere.intensity());
+            // Seen from afar it is a disk of its radius.
+            let intensity = sphere.radiance.map(|channel| f64::from(channel) * PI * radius * radius);
+            for (found, expected) in intensity.into_iter().zip([8.0, 4.0, 2.0]) {
+                assert!((found - expected).abs() < 1e-6 * expected, "{found} W/sr of {radius} m");
+            }
+        }
+    }
+
+    #[test]
+    fn a_disk_has_the_intensity_of_its_spot_along_the_axis() {
+        for (inner, outer) in CONES {
+            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
+            let source = Source::Object("spot".into());
+            let disk = emitter(&source, &disk).expect("valid");
+            assert!((disk.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {inner} to {outer}", disk.intensity());
+            assert_eq!((disk.origin, disk.normal), ([1.0, 2.0, 3.0], [0.0, 0.0, -1.0]));
+        }
+    }
+
+    #[test]
+    fn the_intensity_of_a_spot_halves_midway_between_its_angles() {
+        for (inner, outer) in CONES {
+            let n = exponent(inner, outer);
+            let half = (0.5 * (inner + outer)).cos().powf(n + 1.0);
+            assert!((half - 0.5).abs() < 1e-9, "{half} with n = {n} of {inner} to {outer}");
+        }
+    }
+
+    #[test]
+    fn cones_without_a_profile_of_their_own_have_the_nearest() {
+        assert_eq!(exponent(1.5, FRAC_PI_2), 0.0);
+        for outer in [0.01, 1e-9, 1e-300, f64::MIN_POSITIVE] {
+            assert_eq!(exponent(0.0, outer), LARGEST_EXPONENT, "{outer}");
+        }
+    }
+
+    #[test]
+    fn directional_lights_are_left_out() {
+        assert_eq!(extended(&light(gltf::LightKind::Directional), 0.01), None);
+    }
+}

@@ -1,0 +1,212 @@
+//! Values that are written in more than one way.
+
+use core::fmt;
+
+use schemars::JsonSchema;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::{Camera, Technique};
+
+/// A table `[camera]`, or the name of a camera of the geometry.
+#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
+#[serde(untagged)]
+#[schemars(with = "Camera")]
+pub enum CameraOrName {
+    /// A camera of the scene file.
+    Table(Camera),
+    /// The name of one in the glTF file.
+    Name(String),
+}
+
+impl<'de> Deserialize<'de> for CameraOrName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableOrName;
+        impl<'de> Visitor<'de> for TableOrName {
+            type Value = CameraOrName;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table, or the name of a camera of geometry")
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<CameraOrName, E> {
+                Ok(CameraOrName::Name(name.into()))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<CameraOrName, A::Error> {
+                Camera::deserialize(MapAccessDeserializer::new(map)).map(CameraOrName::Table)
+            }
+        }
+        deserializer.deserialize_any(TableOrName)
+    }
+}
+
+/// How many vertices connect.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(with = "u32", extend("x-format" = "number, \"all\" or \"auto\""))]
+pub enum Starts {
+    /// What a pilot finds.
+    Auto,
+    /// Every vertex.
+    All,
+    /// So many.
+    First(u32),
+}
+
+impl<'de> Deserialize<'de> for Starts {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Count;
+        impl Visitor<'_> for Count {
+            type Value = Starts;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number from 1 to 1024, \"all\" or \"auto\"")
+            }
+
+            fn visit_i64<E: de::Error>(self, count: i64) -> Result<Starts, E> {
+                u32::try_from(count).map(Starts::First).map_err(|_| E::invalid_value(Unexpected::Signed(count), &self))
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<Starts, E> {
+                match word {
+                    "auto" => Ok(Starts::Auto),
+                    "all" => Ok(Starts::All),
+                    _ => Err(E::invalid_value(Unexpected::Str(word), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Count)
+    }
+}
+
+impl Serialize for Starts {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::All => serializer.serialize_str("all"),
+            Self::First(count) => serializer.serialize_u32(*count),
+        }
+    }
+}
+
+/// A number; `None` where the program chooses.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
+pub struct NumberOrAuto(pub Option<f64>);
+
+impl<'de> Deserialize<'de> for NumberOrAuto {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Number;
+        impl Visitor<'_> for Number {
+            type Value = NumberOrAuto;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or \"auto\"")
+            }
+
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<NumberOrAuto, E> {
+                Ok(NumberOrAuto(Some(number)))
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<NumberOrAuto, E> {
+                self.visit_f64(number as f64)
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<NumberOrAuto, E> {
+                if word == "auto" {
+                    Ok(NumberOrAuto(None))
+                } else {
+                    Err(E::invalid_value(Unexpected::Str(word), &self))
+                }
+            }
+        }
+        deserializer.deserialize_any(Number)
+    }
+}
+
+impl Serialize for NumberOrAuto {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Some(number) => serializer.serialize_f64(number),
+            None => serializer.serialize_str("auto"),
+        }
+    }
+}
+
+/// A number for all channels, or [red, green, blue].
+#[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Serialize)]
+#[schemars(with = "f64", extend("x-format" = "number, or [red, green, blue]"))]
+pub struct Spectrum(pub [f64; 3]);
+
+impl fmt::Display for Spectrum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let grey = self.0.iter().all(|channel| channel.to_bits() == self.0[0].to_bits());
+        if grey { write!(f, "{:?}", self.0[0]) } else { write!(f, "{:?}", self.0) }
+    }
+}
+
+impl<'de> Deserialize<'de> for Spectrum {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Channels;
+        impl<'de> Visitor<'de> for Channels {
+            type Value = Spectrum;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a list of three, [red, green, blue]")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Spectrum, E> {
+                Ok(Spectrum([value; 3]))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Spectrum, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Spectrum, A::Error> {
+                let mut channels = [0.0; 3];
+                for (index, channel) in channels.iter_mut().enumerate() {
+                    *channel = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &self))?;
+                }
+                match seq.next_element::<f64>()? {
+                    None => Ok(Spectrum(channels)),
+                    Some(_) => Err(de::Error::invalid_length(4, &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Channels)
+    }
+}
+
+/// One technique or a list of them.
+#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
+#[schemars(with = "Vec<Technique>", extend("x-format" = "name, or a list of names"))]
+pub struct Techniques(pub Vec<Technique>);
+
+impl<'de> Deserialize<'de> for Techniques {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Names;
+        impl<'de> Visitor<'de> for Names {
+            type Value = Techniques;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a technique or a list of names")
+            }
+
+            fn visit_str<E: de::Error>(self, names: &str) -> Result<Techniques, E> {
+                let technique = |name: &str| Technique::deserialize(de::value::StrDeserializer::new(name.trim()));
+                names.split(',').map(technique).collect::<Result<_, _>>().map(Techniques)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Techniques, A::Error> {
+                let mut techniques = Vec::new();
+                while let Some(technique) = seq.next_element()? {
+                    techniques.push(technique);
+                }
+                Ok(Techniques(techniques))
+            }
+        }
+        deserializer.deserialize_any(Names)
+    }
+}

@@ -1,0 +1,64 @@
+//! Where the values of a camera or a light stand, and checks that say so.
+
+use core::fmt::Display;
+
+use glam::DVec3;
+
+use super::document::Document;
+use crate::error::{Error, Result};
+
+/// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
+/// thinnest medium, are still f32.
+pub const LARGEST: f64 = 1e9;
+/// Smallest radius: one over its area is still f32, and so is that times the square of the largest distance.
+const SMALLEST_RADIUS: f64 = 1e-9;
+
+/// Where a table of values stands.
+#[derive(Debug)]
+pub enum Source<'a> {
+    /// At this path of the scene file; the empty path is the file itself.
+    Table(&'a Document, String),
+    /// In an object of the model: its file and name.
+    Object(String),
+}
+
+impl Source<'_> {
+    /// The error that the value of `key` is wrong.
+    pub fn wrong(&self, key: &str, finding: impl Display, remedy: &str) -> Error {
+        match self {
+            Self::Table(document, path) => {
+                let path =
+                    [path.as_str(), key].into_iter().filter(|step| !step.is_empty()).collect::<Vec<_>>().join(".");
+                document.error(&path, format!("{path} is {finding}"), remedy)
+            }
+            Self::Object(place) => Error::failure(place, format!("{key} is {finding}"), remedy),
+        }
+    }
+
+    /// An error unless `ok`.
+    pub fn require(&self, ok: bool, key: &str, finding: impl Display, remedy: &str) -> Result<()> {
+        if ok { Ok(()) } else { Err(self.wrong(key, finding, remedy)) }
+    }
+
+    /// The point at `key`.
+    pub fn position(&self, key: &str, value: [f64; 3]) -> Result<DVec3> {
+        let ok = value.iter().all(|x| x.abs() <= LARGEST);
+        self.require(ok, key, format!("{value:?}"), "give three finite coordinates of at most 1e9 m")?;
+        Ok(DVec3::from(value))
+    }
+
+    /// The vector at `key`, which has a direction.
+    pub fn direction(&self, key: &str, value: [f64; 3]) -> Result<DVec3> {
+        let direction = self.position(key, value)?;
+        let remedy = "give a direction, a vector that is not zero";
+        self.require(direction.length() > 1e-30, key, format!("{value:?}"), remedy)?;
+        Ok(direction)
+    }
+
+    /// The radius at `key`.
+    pub fn radius(&self, key: &str, value: f64) -> Result<f64> {
+        let ok = (SMALLEST_RADIUS..=LARGEST).contains(&value);
+        self.require(ok, key, format!("{value:?}"), "give a radius above 0 m, from 1e-9 to 1e9 m")?;
+        Ok(value)
+    }
+}

@@ -1,0 +1,444 @@
+//! glTF files: their cameras, their lights, and as scenes by themselves.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::support::{Folder, Run, header, mean, plane};
+
+const HALF: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
+/// A wall of 4 m x 4 m at z = -3 m that faces +z, a camera at the origin that looks at it, and a spot beside the camera.
+fn model() -> Value {
+    let corners = [[-2.0_f32, -2.0, -3.0], [2.0, -2.0, -3.0], [2.0, 2.0, -3.0], [-2.0, 2.0, -3.0]];
+    let mut bytes: Vec<u8> = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&bytes));
+    json!({
+        "asset": { "version": "2.0" },
+        "buffers": [{ "uri": uri, "byteLength": bytes.len() }],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": 48 },
+            { "buffer": 0, "byteOffset": 48, "byteLength": 12 },
+        ],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4 },
+            { "bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6 },
+        ],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+        "cameras": [
+            { "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1, "aspectRatio": 1.5 } },
+        ],
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": { "KHR_lights_punctual": { "lights": [
+            { "type": "spot", "intensity": 30, "spot": { "outerConeAngle": 0.5 }, "extras": { "radius": 0.05 } },
+        ] } },
+        "nodes": [
+            { "name": "Wall", "mesh": 0 },
+            { "name": "Eye", "camera": 0 },
+            { "name": "Lamp", "translation": [1, 0, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        ],
+        "scenes": [{ "nodes": [0, 1, 2] }],
+        "scene": 0,
+    })
+}
+
+/// A scene around the model.
+const AROUND: &str = r#"
+geometry = "room.gltf"
+camera = "Eye"
+
+[film]
+size = [6, 4]
+
+[render]
+technique = "nee"
+samples = 64
+"#;
+
+/// A folder with the model, edited.
+fn with_model(edit: impl FnOnce(&mut Value)) -> Folder {
+    let folder = Folder::empty();
+    let mut model = model();
+    edit(&mut model);
+    folder.write("room.gltf", model.to_string());
+    folder
+}
+
+/// The same with this scene file beside it.
+fn with_scene(scene: &str) -> Folder {
+    let folder = with_model(|_| {});
+    folder.write("scene.toml", scene);
+    folder
+}
+
+/// Flags that render the bare model small and soon.
+const SMALL: [&str; 4] = ["--size", "6x4", "--technique", "nee"];
+
+fn render(folder: &Folder, args: &[&str]) -> Run {
+    folder.done(&[&["render", "room.gltf", "-o", "a.exr", "--progress", "none"], &SMALL[..], args].concat())
+}
+
+#[test]
+fn a_named_camera_is_the_same_as_its_table() {
+    let folder = with_scene(AROUND);
+    let degrees = 0.5_f64.to_degrees();
+    let table = format!("[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, -1]\nvertical_fov_deg = {degrees}\n");
+    folder.write("table.toml", AROUND.replace("camera = \"Eye\"\n", &table));
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    folder.done(&["render", "table.toml", "-o", "b.exr"]);
+    let [named, written] = ["a.exr", "b.exr"].map(|name| folder.image(name));
+    assert_eq!(named.channels, written.channels);
+    assert_eq!(header(&named, "scene_hash"), header(&written, "scene_hash"));
+    assert!(header(&named, "settings").contains("camera = \"Eye\"\n"));
+}
+
+#[test]
+fn cameras_look_along_minus_z_of_their_node() {
+    // At first the wall fills the image; turned by half a turn about y, the camera sees nothing.
+    let seen = |rotation: [f64; 4]| {
+        let folder = with_model(|model| model["nodes"][1]["rotation"] = json!(rotation));
+        render(&folder, &[]);
+        mean(&folder.image("a.exr"), "R")
+    };
+    assert!(seen([0.0, 0.0, 0.0, 1.0]) > 0.0);
+    assert_eq!(seen([0.0, 1.0, 0.0, 0.0]), 0.0);
+    assert_eq!(seen([0.0, HALF, 0.0, HALF]), 0.0);
+}
+
+/// Radiance of the white wall in front of a light of 30 W/sr at the origin, whose node is turned so.
+fn lit(kind: &str, rotation: [f64; 4]) -> f64 {
+    let folder = with_model(|model| {
+        model["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!(kind);
+        model["nodes"][2]["rotation"] = json!(rotation);
+        model["nodes"][2]["translation"] = json!([0, 0, 0]);
+    });
+    // The camera is in front of the light.
+    let flags = ["--size", "1x1", "--technique", "nee", "--samples", "100000", "--set", "camera.position=[0, 0, -0.5]"];
+    let view = ["--set", "camera.look_at=[0, 0, -1]", "--set", "camera.vertical_fov_deg=0.5"];
+    folder.done(&[&["render", "room.gltf", "-o", "a.exr"], &flags[..], &view[..]].concat());
+    mean(&folder.image("a.exr"), "R")
+}
+
+#[test]
+fn points_shine_all_around_with_their_intensity() {
+    let expected = 30.0 / (core::f64::consts::PI * 9.0);
+    for rotation in [[0.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0]] {
+        let ahead = lit("point", rotation);
+        // Half of the sphere faces away: the standard error is 0.4 %.
+        assert!((ahead / expected - 1.0).abs() < 0.02, "{ahead} instead of {expected}");
+    }
+}
+
+#[test]
+fn spots_shine_along_minus_z_of_their_node_with_their_intensity() {
+    let expected = 30.0 / (core::f64::consts::PI * 9.0);
+    let ahead = lit("spot", [0.0, 0.0, 0.0, 1.0]);
+    assert!((ahead / expected - 1.0).abs() < 0.01, "{ahead} instead of {expected}");
+    assert_eq!(lit("spot", [0.0, 1.0, 0.0, 0.0]), 0.0);
+}
+
+#[test]
+fn the_near_plane_of_a_camera_is_that_of_its_extras() {
+    let wall_behind_near = |extras: Value| {
+        let folder = with_model(|model| {
+            model["cameras"][0]["extras"] = extras;
+            model["cameras"][0]["perspective"]["znear"] = json!(3.5);
+        });
+        render(&folder, &[]);
+        mean(&folder.image("a.exr"), "R") == 0.0
+    };
+    assert!(!wall_behind_near(json!({ "lens": 35 })), "what glTF clips is not where paths start");
+    assert!(wall_behind_near(json!({ "near": 3.5 })));
+}
+
+#[test]
+fn a_camera_that_is_not_there_is_refused_with_those_that_are() {
+    let folder = with_scene(AROUND);
+    folder.write("scene.toml", AROUND.replace("\"Eye\"", "\"eye\""));
+    let beginning = format!("{}: camera is \"eye\", but room.gltf has none of that name\n", folder.place("camera"));
+    let run = folder.refused(&["render", "scene.toml"], 1, &beginning);
+    assert!(run.stderr.contains("help: name one of its cameras: \"Eye\"\n"), "{run}");
+    let beginning = "--set camera=Lens: camera is \"Lens\", but room.gltf has none of that name\n";
+    folder.refused(&["render", "room.gltf", "--set", "camera=Lens"], 2, beginning);
+
+    folder.write("scene.toml", AROUND.replace("geometry = \"room.gltf\"\n", ""));
+    let beginning = format!("{}: camera is \"Eye\", but there is no geometry", folder.place("camera"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+    folder.write("scene.toml", AROUND.replace("\"Eye\"", "7"));
+    let beginning =
+        format!("{}: camera: this is the whole number `7`, expected a table, or the", folder.place("camera"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
+fn a_flag_chooses_among_the_cameras() {
+    let folder = with_model(|model| {
+        model["nodes"][2]["camera"] = json!(0);
+        model["nodes"]
+            .as_array_mut()
+            .expect("a list")
+            .push(json!({ "name": "Back", "camera": 0, "rotation": [0, 1, 0, 0] }));
+        model["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    });
+    let seen = |args: &[&str]| {
+        render(&folder, args);
+        mean(&folder.image("a.exr"), "R")
+    };
+    assert!(seen(&[]) > 0.0);
+    assert_eq!(seen(&["--set", "camera=Back"]), 0.0);
+}
+
+#[test]
+fn an_ambiguous_name_is_refused_but_the_first_camera_is_not() {
+    let folder = with_model(|model| model["nodes"][0] = json!({ "name": "Eye", "camera": 0 }));
+    let beginning = "--set camera=Eye: camera is \"Eye\", but room.gltf has 2 cameras of that name\n";
+    folder.refused(&["render", "room.gltf", "--set", "camera=Eye"], 2, beginning);
+    render(&folder, &[]);
+}
+
+#[test]
+fn a_model_without_a_camera_is_refused_with_a_remedy() {
+    let folder = with_model(|model| drop(model["nodes"][1].as_object_mut().expect("a node").remove("camera")));
+    let run = folder.refused(&["render", "room.gltf"], 1, "room.gltf: has no perspective camera\n");
+    assert!(run.stderr.contains("help: write a scene.toml with [camera]") && run.stderr.contains("--set"), "{run}");
+    folder.refused(&["info", "room.gltf"], 1, "room.gltf: has no perspective camera\n");
+    folder.write("scene.toml", AROUND.replace("camera = \"Eye\"\n", ""));
+    let beginning =
+        format!("{}: missing key `camera`, and room.gltf has no perspective camera\n", folder.place("geometry"));
+    folder.refused(&["render", "scene.toml"], 1, &beginning);
+    let beginning = "--set camera=Eye: camera is \"Eye\", but room.gltf has no perspective camera\n";
+    folder.refused(&["render", "room.gltf", "--set", "camera=Eye"], 2, beginning);
+    let view = ["camera.position=[0, 0, 0]", "camera.look_at=[0, 0, -1]", "camera.vertical_fov_deg=30"];
+    render(&folder, &["--set", view[0], "--set", view[1], "--set", view[2]]);
+}
+
+#[test]
+fn a_model_without_lights_is_refused() {
+    let folder = with_model(|model| drop(model["nodes"][2].as_object_mut().expect("a node").remove("extensions")));
+    folder.refused(&["render", "room.gltf"], 1, "room.gltf: the scene has no light\n");
+    let light = "light=[{ type = \"disk\", center = [0, 0, 1], normal = [0, 0, -1], radius = 1, radiance = 1 }]";
+    render(&folder, &["--set", light]);
+}
+
+#[test]
+fn a_bare_model_is_rendered_as_a_scene_that_names_it() {
+    let folder = with_scene("geometry = \"room.gltf\"\n");
+    let flags = ["--size", "6x4", "--technique", "nee", "--samples", "16", "--progress", "none"];
+    folder.done(&[&["render", "room.gltf", "-o", "a.exr"], &flags[..]].concat());
+    folder.done(&[&["render", "scene.toml", "-o", "b.exr"], &flags[..]].concat());
+    let [bare, named] = ["a.exr", "b.exr"].map(|name| folder.image(name));
+    assert_eq!(bare.channels, named.channels);
+    assert_eq!(header(&bare, "scene_hash"), header(&named, "scene_hash"));
+    assert!(plane(&bare, "R").iter().all(|value| *value > 0.0));
+    folder.write("settings.toml", header(&bare, "settings"));
+    folder.done(&["render", "settings.toml", "-o", "c.exr"]);
+    assert_eq!(folder.image("c.exr").channels, bare.channels, "settings are a scene that gives the same image");
+}
+
+#[test]
+fn a_model_without_meshes_is_fog_alone() {
+    let folder = with_model(|model| model["scenes"][0]["nodes"] = json!([1, 2]));
+    render(&folder, &["--set", "medium.scattering=1"]);
+    assert!(mean(&folder.image("a.exr"), "R") > 0.0);
+}
+
+#[test]
+fn another_geometry_takes_the_place_of_a_bare_model() {
+    let folder = with_model(|_| {});
+    folder.write("other.gltf", model().to_string().replace("\"Eye\"", "\"Lens\""));
+    render(&folder, &["--set", "geometry=other.gltf", "--set", "camera=Lens"]);
+    folder.refused(&["render", "room.gltf", "--set", "geometry=x"], 2, "--set geometry=x: geometry is \"x\": there is");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_bare_model_may_have_a_name_that_is_not_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = with_model(|_| {});
+    let name = std::ffi::OsStr::from_bytes(b"Stra\xdfe.gltf");
+    std::fs::copy(folder.path("room.gltf"), folder.path(".").join(name)).expect("a copy");
+    let run = Run::of(super::support::program(&folder).arg("render").arg(name).args(["-o", "a.exr"]).args(SMALL));
+    assert_eq!(run.code, Some(0), "{run}");
+}
+
+#[test]
+fn a_film_that_nobody_describes_has_the_shape_of_the_camera() {
+    let size = |model: Folder| {
+        let run = model.done(&["info", "room.gltf"]);
+        run.stdout.split(['\n', ' ']).nth(1).expect("a size").to_string()
+    };
+    assert_eq!(size(with_model(|_| {})), "768x512");
+    let square = |model: &mut Value| {
+        drop(model["cameras"][0]["perspective"].as_object_mut().expect("a lens").remove("aspectRatio"))
+    };
+    assert_eq!(size(with_model(square)), "512x512");
+    let folder = with_model(|model| model["cameras"][0]["perspective"]["aspectRatio"] = json!(1e300));
+    folder.refused(&["render", "room.gltf"], 1, "room.gltf: film.size is [4294967295, 512]\n");
+}
+
+#[test]
+fn flags_change_a_bare_model() {
+    let folder = with_model(|_| {});
+    render(&folder, &[]);
+    let clear = header(&folder.image("a.exr"), "scene_hash").to_string();
+    let radius = |folder: &Folder, args: &[&str]| {
+        render(folder, args);
+        header(&folder.image("a.exr"), "scene_hash").to_string()
+    };
+    assert_ne!(radius(&folder, &["--set", "medium.scattering=0.5"]), clear);
+    assert_eq!(radius(&folder, &["--set", "punctual_radius=0.02"]), clear, "its only light has a radius of its own");
+    let plain = with_model(|model| {
+        drop(model["extensions"]["KHR_lights_punctual"]["lights"][0].as_object_mut().expect("a light").remove("extras"))
+    });
+    assert_eq!(radius(&plain, &["--set", "punctual_radius=0.05"]), clear);
+    assert_ne!(radius(&plain, &[]), clear);
+    folder.refused(
+        &["render", "room.gltf", "--set", "punctual_radius=0"],
+        2,
+        "--set punctual_radius=0: punctual_radius is 0.0\n",
+    );
+    folder.refused(&["render", "room.gltf", "--set", "medium.g=1"], 2, "--set medium.g=1: ");
+}
+
+#[test]
+fn the_hash_follows_the_camera_and_the_lights_of_the_model_but_not_their_names() {
+    let hash = |edit: fn(&mut Value)| {
+        let folder = with_model(edit);
+        render(&folder, &["--samples", "1"]);
+        header(&folder.image("a.exr"), "scene_hash").to_string()
+    };
+    let plain = hash(|_| {});
+    let renamed = hash(|model| {
+        model["nodes"][1]["name"] = json!("Lens");
+        model["nodes"][2]["name"] = json!("Sun");
+        model["cameras"][0]["perspective"]["znear"] = json!(0.2);
+    });
+    assert_eq!(renamed, plain);
+    let edits: [fn(&mut Value); 4] = [
+        |model| model["nodes"][1]["translation"] = json!([0, 0, 0.1]),
+        |model| model["cameras"][0]["perspective"]["yfov"] = json!(0.6),
+        |model| model["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(31),
+        |model| model["extensions"]["KHR_lights_punctual"]["lights"][0]["extras"]["radius"] = json!(0.06),
+    ];
+    for (index, edit) in edits.into_iter().enumerate() {
+        assert_ne!(hash(edit), plain, "edit {index}");
+    }
+}
+
+#[test]
+fn keys_in_extras_are_those_of_a_scene_file() {
+    let own = json!({ "medium": { "scattering": 0.5, "phase": { "type": "henyey_greenstein", "g": 0.5 } }, "film": { "size": [6, 4] }, "render": { "technique": "nee", "samples": 16 } });
+    let folder = with_model(|model| model["scenes"][0]["extras"] = json!({ "fogbow": own }));
+    let scene = "geometry = \"room.gltf\"\nfilm.size = [6, 4]\nmedium = { scattering = 0.5, phase = { type = \"henyey_greenstein\", g = 0.5 } }\nrender = { technique = \"nee\", samples = 16 }\n";
+    folder.write("scene.toml", scene);
+    folder.done(&["render", "room.gltf", "-o", "a.exr"]);
+    folder.done(&["render", "scene.toml", "-o", "b.exr"]);
+    let [bare, written] = ["a.exr", "b.exr"].map(|name| folder.image(name));
+    assert_eq!(bare.channels, written.channels);
+    assert_eq!(header(&bare, "settings"), header(&written, "settings"));
+    folder.done(&["render", "room.gltf", "-o", "a.exr", "--set", "medium.scattering=0"]);
+    assert_ne!(folder.image("a.exr").channels, bare.channels, "flags override them");
+}
+
+#[test]
+fn keys_in_extras_are_checked_like_a_scene_file() {
+    let refused = |own: Value, finding: &str| {
+        let folder = with_model(|model| model["scenes"][0]["extras"] = json!({ "fogbow": own }));
+        folder.refused(&["render", "room.gltf"], 1, &format!("room.gltf: extras.fogbow of the scene{finding}"));
+    };
+    refused(json!({ "mist": 1 }), ": mist: unknown key `mist`, expected one of");
+    refused(json!({ "medium": { "scattering": 1, "G": 0 } }), ": medium.G: unknown key `G`");
+    refused(json!({ "medium": { "scattering": "much" } }), ": medium.scattering: this is the string \"much\"");
+    refused(json!({ "medium": { "scattering": [1, 1] } }), ": medium.scattering: the number of entries is 2");
+    refused(json!({ "medium": { "scattering": -1 } }), ": medium.scattering is -1.0\n");
+    refused(json!({ "medium": {} }), ": medium: missing key `scattering`");
+    refused(json!({ "render": { "samples": 1.5 } }), ": render.samples: this is the number `1.5`");
+    refused(json!({ "camera": "Lens" }), ": camera is \"Lens\", but room.gltf has none of that name");
+    refused(json!({ "geometry": "other.glb" }), " has a geometry");
+    refused(json!({ "medium": { "scattering": null } }), " has null at \"medium.scattering\"");
+    refused(json!("fog"), " is \"fog\", not an object");
+}
+
+#[test]
+fn extras_that_are_no_lengths_are_refused() {
+    let refused = |edit: fn(&mut Value), beginning: &str| {
+        with_model(edit).refused(&["render", "room.gltf"], 1, beginning);
+    };
+    fn light(model: &mut Value) -> &mut Value {
+        &mut model["extensions"]["KHR_lights_punctual"]["lights"][0]
+    }
+    let lamp = "room.gltf: light \"Lamp\": ";
+    refused(|model| light(model)["extras"]["radius"] = json!("big"), &format!("{lamp}extras.radius is \"big\"\n"));
+    refused(|model| light(model)["extras"]["radius"] = json!(-1), &format!("{lamp}radius is -1.0\n"));
+    refused(|model| light(model)["intensity"] = json!(1e40), &format!("{lamp}radiance is "));
+    refused(
+        |model| model["nodes"][2]["translation"] = json!([1e10, 0, 0]),
+        &format!("{lamp}center is [10000000000.0, 0.0"),
+    );
+    let eye = "room.gltf: camera \"Eye\": ";
+    refused(|model| model["cameras"][0]["extras"] = json!({ "near": [] }), &format!("{eye}extras.near is []\n"));
+    refused(|model| model["cameras"][0]["extras"] = json!({ "near": -1 }), &format!("{eye}near is -1.0\n"));
+    refused(
+        |model| model["nodes"][1]["translation"] = json!([0, 1e10, 0]),
+        &format!("{eye}position is [0.0, 10000000000.0"),
+    );
+}
+
+#[test]
+fn directional_lights_leave_a_warning_and_cameras_none() {
+    let folder = with_model(|model| {
+        let lights = model["extensions"]["KHR_lights_punctual"]["lights"].as_array_mut().expect("a list");
+        lights.push(json!({ "type": "directional" }));
+        model["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 1 } });
+    });
+    let run = render(&folder, &[]);
+    assert_eq!(run.stderr.matches("warning: ").count(), 1, "{run}");
+    assert!(
+        run.stderr.contains("warning: room.gltf: not rendered so far: directional lights: they do not shine\n"),
+        "{run}"
+    );
+}
+
+#[test]
+fn a_bare_model_is_described_with_its_contents() {
+    let folder = with_model(|model| {
+        model["nodes"][2]["camera"] = json!(0);
+        model["nodes"][2]["translation"] = json!([0, 2, 0]);
+        model["materials"] = json!([{ "emissiveFactor": [1, 1, 1] }]);
+        model["meshes"][0]["primitives"][0]["material"] = json!(0);
+    });
+    let run = folder.done(&["info", "room.gltf"]);
+    let lines = [
+        "room: 768x512 pixels, 64 samples each, seed 1",
+        "vacuum",
+        "mesh \"Wall\": 2 triangles",
+        "camera \"Eye\", which renders",
+        "camera \"Lamp\"",
+        "light \"Lamp\": spot of exponent 20.95 and radius 0.05 m at 2 m from the camera, 0 mean free paths",
+        "shining meshes: 1, of 2 triangles",
+    ];
+    for line in lines {
+        assert!(run.stdout.lines().any(|found| found == line), "{line:?} is missing\n{run}");
+    }
+}
+
+#[test]
+fn what_is_called_a_model_but_is_none_is_refused() {
+    let folder = Folder::with_scene();
+    folder.write("fog.glb", super::support::SCENE);
+    folder.write("scene.GLTF", "{}");
+    folder.refused(&["render", "fog.glb"], 1, "fog.glb: is no glTF: ");
+    folder.refused(&["render", "scene.GLTF"], 1, "scene.GLTF: asset: there is no asset");
+    folder.refused(&["info", "missing.glb"], 1, "missing.glb: cannot be read: ");
+}
+
+#[test]
+fn a_bare_model_names_its_image() {
+    let folder = with_model(|_| {});
+    folder.write("den/scene.gltf", model().to_string());
+    for scene in ["room.gltf", "den/scene.gltf"] {
+        folder.done(&[&["render", scene, "--samples", "1"], &SMALL[..]].concat());
+    }
+    assert_eq!(folder.names(), ["den", "den.exr", "room.exr", "room.gltf"]);
+}
