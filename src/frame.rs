@@ -58,7 +58,7 @@ impl Frame {
 
     /// Whether first flights are drawn towards the lights.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium.never_scatters() && self.surfaces.is_empty()
+        self.aimed > 0.0 && !self.medium.never_scatters()
     }
 
     /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.

@@ -101,6 +101,8 @@ pub struct Work {
     pub edges: u64,
     /// Starts over which their weights were summed.
     pub terms: u64,
+    /// Edges of those that were left when they were to be traced.
+    pub traced: u64,
 }
 
 /// Counters of one worker, or of all.
@@ -152,6 +154,7 @@ impl Stats {
         self.work.connections += other.work.connections;
         self.work.edges += other.work.edges;
         self.work.terms += other.work.terms;
+        self.work.traced += other.work.traced;
         self.dropped.merge(&other.dropped);
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use fogbow::frame::Frame;
-use fogbow::pilot::{self, Trial};
+use fogbow::pilot::{self, Setting, Trial};
 use fogbow::render::Renderer;
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_testing::render::WORKERS;
@@ -27,7 +27,7 @@ fn few_starts_are_chosen_for_a_light_in_open_fog() {
         let (frame, trials) = settled(&scene("fog-facing", &[&format!("render.seed={seed}")]));
         assert!(frame.walk.starts <= 4, "seed {seed}: {} starts of {trials:#?}", frame.walk.starts);
         let efficiency = |starts: u32| {
-            let trial = trials.iter().find(|trial| trial.starts == starts && trial.survival == 1.0);
+            let trial = trials.iter().find(|trial| trial.setting.starts == starts && trial.setting.survival == 1.0);
             trial.map_or_else(|| panic!("no trial of {starts} starts"), Trial::efficiency)
         };
         let (chosen, all) = (efficiency(frame.walk.starts), efficiency(u32::MAX));
@@ -48,14 +48,19 @@ fn the_best_trial_is_chosen_or_one_as_good_with_more_starts() {
         let (frame, trials) = settled(&scene);
         let most = trials.iter().map(Trial::efficiency).fold(0.0, f64::max);
         let as_good = trials.iter().filter(|trial| trial.efficiency() >= 0.9 * most);
-        let best = as_good.max_by(|a, b| (a.starts, a.survival).partial_cmp(&(b.starts, b.survival)).expect("numbers"));
+        let best = as_good.max_by(|a, b| {
+            (a.setting.starts, a.setting.survival)
+                .partial_cmp(&(b.setting.starts, b.setting.survival))
+                .expect("numbers")
+        });
         let best = best.expect("trials");
         assert_eq!(
             frame,
-            scene.frame.clone().with_walk(best.starts, best.survival),
+            scene.frame.clone().with_walk(best.setting.starts, best.setting.survival),
             "{folder}, {settings:?}: the walk alone changes, to the best of {trials:#?}"
         );
-        let mut tried: Vec<_> = trials.iter().map(|trial| (trial.starts, trial.survival.to_bits())).collect();
+        let mut tried: Vec<_> =
+            trials.iter().map(|trial| (trial.setting.starts, trial.setting.survival.to_bits())).collect();
         tried.sort_unstable();
         tried.dedup();
         assert_eq!(tried.len(), trials.len(), "{folder}, {settings:?}: something was tried twice");
@@ -66,13 +71,13 @@ fn the_best_trial_is_chosen_or_one_as_good_with_more_starts() {
 fn what_the_scene_fixes_is_kept() {
     let (frame, trials) = settled(&scene("fog-facing", &["render.starts=3"]));
     assert_eq!(frame.walk.starts, 3);
-    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.starts == 3), "{trials:#?}");
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.starts == 3), "{trials:#?}");
     let (frame, trials) = settled(&scene("fog-facing", &["render.starts=\"all\""]));
     assert_eq!(frame.walk.starts, u32::MAX);
-    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.starts == u32::MAX), "{trials:#?}");
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.starts == u32::MAX), "{trials:#?}");
     let (frame, trials) = settled(&scene("fog-facing", &["render.survival=0.8"]));
     assert_eq!(frame.walk.survival, 0.8);
-    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.survival == 0.8), "{trials:#?}");
+    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.survival == 0.8), "{trials:#?}");
     let both = scene("fog-facing", &["render.survival=0.8", "render.starts=2"]);
     assert_eq!(settled(&both), (both.frame.clone(), vec![]));
     assert_eq!((both.frame.walk.starts, both.frame.walk.survival), (2, 0.8));
@@ -96,6 +101,22 @@ fn scenes_without_a_choice_are_left_alone() {
 }
 
 #[test]
+fn roulette_is_played_below_the_mean_where_that_pays() {
+    let roulette = |folder: &str, settings: &[&str]| {
+        let (frame, trials) = settled(&scene(folder, &[&["render.starts=1", "render.survival=1"], settings].concat()));
+        let tried: Vec<_> = trials.iter().map(|trial| trial.setting.roulette).collect();
+        (frame.roulette, tried)
+    };
+    let (chosen, tried) = roulette("dense-plate", &[]);
+    assert!((0.1..0.3).contains(&chosen) && tried == [0.0, chosen], "{chosen} of {tried:?}");
+    // Without a medium all connections are as bright as the image: dropping some is noise.
+    let (chosen, tried) = roulette("cornell-fog-thin", &["medium.scattering=0", "render.technique=nee"]);
+    assert!(chosen == 0.0 && tried.len() == 2, "{chosen} of {tried:?}");
+    assert_eq!(roulette("dense-plate", &["render.roulette=0.01"]), (0.01, vec![]));
+    assert_eq!(roulette("fog-facing", &[]), (0.0, vec![]));
+}
+
+#[test]
 fn images_of_extreme_shape_are_tried_too() {
     for size in ["[1, 1]", "[5000, 1]", "[1, 5000]", "[3, 2]"] {
         let scene = scene("fog-facing", &[&format!("film.size={size}")]);
@@ -108,7 +129,8 @@ fn images_of_extreme_shape_are_tried_too() {
 
 #[test]
 fn efficiency_is_one_over_variance_times_cost() {
-    let efficiency = |variance: f64, cost: f64| Trial { starts: 1, survival: 1.0, variance, cost }.efficiency();
+    let setting = Setting { starts: 1, survival: 1.0, roulette: 0.0 };
+    let efficiency = |variance: f64, cost: f64| Trial { setting, variance, cost, mean: 1.0 }.efficiency();
     assert_eq!(efficiency(4.0, 0.5), 0.5);
     assert_eq!(efficiency(0.25, 100.0), 0.04);
     assert_eq!(efficiency(0.0, 100.0), 0.0, "what found nothing is worth nothing");

@@ -143,8 +143,9 @@ impl Report<'_> {
 
 fn trial(trial: &Trial) -> Value {
     json!({
-        "starts": starts(trial.starts),
-        "survival": trial.survival,
+        "starts": starts(trial.setting.starts),
+        "survival": trial.setting.survival,
+        "roulette": trial.setting.roulette,
         "variance": trial.variance,
         "cost": trial.cost,
         "efficiency": trial.efficiency(),

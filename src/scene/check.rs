@@ -180,13 +180,16 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
+        let open = frame.surfaces.is_empty() && !frame.medium.never_scatters();
         let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
-        let aimed = render.aimed.0.unwrap_or(if small { AIMED } else { 0.0 });
+        let aimed = render.aimed.0.unwrap_or(if open && small { AIMED } else { 0.0 });
+        let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";
+        self.require(aimed == 0.0 || frame.surfaces.is_empty(), "render.aimed", format!("{aimed:?}"), remedy)?;
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;
-        let roulette = render.roulette;
+        let roulette = render.roulette.0.unwrap_or(0.0);
         let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr)";
+        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
         self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
         Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
     }

@@ -208,11 +208,11 @@ pub struct Render {
     /// Probability with which a walk goes on from a vertex, 0.01 to 1, or "auto", from the same pilot.
     pub survival: NumberOrAuto,
     /// Share of the camera's flights that are drawn towards the lights, 0 to 0.99, or "auto": 0.05 with bridges
-    /// and no more than 16 lights, 0 otherwise.
+    /// and no more than 16 lights, 0 otherwise and with geometry.
     pub aimed: NumberOrAuto,
-    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)], >= 0; 0 for none. Pays where
-    /// tracing is dear; with nothing but disks it gains nothing.
-    pub roulette: f64,
+    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)], >= 0; 0 for none; or "auto":
+    /// with geometry the mean of the image if the same pilot finds that more efficient, otherwise 0.
+    pub roulette: NumberOrAuto,
     /// Longest MVNEE connection in expected segments: extinction times distance, > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
@@ -239,7 +239,7 @@ impl Default for Render {
             starts: Starts::Auto,
             survival: NumberOrAuto(None),
             aimed: NumberOrAuto(None),
-            roulette: 0.0,
+            roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,
             light_selection: LightSelection::IntensityDistance,

@@ -35,6 +35,9 @@ impl<'q> Settle<'_, 'q> {
             self.drop_faint(connector, bucket, candidates);
         }
         let kept = self.count(bucket, candidates);
+        if !self.frame.surfaces.is_empty() {
+            self.stats.work.traced += left(bucket, candidates) * (bucket.inserted as u64 + 1);
+        }
         if self.may_be_blocked(bucket) {
             self.occlude(bucket, candidates);
         }
@@ -106,6 +109,11 @@ impl<'q> Settle<'_, 'q> {
         if !self.stats.detailed {
             return 0;
         }
-        candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
+        left(bucket, candidates)
     }
+}
+
+/// Rows of the bucket that weigh something.
+fn left(bucket: Bucket, candidates: &CandidateQueue<'_>) -> u64 {
+    candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
 }

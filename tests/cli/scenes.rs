@@ -173,7 +173,7 @@ fn settings_of_bridges_are_in_range() {
         refused_setting(&format!("survival = {written}"), &format!("render.survival is {shown}\n"), remedy);
     }
     for (written, shown) in [("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("1e31", "1e31")] {
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr)";
+        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
         refused_setting(&format!("roulette = {written}"), &format!("render.roulette is {shown}\n"), remedy);
     }
     for (written, shown) in [("0", "0.0"), ("-3", "-3.0"), ("nan", "NaN"), ("inf", "inf")] {
@@ -194,6 +194,7 @@ fn settings_of_bridges_may_stand_in_the_scene_or_behind_set() {
         "survival = \"auto\"",
         "roulette = 0",
         "roulette = 0.5",
+        "roulette = \"auto\"",
         "roll = \"uniform\"",
         "bridge_mesc = 2.5",
         "bridge_vertices = 0",
