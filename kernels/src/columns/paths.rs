@@ -59,17 +59,6 @@ columns! {
     }
 }
 
-/// What a vertex of a path is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VertexKind {
-    /// Where the path starts, depth 0.
-    Camera,
-    /// A scattering event in the medium.
-    Medium,
-    /// A point on a surface.
-    Surface,
-}
-
 /// All paths of a worker, one lane each.
 pub struct PathTable<'q> {
     /// Their columns.
@@ -139,15 +128,6 @@ impl<'q> PathTable<'q> {
     pub fn end_in_medium(&mut self) {
         for b in 0..self.live.batches() {
             self.live.remove_batch(b, !self.on_surface.batch(b));
-        }
-    }
-
-    /// What the vertex at `depth` is, for the camera and for every depth from the last surface vertex on.
-    pub fn kind(&self, lane: usize, depth: u32) -> VertexKind {
-        match depth {
-            0 => VertexKind::Camera,
-            _ if depth == self.columns.last_surface.rows()[lane] => VertexKind::Surface,
-            _ => VertexKind::Medium,
         }
     }
 }
@@ -228,13 +208,11 @@ mod tests {
     }
 
     #[test]
-    fn history_knows_what_each_vertex_is() {
+    fn starts_run_from_the_last_surface() {
         let arena = Bump::new();
         let mut paths = PathTable::new_in(&arena, 8, 1);
         assert_eq!(paths.first_start(0), 1);
         paths.columns.last_surface.rows_mut()[0] = 4;
         assert_eq!(paths.first_start(0), 4);
-        let kinds = [0, 4, 5].map(|depth| paths.kind(0, depth));
-        assert_eq!(kinds, [VertexKind::Camera, VertexKind::Surface, VertexKind::Medium]);
     }
 }
