@@ -123,8 +123,10 @@ impl Surfaces {
         }
         for material in &self.materials {
             digest(bytemuck::bytes_of(&material.albedo));
-            digest(&[u8::from(material.double_sided)]);
-            digest(format!("{:?}", material.texture).as_bytes());
+            digest(&[u8::from(material.double_sided), u8::from(material.texture.is_some())]);
+            if let Some(texture) = &material.texture {
+                texture.digest(digest);
+            }
         }
         self.paint.digest(digest);
     }
@@ -146,10 +148,13 @@ impl Paint {
     }
 
     fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        let [first, second] = &self.texcoords;
+        let lengths = [self.colors.len(), first.len(), second.len(), self.textures.len()];
+        lengths.iter().for_each(|length| digest(&(*length as u64).to_le_bytes()));
         digest(bytemuck::cast_slice(&self.colors));
         self.texcoords.iter().for_each(|set| digest(bytemuck::cast_slice(set)));
-        digest(format!("{:?}", self.textures).as_bytes());
-        self.images.iter().for_each(|image| digest(image.texels.as_flattened()));
+        self.textures.iter().for_each(|texture| texture.digest(digest));
+        self.images.iter().for_each(|image| image.digest(digest));
     }
 }
 

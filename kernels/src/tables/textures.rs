@@ -65,7 +65,31 @@ pub struct TextureRef {
     pub scale: [f32; 2],
 }
 
+impl Image {
+    /// Shows all that makes it up to `digest`, in pieces.
+    pub(super) fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        digest(bytemuck::cast_slice(&[self.width, self.height]));
+        digest(self.texels.as_flattened());
+    }
+}
+
+impl Texture {
+    /// Shows all that makes it up to `digest`, in pieces.
+    pub(super) fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        let [u, v] = self.wrap;
+        digest(&self.image.to_le_bytes());
+        digest(&[u as u8, v as u8, self.filter as u8]);
+    }
+}
+
 impl TextureRef {
+    /// Shows all that makes it up to `digest`, in pieces.
+    pub(super) fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        digest(bytemuck::cast_slice(&[self.texture, self.texcoords]));
+        digest(bytemuck::cast_slice(&[self.offset, self.scale]));
+        digest(&self.rotation.to_le_bytes());
+    }
+
     /// Texture coordinates in the image for those of a vertex: scaled, rotated, shifted (KHR_texture_transform).
     pub fn transform(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let (sin, cos) = self.rotation.sin_cos();
