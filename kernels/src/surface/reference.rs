@@ -43,7 +43,8 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
         paths.columns.last_surface.rows_mut()[lane] = depth + 1;
         paths.columns.surface_normal.set_row(lane, side.as_vec3().to_array());
         let albedo = albedo(surfaces, hit);
-        for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(albedo) {
+        for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().take(paths.channels).zip(albedo)
+        {
             let throughput = &mut throughput.rows_mut()[lane];
             *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
         }

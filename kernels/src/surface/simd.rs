@@ -52,7 +52,9 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
         leaving.direction.scatter(&lane_of, count, reflected);
         paths.columns.surface_normal.scatter(&lane_of, count, normal);
         paths.columns.last_surface.scatter(&lane_of, count, depth);
-        for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(points.albedo) {
+        for (throughput, albedo) in
+            paths.columns.throughput.channels_mut().into_iter().take(paths.channels).zip(points.albedo)
+        {
             let product = throughput.gather(&lane_of) * f32x8::new(albedo);
             throughput.scatter(&lane_of, count, product);
         }
