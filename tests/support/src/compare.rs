@@ -162,38 +162,24 @@ impl Save for FlightTable<'_> {
     }
 }
 
-impl Save for HitQueue<'_> {
-    fn save(&self) -> Saved {
-        Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
-    }
+macro_rules! save_queue {
+    ($queue:ty) => {
+        impl Save for $queue {
+            fn save(&self) -> Saved {
+                Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
+            }
 
-    fn restore(&mut self, saved: &Saved) {
-        restore_columns(self, &saved.tables[0]);
-        self.len = saved.len;
-    }
+            fn restore(&mut self, saved: &Saved) {
+                restore_columns(self, &saved.tables[0]);
+                self.len = saved.len;
+            }
+        }
+    };
 }
 
-impl Save for SurfaceHitQueue<'_> {
-    fn save(&self) -> Saved {
-        Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
-    }
-
-    fn restore(&mut self, saved: &Saved) {
-        restore_columns(self, &saved.tables[0]);
-        self.len = saved.len;
-    }
-}
-
-impl Save for CandidateQueue<'_> {
-    fn save(&self) -> Saved {
-        Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
-    }
-
-    fn restore(&mut self, saved: &Saved) {
-        restore_columns(self, &saved.tables[0]);
-        self.len = saved.len;
-    }
-}
+save_queue!(HitQueue<'_>);
+save_queue!(SurfaceHitQueue<'_>);
+save_queue!(CandidateQueue<'_>);
 
 impl Save for PathTable<'_> {
     fn save(&self) -> Saved {
@@ -209,25 +195,22 @@ impl Save for PathTable<'_> {
     }
 }
 
-impl Save for VertexTable<'_> {
-    fn save(&self) -> Saved {
-        Saved::new((0..self.slots() as u32).map(|slot| save_columns(self.at(slot))).collect())
-    }
+macro_rules! save_ring {
+    ($ring:ty) => {
+        impl Save for $ring {
+            fn save(&self) -> Saved {
+                Saved::new((0..self.slots() as u32).map(|slot| save_columns(self.at(slot))).collect())
+            }
 
-    fn restore(&mut self, saved: &Saved) {
-        (0..).zip(&saved.tables).for_each(|(slot, table)| restore_columns(self.at_mut(slot), table));
-    }
+            fn restore(&mut self, saved: &Saved) {
+                (0..).zip(&saved.tables).for_each(|(slot, table)| restore_columns(self.at_mut(slot), table));
+            }
+        }
+    };
 }
 
-impl Save for RayTable<'_> {
-    fn save(&self) -> Saved {
-        Saved::new((0..self.slots() as u32).map(|slot| save_columns(self.at(slot))).collect())
-    }
-
-    fn restore(&mut self, saved: &Saved) {
-        (0..).zip(&saved.tables).for_each(|(slot, table)| restore_columns(self.at_mut(slot), table));
-    }
-}
+save_ring!(VertexTable<'_>);
+save_ring!(RayTable<'_>);
 
 /// One table per slot.
 impl Save for TrailTable<'_> {
