@@ -16,8 +16,8 @@
 //! play roulette on it before they are tested for occlusion.
 
 use fogbow_kernels::columns::queues::SurfaceHit;
+use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
-use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
@@ -262,10 +262,8 @@ impl Walk<'_> {
             bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
-        let straight_on = (point - start).normalize_or_zero();
-        let bridge = &Bridge { roll: if on_surface { Roll::Uniform } else { bridge.roll }, ..*bridge };
-        let from = if on_surface { straight_on } else { arriving };
-        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), from, point - start);
+        let bridge = &if on_surface { bridge.from_surface() } else { *bridge };
+        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), arriving, point - start);
         let Some(inserted) = bridge_sample::count_edges(bridge, mean, self.frame.lengths, &draws) else {
             return;
         };
@@ -337,6 +335,7 @@ mod tests {
     use std::sync::Arc;
 
     use fogbow_kernels::connect::Techniques;
+    use fogbow_kernels::connect::bridge::Roll;
     use fogbow_kernels::connect::mvnee::Offset;
     use fogbow_kernels::phase::HenyeyGreenstein;
     use fogbow_kernels::tables::camera::Camera;

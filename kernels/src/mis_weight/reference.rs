@@ -27,7 +27,6 @@ use glam::DVec3;
 use super::Columns;
 use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
-use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::light_sample::reference::{cosine, light_density, normal};
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::reference as phase;
@@ -174,11 +173,7 @@ fn ratios(
     }
     if let Some(bridge) = &techniques.bridge {
         let arriving = (path[start] - path[start - 1]).normalize();
-        let straight_on = (path[path.len() - 1] - path[start]).normalize_or_zero();
-        let (bridge, arriving) = match surface {
-            None => (*bridge, arriving),
-            Some(_) => (Bridge { roll: Roll::Uniform, ..*bridge }, straight_on),
-        };
+        let bridge = if surface.is_some() { bridge.from_surface() } else { *bridge };
         let longest = lengths.max;
         let density =
             bridge::reference::density(&bridge, extinction, g, longest, depth, arriving, chain, light_density);

@@ -102,6 +102,12 @@ impl Bridge {
         Self { defensive: 0.0, straight: 1.0, turning: 0.0, ..self }
     }
 
+    /// The same for a start on a surface: it has no phase function to align the roll with, and none of its turns is better than
+    /// another.
+    pub const fn from_surface(self) -> Self {
+        Self { roll: Roll::Uniform, turning: 0.0, ..self }
+    }
+
     /// With at most `mesc` expected segments, mu_t s, in `medium`.
     pub fn with_mesc(self, medium: &Medium, mesc: f64) -> Self {
         Self { max_distance: (mesc / f64::from(medium.extinction)) as f32, ..self }

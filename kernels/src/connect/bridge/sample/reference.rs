@@ -38,9 +38,9 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
             depth: paths.depth(step.clock, lane),
             seed: step.seed,
         };
-        let straight_on = is_on_surface(paths, lane, draws.depth).then(|| (point - start).normalize_or_zero());
-        let mean = mean_inserted(bridge, f64::from(medium.extinction), straight_on.unwrap_or(arriving), point - start);
-        let inserted = count_edges(bridge, mean, lengths, &draws);
+        let bridge = from_start(bridge, paths, lane, draws.depth);
+        let mean = mean_inserted(&bridge, f64::from(medium.extinction), arriving, point - start);
+        let inserted = count_edges(&bridge, mean, lengths, &draws);
         buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
@@ -63,8 +63,7 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             };
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            let on_surface = is_on_surface(paths, lane, draws.depth);
-            let bridge = Bridge { roll: if on_surface { Roll::Uniform } else { bridge.roll }, ..*bridge };
+            let bridge = from_start(bridge, paths, lane, draws.depth);
             place(&bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
 
             candidates.lane.rows_mut()[row] = connection.lane;
@@ -79,10 +78,10 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
     }
 }
 
-/// Whether the start at `depth` is on a surface: it has no phase function, so that bridges roll uniformly, and none of its
-/// turns is better than another, so that they count as straight on.
-fn is_on_surface(paths: &PathTable<'_>, lane: usize, depth: u32) -> bool {
-    paths.surfaces && paths.columns.last_surface.rows()[lane] == depth
+/// The bridge as it is from the start at `depth`, which may be on a surface.
+fn from_start(bridge: &Bridge, paths: &PathTable<'_>, lane: usize, depth: u32) -> Bridge {
+    let on_surface = paths.surfaces && paths.columns.last_surface.rows()[lane] == depth;
+    if on_surface { bridge.from_surface() } else { *bridge }
 }
 
 /// The random numbers of one bridge.
