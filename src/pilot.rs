@@ -26,7 +26,7 @@ const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
 /// it is more than a hundred times that of eight starts.
 const LONGEST_FOR_ALL: u32 = 128;
 /// Survival probabilities to try.
-const SURVIVALS: [f32; 4] = [1.0, 0.9, 0.75, 0.5];
+const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
 /// Longest side of the pilot's image in pixels.
 const SIDE: u32 = 32;
 /// Samples per pixel and setting.
@@ -81,7 +81,7 @@ impl Trial {
 /// `frame` with the most efficient of the settings that `render` leaves open, and the trials that led to it.
 ///
 /// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks that go on,
-/// then survivals with the best of these: a number of starts that needs early ends to be the best is not found.
+/// then survivals with the best of these, and where an early end is the best, the next numbers of starts with that.
 ///
 /// `size` is that of the whole image. Without bridges there are no starts and survivals to try: techniques that do not reach
 /// every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
@@ -117,12 +117,23 @@ pub fn settle(
         let others = STARTS[1..].iter().filter(affordable).map(|starts| Setting { starts: *starts, ..setting });
         setting = others.fold(setting, |_, other| search.attempt(other));
     }
-    if open_survival && setting.starts > 1 {
+    if open_survival && (setting.starts > 1 || traces) {
         let shorter = SURVIVALS.iter().filter(|survival| **survival < setting.survival);
         let others = shorter.map(|survival| Setting { survival: *survival, ..setting });
         setting = others.fold(setting, |_, other| search.attempt(other));
     }
+    if open_starts && open_survival && setting.survival < 1.0 {
+        let (before, after) = neighbours(setting.starts);
+        let others = [before, after].into_iter().flatten().map(|starts| Setting { starts, ..setting });
+        setting = others.fold(setting, |_, other| search.attempt(other));
+    }
     (setting.apply(frame), search.trials)
+}
+
+/// The next smaller and larger number of starts.
+fn neighbours(starts: u32) -> (Option<u32>, Option<u32>) {
+    let smaller = STARTS.into_iter().rev().find(|other| *other < starts);
+    (smaller, STARTS.into_iter().find(|other| *other > starts && *other < u32::MAX))
 }
 
 /// What was tried so far, and how to try more.
