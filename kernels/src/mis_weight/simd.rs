@@ -188,6 +188,7 @@ impl Batch<'_> {
             inverse_area: self.lights.gather(&self.light_of, |emitter| emitter.density),
             last_squared: last * last,
             cos_light,
+            skipped: f32x8::ZERO,
         }
     }
 
