@@ -154,6 +154,7 @@ impl Check<'_> {
             mvnee: names.contains(&Technique::Mvnee).then(|| Mvnee::new(medium, mesc, offset)),
             omnee: names.contains(&Technique::Omnee),
             bridge: names.contains(&Technique::Bridge).then_some(bridge),
+            lis: None,
         })
     }
 

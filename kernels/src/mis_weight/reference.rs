@@ -27,9 +27,8 @@ use glam::DVec3;
 use super::Columns;
 use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
-use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::light_sample::reference::{cosine, light_density, normal};
-use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
+use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
 use crate::phase::reference as phase;
 use crate::tables::lights::{Emitter, Lights};
 use crate::tables::media::Medium;
@@ -156,7 +155,8 @@ fn ratios(
     let [.., before, point] = path else {
         return 0.0;
     };
-    let normal = normal(&lights.emitters()[light], *point, *point - *before);
+    let emitter = &lights.emitters()[light];
+    let normal = normal(emitter, *point, *point - *before);
     let Some(traced) = path_tracing_density(extinction, g, path, start, surface, normal) else {
         return 0.0;
     };
@@ -172,14 +172,20 @@ fn ratios(
     if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
         sum += omnee::reference::density(g, chain, light_density).over(traced);
     }
+    let longest = lengths.max;
+    let arriving = surface.is_none().then(|| (path[start] - path[start - 1]).normalize());
+    if let Some(lis) = &techniques.lis {
+        let from = lis::reference::Start { depth, arriving };
+        let density = lis::reference::density(lis, (extinction, g), emitter, longest, from, chain, light_density);
+        sum += density.over(traced);
+        if techniques.companion().is_some() {
+            sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
+        }
+    }
     if let Some(bridge) = &techniques.bridge {
-        let arriving = (path[start] - path[start - 1]).normalize();
         let straight_on = (path[path.len() - 1] - path[start]).normalize_or_zero();
-        let (bridge, arriving) = match surface {
-            None => (*bridge, arriving),
-            Some(_) => (Bridge { roll: Roll::Uniform, ..*bridge }, straight_on),
-        };
-        let longest = lengths.max;
+        let (bridge, arriving) =
+            (bridge::reference::at_start(bridge, surface.is_some()), arriving.unwrap_or(straight_on));
         let density =
             bridge::reference::density(&bridge, extinction, g, longest, depth, arriving, chain, light_density);
         sum += density.over(traced);
@@ -249,6 +255,11 @@ impl Density {
     /// Multiplied by `e^exponent`.
     pub fn times_exp(self, exponent: f64) -> Self {
         Self { exponent: self.exponent + exponent, ..self }
+    }
+
+    /// The product of two densities.
+    pub fn product(self, other: Self) -> Self {
+        self.times(other.mantissa).times_exp(other.exponent)
     }
 
     /// The quotient of two densities.

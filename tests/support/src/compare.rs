@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, SurfaceHitQueue};
+use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue};
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{ColumnMut, ColumnRef, ColumnSet};
 use fogbow_kernels::connect::buckets::BucketTable;
@@ -174,6 +174,17 @@ impl Save for HitQueue<'_> {
 }
 
 impl Save for SurfaceHitQueue<'_> {
+    fn save(&self) -> Saved {
+        Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        restore_columns(self, &saved.tables[0]);
+        self.len = saved.len;
+    }
+}
+
+impl Save for EndQueue<'_> {
     fn save(&self) -> Saved {
         Saved { len: self.len, ..Saved::new(vec![save_columns(self)]) }
     }

@@ -22,6 +22,11 @@ use super::{Bridge, LARGEST_MEAN, Roll};
 use crate::mis_weight::reference::Density;
 use crate::phase::reference as phase;
 
+/// The settings of bridges from a start: on a surface, which has no phase function, they roll uniformly.
+pub fn at_start(bridge: &Bridge, on_surface: bool) -> Bridge {
+    Bridge { roll: if on_surface { Roll::Uniform } else { bridge.roll }, ..*bridge }
+}
+
 /// Largest number of edges of a bridge from a start at `depth`, where paths have at most `longest` segments.
 pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
     if depth >= longest {
