@@ -14,7 +14,7 @@ use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::queues::{Bucket, Request};
 use fogbow_kernels::connect::{
-    bridge::sample as bridge_sample, light_sample, mvnee::sample as mvnee_sample, nee, omnee,
+    bridge::sample as bridge_sample, light_sample, lis, mvnee::sample as mvnee_sample, nee, omnee,
 };
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::roulette::{self, Threshold};
@@ -22,7 +22,7 @@ use fogbow_kernels::{
     accumulate, extend, first_flight, generate, medium_sample, mis_weight, occlusion, random, scatter,
 };
 use fogbow_testing::frames::{self, Active};
-use fogbow_testing::recorded::{build_bridges, build_mvnee, connect, thin_out, wavefront};
+use fogbow_testing::recorded::{build_bridges, build_lis, build_mvnee, connect, thin_out, wavefront};
 
 /// Rows of the recorded tables.
 const ROWS: usize = 512;
@@ -238,6 +238,42 @@ fn mvnee_stages(c: &mut Criterion) {
     }
 }
 
+/// The stages of light importance sampling, and its weights, which are those of a bridge seen from another end.
+fn lis_stages(c: &mut Criterion) {
+    let frame = frames::focused(&frames::with_techniques(&mvnee_frame(), Active::Lis, 4.0), &[20.0]);
+    let settings = frame.techniques.lis.expect("a frame with light importance sampling");
+    let arena = Bump::new();
+    let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
+    let mut group = c.benchmark_group("lis");
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        connect(&mut w, &frame, lis::reach(frame.lengths));
+        group.throughput(Throughput::Elements(w.connections.len as u64));
+        group.bench_function(BenchmarkId::new("vertex", name), |b| {
+            let Wavefront { paths, connections, ends, step, .. } = &mut w;
+            b.iter(|| {
+                let columns = lis::sample::VertexColumns { paths, connections, ends };
+                (pipeline.lis_vertex)(&frame.medium, &frame.lights, &settings, *step, columns);
+            });
+        });
+        build_lis(&mut w, &frame, &settings);
+        group.bench_function(BenchmarkId::new("join", name), |b| {
+            let Wavefront { buckets, ends, bridged, chains, .. } = &mut w;
+            b.iter(|| (pipeline.lis_join)(lis::sample::JoinColumns { buckets, ends, candidates: bridged, chains }));
+        });
+    }
+    group.finish();
+    build_lis(&mut w, &frame, &settings);
+    let bucket = w.buckets.buckets()[3];
+    let mut group = c.benchmark_group("lis, 4 inserted");
+    group.throughput(Throughput::Elements(bucket.len as u64));
+    for (name, pipeline) in [("simd", SIMD), ("twin", REFERENCE)] {
+        group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
+            b.iter(|| weigh(&pipeline, &frame, &mut w, Bucket { inserted: 4, ..bucket }, true));
+        });
+    }
+    group.finish();
+}
+
 fn bridge_frame() -> Frame {
     frames::with_techniques(&mvnee_frame(), Active::Bridge, 4.0)
 }
@@ -304,6 +340,6 @@ criterion_group! {
     config = Criterion::default()
         .warm_up_time(std::time::Duration::from_millis(200))
         .measurement_time(std::time::Duration::from_millis(600));
-    targets = lane_stages, plain_loops, direct_rows, single_vertex, mvnee_stages, bridge_stages, bridge_weights
+    targets = lane_stages, plain_loops, direct_rows, single_vertex, mvnee_stages, lis_stages, bridge_stages, bridge_weights
 }
 criterion_main!(benches);

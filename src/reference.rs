@@ -19,14 +19,15 @@ use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
 use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
+use fogbow_kernels::connect::lis::{Lis, Shape, sample::reference as lis_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
-use fogbow_kernels::connect::{bridge, nee, omnee};
+use fogbow_kernels::connect::{bridge, lis, nee, omnee};
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random, roulette,
-    scatter,
+    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
+    roulette, scatter,
 };
 use glam::DVec3;
 
@@ -45,6 +46,8 @@ pub enum Technique {
     Omnee,
     /// A bridge.
     Bridge,
+    /// Light importance sampling, or its companion.
+    Lis,
 }
 
 /// What one complete path adds to its pixel.
@@ -103,7 +106,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
             None => walk.scatter(flight, u),
         }
         if frame.techniques.nee {
-            walk.connect_straight();
+            walk.connect_straight(Technique::Nee, nee::REACH);
         }
         if let Some(mvnee) = &frame.techniques.mvnee {
             walk.connect_through_medium(mvnee);
@@ -113,6 +116,12 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         }
         if let Some(bridge) = &frame.techniques.bridge {
             walk.connect_by_bridge(bridge);
+        }
+        if let Some(lis) = &frame.techniques.lis {
+            walk.connect_from_light(lis);
+        }
+        if let Some(reach) = frame.techniques.companion() {
+            walk.connect_straight(Technique::Lis, reach);
         }
     }
     walk.found
@@ -218,10 +227,11 @@ impl Walk<'_> {
         }
     }
 
-    /// Connects the last vertex by next event estimation.
-    fn connect_straight(&mut self) {
-        if let Some((light, point)) = self.light_point(nee::REACH) {
-            self.try_connection(Technique::Nee, random::NEE_LIGHT, light, &[point]);
+    /// Connects the last vertex in a straight line.
+    fn connect_straight(&mut self, technique: Technique, reach: Reach) {
+        if let Some((light, point)) = self.light_point(reach) {
+            let purpose = if technique == Technique::Lis { random::LIS_LIGHT } else { reach.purpose };
+            self.try_connection(technique, purpose, light, &[point]);
         }
     }
 
@@ -230,16 +240,21 @@ impl Walk<'_> {
         let Some((light, point)) = self.light_point(mvnee.reach()) else {
             return;
         };
+        if let Some(mut rest) = self.seeds_to(mvnee, point, self.frame.lengths, self.frame.seed) {
+            rest.push(point);
+            self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, light, &rest);
+        }
+    }
+
+    /// The vertices that multiple-vertex next event estimation inserts between the last one and `point`, in a path of
+    /// `lengths` up to there.
+    fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, extinction) = (self.last(), self.extinction());
-        let draws =
-            mvnee_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
-        let distance = (point - start).length();
-        let Some(inserted) = mvnee_sample::count_seeds(extinction, distance, self.frame.lengths, &draws) else {
-            return;
-        };
-        let mut rest = vec![point; inserted as usize + 1];
-        mvnee_sample::place(&mvnee.into(), extinction, start, point, &draws, &mut rest[..inserted as usize]);
-        self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, light, &rest);
+        let draws = mvnee_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
+        let count = mvnee_sample::count_seeds(extinction, (point - start).length(), lengths, &draws)?;
+        let mut inserted = vec![point; count as usize];
+        mvnee_sample::place(&mvnee.into(), extinction, start, point, &draws, &mut inserted);
+        Some(inserted)
     }
 
     /// Connects the last vertex through one inserted vertex.
@@ -257,19 +272,46 @@ impl Walk<'_> {
         let Some((light, point)) = self.light_point(bridge.reach()) else {
             return;
         };
+        if let Some(mut rest) = self.bridge_to(bridge, point, self.frame.lengths, self.frame.seed) {
+            rest.push(point);
+            self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, light, &rest);
+        }
+    }
+
+    /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
+    fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, g) = (self.last(), f64::from(self.frame.medium.phase.g));
-        let draws =
-            bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed };
+        let draws = bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
         let bridge = &if on_surface { bridge.from_surface() } else { *bridge };
         let mean = bridge::reference::mean_inserted(bridge, self.extinction(), arriving, point - start);
-        let Some(inserted) = bridge_sample::count_edges(bridge, mean, self.frame.lengths, &draws) else {
+        let count = bridge_sample::count_edges(bridge, mean, lengths, &draws)?;
+        let mut inserted = vec![point; count as usize];
+        bridge_sample::place(bridge, g, start, arriving, point, &draws, &mut inserted);
+        Some(inserted)
+    }
+
+    /// Connects the last vertex with one made from a light.
+    fn connect_from_light(&mut self, lis: &Lis) {
+        let Frame { lights, lengths, seed, .. } = self.frame;
+        let Some((light, point)) = self.light_point(lis::reach(*lengths)) else {
             return;
         };
-        let mut rest = vec![point; inserted as usize + 1];
-        bridge_sample::place(bridge, g, start, arriving, point, &draws, &mut rest[..inserted as usize]);
-        self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, light, &rest);
+        let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
+        let vertex = lis_sample::place(&lights.emitters()[light], self.extinction(), point, u);
+        if !lis_sample::is_within_reach(lis, self.last(), vertex) {
+            return;
+        }
+        let (lengths, seed) = (lis::before_last(*lengths), random::lis_seed(*seed));
+        let inserted = match &lis.shape {
+            Shape::Bridge(bridge) => self.bridge_to(bridge, vertex, lengths, seed),
+            Shape::Mvnee(mvnee) => self.seeds_to(mvnee, vertex, lengths, seed),
+        };
+        if let Some(mut rest) = inserted {
+            rest.extend([vertex, point]);
+            self.try_connection(Technique::Lis, random::LIS_LIGHT, light, &rest);
+        }
     }
 
     /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
@@ -359,6 +401,7 @@ mod tests {
                 mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),
                 omnee: true,
                 bridge: Some(Bridge::new(Roll::Aligned)),
+                lis: Some(Lis::new(&medium, Shape::Bridge(Bridge::new(Roll::Aligned)))),
             },
             lengths,
             walk: FREE,
@@ -382,9 +425,11 @@ mod tests {
         let frame = frame(1.0, PathLengths { min: 2, max: 5 });
         let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
         assert!(found.iter().all(|contribution| (2..=5).contains(&contribution.segments)));
-        for technique in [Technique::Path, Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge] {
-            // A path of one inserted vertex has three segments or more.
-            let shortest = if technique == Technique::Omnee { 3 } else { 2 };
+        for technique in
+            [Technique::Path, Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge, Technique::Lis]
+        {
+            // A path of one inserted vertex has three segments or more; the companion of nee is nee.
+            let shortest = if matches!(technique, Technique::Omnee | Technique::Lis) { 3 } else { 2 };
             for segments in shortest..=5 {
                 let made = |c: &&Contribution| c.technique == technique && c.segments == segments;
                 assert!(found.iter().filter(made).count() > 0, "{technique:?} makes no path of {segments} segments");
@@ -473,6 +518,7 @@ mod tests {
         let bridge = |roll: Roll| Techniques { bridge: Some(Bridge::new(roll)), ..Techniques::default() };
         let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
         let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
+        let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(&all.medium, shape)), ..Techniques::default() });
         let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..Bridge::new(Roll::Aligned) };
         for (name, frame) in [
             ("path", only(Techniques::default())),
@@ -480,6 +526,9 @@ mod tests {
             ("aligned bridge", only(bridge(Roll::Aligned))),
             ("uniform bridge", only(bridge(Roll::Uniform))),
             ("limited bridge", only(Techniques { bridge: Some(limited), ..Techniques::default() })),
+            ("lis by bridges", lis(Shape::Bridge(Bridge::new(Roll::Aligned)))),
+            ("lis by limited bridges", lis(Shape::Bridge(limited))),
+            ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(&all.medium, 3.0, Offset::Ggx)))),
             ("all", all.clone()),
             ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
             ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),

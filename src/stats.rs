@@ -32,11 +32,13 @@ pub enum Connector {
     Omnee,
     /// Bridges.
     Bridge,
+    /// Light importance sampling and its companion.
+    Lis,
 }
 
 impl Connector {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Nee, Self::Mvnee, Self::Omnee, Self::Bridge];
+    pub const ALL: [Self; 5] = [Self::Nee, Self::Mvnee, Self::Omnee, Self::Bridge, Self::Lis];
 
     /// The technique's name in scenes, flags and statistics.
     pub fn name(self) -> &'static str {
@@ -45,6 +47,7 @@ impl Connector {
             Self::Mvnee => "mvnee",
             Self::Omnee => "omnee",
             Self::Bridge => "bridge",
+            Self::Lis => "lis",
         }
     }
 
@@ -55,6 +58,7 @@ impl Connector {
             Self::Mvnee => techniques.mvnee.is_some(),
             Self::Omnee => techniques.omnee,
             Self::Bridge => techniques.bridge.is_some(),
+            Self::Lis => techniques.lis.is_some(),
         }
     }
 
@@ -65,6 +69,7 @@ impl Connector {
             Self::Mvnee => random::MVNEE_LIGHT,
             Self::Omnee => random::OMNEE_LIGHT,
             Self::Bridge => random::BRIDGE_LIGHT,
+            Self::Lis => random::LIS_LIGHT,
         }
     }
 }
@@ -117,7 +122,7 @@ pub struct Stats {
     /// One entry for each of [`Stage::ALL`]; only filled if detailed.
     pub stages: Vec<StageStats>,
     /// One entry for each of [`Connector::ALL`]; all but `tried` only filled if detailed.
-    pub connections: [ConnectionStats; 4],
+    pub connections: [ConnectionStats; Connector::ALL.len()],
     /// What connections cost.
     pub work: Work,
     /// Contributions that were not finite.
@@ -132,7 +137,7 @@ impl Stats {
             samples: 0,
             segments: 0,
             stages: vec![StageStats::default(); Stage::ALL.len()],
-            connections: [ConnectionStats::default(); 4],
+            connections: [ConnectionStats::default(); Connector::ALL.len()],
             work: Work::default(),
             dropped: Dropped::default(),
         }

@@ -1,6 +1,7 @@
 //! Densities and weights against independent code, and the properties that every weight has.
 
 use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
+use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
@@ -163,19 +164,24 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
     })
 }
 
-/// All techniques, or those whose bit is set.
+/// All techniques, or those whose bit is set; light importance sampling without its companion, which nee replaces.
 fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
     let has = |bit: u32| bits >> bit & 1 == 1;
+    let bridge = Shape::Bridge(Bridge::new(Roll::Aligned));
     Techniques {
         nee: has(0),
         mvnee: has(1).then(|| Mvnee::new(medium, mesc, Offset::Ggx)),
         omnee: has(2),
         bridge: has(3).then(|| Bridge::new(Roll::Aligned)),
+        lis: (has(4) || has(5)).then(|| Lis {
+            near: 0.0,
+            ..Lis::new(medium, if has(4) { bridge } else { Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx)) })
+        }),
     }
 }
 
-/// Every technique.
-const EVERY: u32 = 0b1111;
+/// Every technique, with light importance sampling joined by bridges and by MVNEE.
+const EVERY: [u32; 2] = [0b01_1111, 0b10_1111];
 
 const KERNELS: [mis_weight::Kernel; 2] = [mis_weight::simd::run, mis_weight::reference::run];
 
@@ -190,17 +196,17 @@ proptest! {
         // of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
         let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
-        for kernel in KERNELS {
+        for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let made = Made { vertices: &path, inserted: 0, first_start: 1, light: 0 };
             let with = |bits: u32| {
                 let techniques = techniques(&medium, bits, mesc);
                 Weigher::new(kernel, &medium, &lights, &techniques).weight(&made, lane)
             };
             prop_assert_eq!(with(0), 1.0);
-            let every = with(EVERY);
+            let every = with(bits);
             prop_assert!(every > 0.0);
             let mut shares = every;
-            for bit in 0..4 {
+            for bit in (0..6).filter(|bit| bits >> bit & 1 == 1) {
                 let alone = with(1 << bit);
                 prop_assert!(alone > 0.0 && alone <= 1.0, "technique {}: {}", bit, alone);
                 shares += every * (1.0 / alone - 1.0);
@@ -215,11 +221,13 @@ proptest! {
     ) {
         let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
-        let techniques = techniques(&medium, EVERY, mesc);
-        let weigher = Weigher::new(mis_weight::simd::run, &medium, &lights, &techniques);
-        let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, light: 0 }, 5);
-        for inserted in 1..path.len() - 2 {
-            prop_assert!((weight(inserted) / weight(0) - 1.0).abs() < 1e-4, "{} inserted", inserted);
+        for bits in EVERY {
+            let techniques = techniques(&medium, bits, mesc);
+            let weigher = Weigher::new(mis_weight::simd::run, &medium, &lights, &techniques);
+            let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, light: 0 }, 5);
+            for inserted in 1..path.len() - 2 {
+                prop_assert!((weight(inserted) / weight(0) - 1.0).abs() < 1e-4, "{} inserted", inserted);
+            }
         }
     }
 
@@ -230,12 +238,12 @@ proptest! {
     ) {
         let scale = log_scale.exp();
         let moved: Vec<_> = path.iter().map(|v| scale * (turn * *v)).collect();
-        for kernel in KERNELS {
+        for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let weight = |path: &[DVec3], turn: DQuat, scale: f64| {
                 let extinction = (1.3 / scale) as f32;
                 let medium = Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
                 let lights = lights_around(path, turn, scale, selection);
-                let techniques = techniques(&medium, EVERY, mesc);
+                let techniques = techniques(&medium, bits, mesc);
                 let weigher = Weigher::new(kernel, &medium, &lights, &techniques);
                 weigher.weight(&Made { vertices: path, inserted: path.len() / 2 - 1, first_start: 1, light: 0 }, 2)
             };

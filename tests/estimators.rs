@@ -87,6 +87,15 @@ fn all_techniques_have_equal_means_per_path_length_with_three_lights() {
 }
 
 #[test]
+fn all_techniques_have_equal_means_per_path_length_with_spotlights() {
+    for (g, mesc) in [(0.3, f64::INFINITY), (0.8, 2.0)] {
+        let base = frames::three_lights(g, Selection::IntensityDistance, SMALL);
+        let base = frames::focused(&base, &[12.0, 2.0, 0.0]);
+        assert_equal_means(&format!("spotlights, g {g}"), &base, mesc, 1..=6, 1500);
+    }
+}
+
+#[test]
 fn all_techniques_have_equal_means_per_path_length_among_surfaces() {
     let base = frames::room(0.7, Selection::IntensityDistance, SMALL);
     assert_equal_means("room", &base, 2.0, 1..=6, 1500);

@@ -1,6 +1,6 @@
 //! The table of stages: one function pointer each.
 
-use crate::connect::{bridge, light_sample, mvnee, omnee};
+use crate::connect::{bridge, light_sample, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter,
     surface,
@@ -70,6 +70,10 @@ pipeline! {
     bridge_count (BridgeCount): bridge::sample::CountKernel = bridge::sample::simd::count, bridge::sample::reference::count;
     /// Where the inserted vertices of bridges are.
     bridge_build (BridgeBuild): bridge::sample::BuildKernel = bridge::sample::simd::build, bridge::sample::reference::build;
+    /// A vertex from the light for every connection of light importance sampling.
+    lis_vertex (LisVertex): lis::sample::VertexKernel = lis::sample::simd::vertex, lis::sample::reference::vertex;
+    /// The light points behind these vertices.
+    lis_join (LisJoin): lis::sample::JoinKernel = lis::sample::simd::join, lis::sample::reference::join;
     /// One weight per candidate.
     mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
     /// Faint connections are dropped before they are traced.

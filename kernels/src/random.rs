@@ -14,11 +14,16 @@
 //! | [`MVNEE_LIGHT`] | the same for MVNEE |
 //! | [`OMNEE_LIGHT`] | the same for OMNEE |
 //! | [`BRIDGE_LIGHT`] | the same for bridges |
+//! | [`LIS_LIGHT`], [`LIS_NEAR_LIGHT`] | the same for light importance sampling and its companion |
 //! | [`OMNEE_VERTEX`] | turn, first angle and azimuth of the inserted vertex, - |
+//! | [`LIS_VERTEX`] | cosine, azimuth, flight and side of the vertex made from the light |
 //! | [`BRIDGE_COUNT`] | uniform or Poisson count, the count, roll, - |
 //! | [`MVNEE_FLIGHTS`]` + k` | free flights of the seeds 4 k .. 4 k + 4 |
 //! | [`MVNEE_OFFSETS`]` + k` | radius and azimuth of the perturbation of seeds 2 k and 2 k + 1 |
 //! | [`BRIDGE_WALK`]` + k` | length of edge k, cosine and azimuth of the turn at its end, - |
+//!
+//! Light importance sampling joins a start with its vertex as MVNEE or a bridge would, from the same blocks under
+//! [`lis_seed`].
 
 use wide::{f32x8, i32x8, u32x8};
 
@@ -38,6 +43,12 @@ pub const BRIDGE_LIGHT: u32 = 5;
 pub const OMNEE_VERTEX: u32 = 6;
 /// How many edges a bridge has, and how it is rolled.
 pub const BRIDGE_COUNT: u32 = 7;
+/// The light point of light importance sampling.
+pub const LIS_LIGHT: u32 = 8;
+/// The light point of its companion.
+pub const LIS_NEAR_LIGHT: u32 = 9;
+/// The vertex made from the light.
+pub const LIS_VERTEX: u32 = 10;
 /// First block of the seeds' free flights; room for 1024 seeds.
 pub const MVNEE_FLIGHTS: u32 = 0x100;
 /// First block of the seeds' perturbations; room for 1024 seeds.
@@ -49,6 +60,13 @@ pub const BRIDGE_WALK: u32 = 0x400;
 #[inline(always)]
 pub fn block(depth: u32, purpose: u32) -> u32 {
     depth << 16 | purpose
+}
+
+/// The seed under which light importance sampling draws its bridges and its seeds on the axis: with the frame's own they
+/// would repeat what MVNEE and bridges draw for the same start.
+#[inline(always)]
+pub fn lis_seed(seed: u32) -> u32 {
+    seed ^ 0x85eb_ca6b
 }
 
 const MULTIPLIER: u32 = 1_664_525;

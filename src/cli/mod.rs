@@ -64,7 +64,7 @@ struct RenderArgs {
     /// Where to write the image; .exr or .png; may be repeated. Default: the scene's name with .exr.
     #[arg(short, long = "output", value_name = "OUT.exr|OUT.png")]
     output: Vec<PathBuf>,
-    /// Connection technique, or several with commas: path, nee, mvnee, omnee, bridge.
+    /// Connection technique, or several with commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
     technique: Option<String>,
     /// Longest MVNEE connection in expected segments.

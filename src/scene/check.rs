@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
+use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
@@ -14,7 +15,7 @@ use fogbow_kernels::{PathLengths, Walk};
 use super::cameras::Chosen;
 use super::document::Document;
 use super::lights::{self, LARGEST_RADIANCE, Placed};
-use super::schema::{self, LightSelection, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::schema::{self, LightSelection, LisShape, Perturbation, Scene, Spectrum, Starts, Technique};
 use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
@@ -137,7 +138,7 @@ impl Check<'_> {
         let mesc = self.expected_segments("render.mesc", render.mesc)?;
         let bridge_mesc = self.expected_segments("render.bridge_mesc", render.bridge_mesc)?;
         let names = &render.technique.0;
-        let remedy = "name a technique: path, nee, mvnee, omnee, bridge";
+        let remedy = "name a technique: path, nee, mvnee, omnee, bridge, lis";
         self.require(!names.is_empty(), "render.technique", "an empty list", remedy)?;
         let offset = match render.perturbation {
             Perturbation::Ggx => Offset::Ggx,
@@ -149,11 +150,17 @@ impl Check<'_> {
         };
         let max_inserted = render.bridge_vertices.unwrap_or(u32::MAX);
         let bridge = Bridge { max_inserted, ..Bridge::new(roll).with_mesc(medium, bridge_mesc) };
+        let mvnee = Mvnee::new(medium, mesc, offset);
+        let shape = match render.lis {
+            LisShape::Bridge => Shape::Bridge(bridge),
+            LisShape::Mvnee => Shape::Mvnee(mvnee),
+        };
         Ok(Techniques {
             nee: names.contains(&Technique::Nee),
-            mvnee: names.contains(&Technique::Mvnee).then(|| Mvnee::new(medium, mesc, offset)),
+            mvnee: names.contains(&Technique::Mvnee).then_some(mvnee),
             omnee: names.contains(&Technique::Omnee),
             bridge: names.contains(&Technique::Bridge).then_some(bridge),
+            lis: names.contains(&Technique::Lis).then(|| Lis::new(medium, shape)),
         })
     }
 

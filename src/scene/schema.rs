@@ -219,6 +219,9 @@ pub struct Render {
     pub mesc: Option<f64>,
     /// Shape of MVNEE's perturbation.
     pub perturbation: Perturbation,
+    /// What joins a vertex of the path with the one that lis makes from the light; the settings of bridges, or mesc and
+    /// perturbation, hold for it.
+    pub lis: LisShape,
     /// How a connection picks its light.
     pub light_selection: LightSelection,
     /// Samples per pixel.
@@ -242,6 +245,7 @@ impl Default for Render {
             roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,
+            lis: LisShape::Bridge,
             light_selection: LightSelection::IntensityDistance,
             samples: 64,
             seed: 1,
@@ -263,6 +267,8 @@ pub enum Technique {
     Omnee,
     /// Bridges: connections shaped by a random walk.
     Bridge,
+    /// Light importance sampling: connections that end at a vertex made from the light, for spotlights.
+    Lis,
 }
 
 /// Rolls of a bridge.
@@ -283,6 +289,16 @@ pub enum Perturbation {
     Ggx,
     /// Normal distribution.
     Gaussian,
+}
+
+/// Shapes of the connections of light importance sampling.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LisShape {
+    /// A bridge.
+    Bridge,
+    /// Multiple-vertex next event estimation, as published.
+    Mvnee,
 }
 
 /// Rules by which a connection picks its light.

@@ -7,7 +7,7 @@ use bumpalo::Bump;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
 use fogbow_kernels::columns::queues::{
-    CandidateQueue, ChainTable, FlightTable, HitQueue, Request, RequestTable, SurfaceHitQueue,
+    CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, Request, RequestTable, SurfaceHitQueue,
 };
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::connect::Techniques;
@@ -45,8 +45,8 @@ pub fn default_lanes(frame: &Frame) -> usize {
 
 /// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone.
 fn remembered(frame: &Frame) -> usize {
-    let Techniques { nee: _, mvnee, omnee, bridge } = frame.techniques;
-    let looks_back = mvnee.is_some() || omnee || bridge.is_some();
+    let Techniques { nee: _, mvnee, omnee, bridge, lis } = frame.techniques;
+    let looks_back = mvnee.is_some() || omnee || bridge.is_some() || lis.is_some();
     if looks_back { frame.walk_segments() as usize } else { 0 }
 }
 
@@ -74,6 +74,8 @@ pub struct Wavefront<'q> {
     pub light_hits: CandidateQueue<'q>,
     /// Starts and light points of the technique at hand; of next event estimation these are complete candidates.
     pub connections: CandidateQueue<'q>,
+    /// Light points behind the connections of light importance sampling, which end at vertices made from them.
+    pub ends: EndQueue<'q>,
     /// The connections, by number of inserted vertices.
     pub buckets: BucketTable<'q>,
     /// Connections with inserted vertices, bucket by bucket.
@@ -123,7 +125,7 @@ impl<'q> Wavefront<'q> {
         let lanes = lanes.max(1).next_multiple_of(LANES);
         let segments = frame.lengths.max as usize;
         let longest = match frame.techniques {
-            Techniques { mvnee: None, bridge: None, omnee, .. } => usize::from(omnee),
+            Techniques { mvnee: None, bridge: None, lis: None, omnee, .. } => usize::from(omnee),
             _ => segments.saturating_sub(2),
         };
         let bridged = BucketTable::rows(lanes, longest);
@@ -142,6 +144,7 @@ impl<'q> Wavefront<'q> {
             views: CandidateQueue::new_in(arena, lanes),
             light_hits: CandidateQueue::new_in(arena, lanes),
             connections: CandidateQueue::new_in(arena, lanes),
+            ends: EndQueue::new_in(arena, lanes),
             buckets: BucketTable::new_in(arena, lanes, longest),
             bridged: CandidateQueue::new_in(arena, bridged),
             chains: ChainTable::new_in(arena, bridged, longest),

@@ -108,7 +108,7 @@ fn a_scene_may_leave_out_what_has_a_default() {
 #[test]
 fn twins_agree_with_the_stages() {
     let folder = Folder::with_scene();
-    for technique in ["path", "nee", "mvnee", "omnee,nee", "bridge", "path,nee,mvnee,omnee,bridge"] {
+    for technique in ["path", "nee", "mvnee", "omnee,nee", "bridge", "lis", "path,nee,mvnee,omnee,bridge,lis"] {
         let flags = ["--samples", "16", "--technique", technique];
         let simd = mean(&rendered(&folder, &flags), "R");
         for reference in [&["--reference"][..], &["--reference", "all"], &["--reference", "mis_weight"]] {
@@ -135,12 +135,27 @@ fn techniques_are_named_alone_or_together() {
         ("bridge", "bridge"),
         ("omnee,nee", "nee,omnee"),
         ("path, bridge", "bridge"),
-        ("path,nee,mvnee,omnee,bridge", "nee,mvnee,omnee,bridge"),
+        ("lis", "lis"),
+        ("lis,bridge", "bridge,lis"),
+        ("path,nee,mvnee,omnee,bridge,lis", "nee,mvnee,omnee,bridge,lis"),
     ] {
         let image = rendered(&folder, &["--technique", flag]);
         assert_eq!(header(&image, "technique"), named);
         assert!(mean(&image, "R") > 0.0, "{flag}");
     }
+}
+
+#[test]
+fn light_importance_sampling_is_joined_by_bridges_or_by_mvnee() {
+    let folder = Folder::with_scene();
+    let with = |flags: &[&str]| rendered(&folder, &[&["--technique", "lis", "--samples", "64"], flags].concat());
+    let [plain, bridge, mvnee] = [&[][..], &["--set", "render.lis=bridge"], &["--set", "render.lis=mvnee"]].map(with);
+    assert!(plain.channels == bridge.channels && plain.channels != mvnee.channels);
+    assert_ne!(with(&["--set", "render.roll=uniform"]).channels, plain.channels, "bridges are those of the scene");
+    let limited = with(&["--set", "render.lis=mvnee", "--mesc", "1"]);
+    assert_ne!(limited.channels, mvnee.channels, "and so is MVNEE");
+    let (a, b) = (mean(&bridge, "R"), mean(&mvnee, "R"));
+    assert!((a / b - 1.0).abs() < 0.1, "{a} and {b}");
 }
 
 #[test]

@@ -157,6 +157,7 @@ fn settings_of_bridges_are_of_the_right_type() {
     let finding = "render.bridge_mesc: this is the string \"auto\", expected a number\n";
     refused_setting("bridge_mesc = \"auto\"", finding, listed);
     refused_setting("roll = \"x\"", "render.roll: unknown name `x`, expected `aligned` or `uniform`\n", listed);
+    refused_setting("lis = \"x\"", "render.lis: unknown name `x`, expected `bridge` or `mvnee`\n", listed);
 }
 
 #[test]
@@ -197,6 +198,7 @@ fn settings_of_bridges_may_stand_in_the_scene_or_behind_set() {
         "roulette = \"auto\"",
         "roll = \"uniform\"",
         "bridge_mesc = 2.5",
+        "lis = \"mvnee\"",
         "bridge_vertices = 0",
         "bridge_vertices = 4294967295",
     ] {
@@ -316,6 +318,7 @@ fn strange_values_are_rendered_or_refused() {
         "render.starts",
         "render.survival",
         "render.roulette",
+        "render.lis",
         "render.mesc",
         "render.seed",
         "film.size",
@@ -354,7 +357,7 @@ fn strange_values_are_rendered_or_refused() {
         "1979-05-27",
     ];
     // Every key matters to some technique; no pilot, which would try every walk of up to 1024 segments.
-    let settings = "technique = \"nee,mvnee,omnee,bridge\"\nstarts = 2\nsurvival = 1";
+    let settings = "technique = \"nee,mvnee,omnee,bridge,lis\"\nstarts = 2\nsurvival = 1";
     let folder = Folder::with_edited_scene("technique = \"mvnee\"", settings);
     for key in keys {
         for value in values {

@@ -23,7 +23,7 @@ fn statistics_tell_what_every_stage_did() {
     let folder = Folder::with_scene();
     let statistics = statistics(
         &folder,
-        &["--technique", "nee,mvnee,omnee,bridge", "--samples", "16", "--set", "render.roulette=0.1"],
+        &["--technique", "nee,mvnee,omnee,bridge,lis", "--samples", "16", "--set", "render.roulette=0.1"],
     );
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
@@ -45,7 +45,7 @@ fn statistics_tell_rates_and_the_fate_of_connections() {
         "[render]",
         "[[light]]\ntype = \"disk\"\ncenter = [0, 0, 2]\nnormal = [0, 0, -1]\nradius = 0.5\nradiance = 1\n\n[render]",
     );
-    let flags = ["--technique", "nee,mvnee,omnee,bridge", "--samples", "16", "--threads", "2"];
+    let flags = ["--technique", "nee,mvnee,omnee,bridge,lis", "--samples", "16", "--threads", "2"];
     let statistics = statistics(&folder, &[&flags[..], &["--set", "render.roulette=0.05"]].concat());
     assert_eq!(
         statistics["scene"].as_str(),
@@ -53,7 +53,7 @@ fn statistics_tell_rates_and_the_fate_of_connections() {
     );
     assert_eq!(
         (statistics["technique"].as_str(), number(&statistics, "/threads")),
-        (Some("nee,mvnee,omnee,bridge"), 2.0)
+        (Some("nee,mvnee,omnee,bridge,lis"), 2.0)
     );
     assert_eq!(number(&statistics, "/samples"), 16.0 * 64.0);
     let seconds = number(&statistics, "/seconds");
@@ -61,7 +61,7 @@ fn statistics_tell_rates_and_the_fate_of_connections() {
         let expected = number(&statistics, count) / seconds;
         assert!((number(&statistics, rate) / expected - 1.0).abs() < 1e-9, "{rate}");
     }
-    for technique in ["nee", "mvnee", "omnee", "bridge"] {
+    for technique in ["nee", "mvnee", "omnee", "bridge", "lis"] {
         let [tried, weighted, faint, occluded] = ["tried", "weighted", "faint", "occluded"]
             .map(|what| number(&statistics, &format!("/connections/{technique}/{what}")));
         assert!(tried >= weighted && weighted > faint + occluded, "{technique}: {statistics:#}");

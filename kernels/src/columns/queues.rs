@@ -7,6 +7,7 @@
 //! | [`HitQueue`] | extend | light_hit | rays that meet a light |
 //! | [`SurfaceHitQueue`] | extend | surface | rays that meet a triangle |
 //! | [`CandidateQueue`] | light_hit, light_sample, mvnee_build | mvnee_*, mis_weight, occlusion, accumulate | complete paths |
+//! | [`EndQueue`] | lis_vertex | lis_join | light points of the connections of light importance sampling |
 //! | [`ChainTable`] | mvnee_build | mis_weight, occlusion | inserted vertices of the candidates |
 //!
 //! Rows that go on stay in their lane; only the exceptions are listed.
@@ -110,6 +111,16 @@ columns! {
     }
 }
 
+columns! {
+    /// Light points behind the vertices that light importance sampling made from them, in the rows of its connections.
+    queue EndQueue of End, EndBatch {
+        /// Lane of the path.
+        lane: u32,
+        /// Point on the light `[m]`.
+        point: [f32; 3],
+    }
+}
+
 /// Rows of a [`CandidateQueue`] that have the same number of inserted vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bucket {
@@ -132,6 +143,19 @@ impl CandidateQueue<'_> {
             arriving: self.arriving.gather(row_of),
             point: self.point.gather(row_of),
             weight: self.weight.gather(row_of),
+        }
+    }
+
+    /// Batch `b`.
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> CandidateBatch {
+        CandidateBatch {
+            lane: self.lane.batch(b),
+            light: self.light.batch(b),
+            start: self.start.batch(b),
+            arriving: self.arriving.batch(b),
+            point: self.point.batch(b),
+            weight: self.weight.batch(b),
         }
     }
 

@@ -7,12 +7,15 @@
 pub mod bridge;
 pub mod buckets;
 pub mod light_sample;
+pub mod lis;
 pub mod mvnee;
 pub mod nee;
 pub mod omnee;
 pub mod sequence;
 
 use bridge::Bridge;
+use light_sample::Reach;
+use lis::Lis;
 use mvnee::Mvnee;
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
@@ -26,12 +29,20 @@ pub struct Techniques {
     pub omnee: bool,
     /// Bridges.
     pub bridge: Option<Bridge>,
+    /// Light importance sampling: connections that end at a vertex made from the light.
+    pub lis: Option<Lis>,
 }
 
 impl Techniques {
     /// The same where no vertex can be inserted, because nothing scatters: what inserts any is next event estimation there.
     pub fn without_vertices(self) -> Self {
         Self { nee: self.any(), ..Self::default() }
+    }
+
+    /// The straight connections that keep light importance sampling company: none where next event estimation makes them
+    /// all.
+    pub fn companion(&self) -> Option<Reach> {
+        self.lis.filter(|_| !self.nee).map(|lis| lis.companion())
     }
 
     /// Whether any vertex connects.

@@ -28,7 +28,7 @@ use super::Columns;
 use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::reference::{cosine, light_density, normal};
-use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
+use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
 use crate::phase::reference as phase;
 use crate::tables::lights::{Emitter, Lights};
 use crate::tables::media::Medium;
@@ -155,7 +155,8 @@ fn ratios(
     let [.., before, point] = path else {
         return 0.0;
     };
-    let normal = normal(&lights.emitters()[light], *point, *point - *before);
+    let emitter = &lights.emitters()[light];
+    let normal = normal(emitter, *point, *point - *before);
     let Some(traced) = path_tracing_density(extinction, g, path, start, surface, normal) else {
         return 0.0;
     };
@@ -171,10 +172,18 @@ fn ratios(
     if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
         sum += omnee::reference::density(g, chain, light_density).over(traced);
     }
+    let longest = lengths.max;
+    let arriving = (path[start] - path[start - 1]).normalize();
+    if let Some(lis) = &techniques.lis {
+        let from = lis::reference::Start { depth, arriving, on_surface: surface.is_some() };
+        let density = lis::reference::density(lis, (extinction, g), emitter, longest, from, chain, light_density);
+        sum += density.over(traced);
+        if techniques.companion().is_some() {
+            sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
+        }
+    }
     if let Some(bridge) = &techniques.bridge {
-        let arriving = (path[start] - path[start - 1]).normalize();
         let bridge = if surface.is_some() { bridge.from_surface() } else { *bridge };
-        let longest = lengths.max;
         let density =
             bridge::reference::density(&bridge, extinction, g, longest, depth, arriving, chain, light_density);
         sum += density.over(traced);
@@ -244,6 +253,11 @@ impl Density {
     /// Multiplied by `e^exponent`.
     pub fn times_exp(self, exponent: f64) -> Self {
         Self { exponent: self.exponent + exponent, ..self }
+    }
+
+    /// The product of two densities.
+    pub fn product(self, other: Self) -> Self {
+        self.times(other.mantissa).times_exp(other.exponent)
     }
 
     /// The quotient of two densities.

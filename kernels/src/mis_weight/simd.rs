@@ -10,6 +10,8 @@
 //!    only for the techniques that ask for them: bridges do not.
 //! 4. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
+use core::ops::RangeInclusive;
+
 use wide::{f32x8, u32x8};
 
 use super::Columns;
@@ -19,6 +21,7 @@ use crate::columns::paths::{PathTable, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
+use crate::connect::lis::{self, Lis, Shape};
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::phase::{HenyeyGreensteinX8, forward_share};
 use crate::tables::lights::Lights;
@@ -43,6 +46,8 @@ pub fn run(
     let Columns { bucket, candidates, chains, paths, vertices, trail, suffix } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
     let share = forward_share(f64::from(medium.phase.g)) as f32;
+    let (densities, usable, lis) = (asks_for_densities(techniques), farthest_of(techniques), techniques.lis.as_ref());
+    let near = techniques.companion().map_or(0.0, |reach| reach.max_distance);
     for (b, rows) in bucket.batches() {
         let batch = Batch {
             inserted: bucket.inserted,
@@ -50,14 +55,14 @@ pub fn run(
             light_of: candidates.light.batch(b).to_array(),
             lights,
             phase,
-            densities: techniques.nee || techniques.omnee || techniques.mvnee.is_some(),
+            densities,
+            last_density: lis.is_some(),
             log_survival: walk.survival.ln(),
         };
         let starts = batch.starts(paths, walk, step, rows);
         let (nearest, farthest) = (starts.nearest(), starts.farthest());
         let farthest_near = techniques.mvnee.map_or(0, |mvnee| batch.farthest_near(&mvnee, paths, &starts));
-        let needed = farthest.min(techniques.bridge.map_or(if techniques.omnee { 2 } else { 1 }, |_| farthest));
-        let needed = needed.max(farthest_near);
+        let needed = farthest.min(usable).max(farthest_near);
 
         let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
         batch.walk_history(vertices.at(step.clock), trail, step, suffix, needed);
@@ -81,14 +86,35 @@ pub fn run(
             let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
             sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, nearest..=needed, room);
         }
+        if let Some(lis) = lis {
+            // Copies: what is lent would have to stay in memory for the other techniques, too.
+            let (batch, starts, arrival) = (batch, starts, arrival);
+            sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, nearest..=needed, lengths);
+        }
         let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
         let profile = lights.profile(&batch.light_of, arrival.cos_light);
         candidates.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
 }
 
+/// Whether phase functions are needed at every vertex.
+fn asks_for_densities(techniques: &Techniques) -> bool {
+    let by_mvnee = techniques.lis.is_some_and(|lis| matches!(lis.shape, Shape::Mvnee(_)));
+    techniques.nee || techniques.omnee || techniques.mvnee.is_some() || by_mvnee
+}
+
+/// The farthest start, counted from the light, that any technique but MVNEE can use.
+fn farthest_of(techniques: &Techniques) -> usize {
+    match techniques {
+        Techniques { bridge: Some(_), .. } | Techniques { lis: Some(_), .. } => usize::MAX,
+        Techniques { omnee: true, .. } => 2,
+        _ => 1,
+    }
+}
+
 /// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth `i` of
 /// a path of `n` segments is start `n - i`.
+#[derive(Clone, Copy)]
 struct Starts {
     /// Segments of each path.
     segments: u32x8,
@@ -128,6 +154,7 @@ impl Starts {
 }
 
 /// Eight candidates of one bucket.
+#[derive(Clone, Copy)]
 struct Batch<'a> {
     inserted: usize,
     lane_of: [u32; LANES],
@@ -136,6 +163,8 @@ struct Batch<'a> {
     phase: HenyeyGreensteinX8,
     /// Whether phase functions are asked for.
     densities: bool,
+    /// Whether that of the vertex next to the light is.
+    last_density: bool,
     log_survival: f32,
 }
 
@@ -170,7 +199,7 @@ impl Batch<'_> {
             let (length, direction) = segment(position, next);
             if a == 1 {
                 (last, cos_light) = (length, self.lights.cosine(&self.light_of, point, direction));
-            } else if self.densities {
+            } else if self.densities || a == 2 && self.last_density {
                 self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
             }
             arc += length;
@@ -188,6 +217,7 @@ impl Batch<'_> {
             inverse_area: self.lights.gather(&self.light_of, |emitter| emitter.density),
             last_squared: last * last,
             cos_light,
+            skipped: f32x8::ZERO,
         }
     }
 
@@ -196,6 +226,37 @@ impl Batch<'_> {
     fn arrive(&self, vertex: &mut SuffixVertex, length_squared: f32x8, arriving: Vec3x8, leaving: Vec3x8) {
         vertex.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
         vertex.spread = length_squared * vertex.inverse_density;
+    }
+
+    /// Sum of the ratios of light importance sampling, and of its companion up to the distance `near`, over the starts that
+    /// `range` counts from the light.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "all that other techniques see without a call")]
+    fn lis_ratios(
+        &self,
+        lis: &Lis,
+        near: f32,
+        arrival: &Arrival,
+        suffix: &mut Suffix<'_>,
+        starts: &Starts,
+        range: RangeInclusive<usize>,
+        lengths: PathLengths,
+    ) -> f32x8 {
+        let mut sum = f32x8::ZERO;
+        let (nearest, farthest) = range.into_inner();
+        if nearest == 1 {
+            let start = &suffix.vertices[1];
+            let possible = start.eligible & arrival.last_squared.simd_le(f32x8::splat(near * near));
+            sum += possible.select(nee::simd::ratio(arrival, start), f32x8::ZERO);
+        }
+        if farthest >= nearest.max(2) {
+            let (left, most) = (u32x8::splat(lengths.max - 1), f32x8::splat(lis.most_edges()));
+            let room = |a: usize| lanes::to_f32(left - starts.depth(a)).fast_min(most);
+            let emission = lis::simd::emission(self.lights, &self.light_of, arrival.cos_light);
+            let starts = nearest.max(2)..=farthest;
+            sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
+        }
+        sum
     }
 
     /// The eligible starts: those behind the last surface, as many as connect.

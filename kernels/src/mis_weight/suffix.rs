@@ -87,4 +87,6 @@ pub struct Arrival {
     pub last_squared: f32x8,
     /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
     pub cos_light: f32x8,
+    /// What arcs count beyond vertex 0 `[m]`: 0 where that is on the light.
+    pub skipped: f32x8,
 }

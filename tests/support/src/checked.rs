@@ -13,6 +13,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
 use fogbow_kernels::connect::light_sample::{self, Reach, reference::cosine};
+use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::mis_weight::reference::position_before;
@@ -77,6 +78,8 @@ pub const CHECKED: Pipeline = Pipeline {
     omnee_build: check_omnee_build,
     bridge_count: check_bridge_count,
     bridge_build: check_bridge_build,
+    lis_vertex: check_lis_vertex,
+    lis_join: check_lis_join,
     mis_weight: check_mis_weight,
     roulette: check_roulette,
     occlusion: check_occlusion,
@@ -367,13 +370,14 @@ fn check_mvnee_build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: mvnee_
         [candidates, chains],
         mvnee_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
     );
-    check_chains("mvnee_build", buckets, (kernel.0, twin.0), (&kernel.1, &twin.1), |_, _| tolerances::CHAIN);
+    check_chains("mvnee_build", buckets, 0, (kernel.0, twin.0), (&kernel.1, &twin.1), |_, _| tolerances::CHAIN);
 }
 
-/// Compares connections that were built in buckets; `tolerance` is that of the inserted vertices of a row.
+/// Compares connections that were built in buckets, with `appended` more vertices than these say; `tolerance` is that of the inserted vertices of a row.
 fn check_chains(
     stage: &str,
     buckets: &BucketTable<'_>,
+    appended: usize,
     (mut candidates, mut candidates_twin): (Saved, Saved),
     chains: (&Saved, &Saved),
     tolerance: impl Fn(Bucket, usize) -> Tolerance,
@@ -383,7 +387,7 @@ fn check_chains(
     for bucket in buckets.buckets() {
         for at in bucket.rows() {
             check_row(stage, (0, at), (&candidates, &candidates_twin), &[]);
-            for vertex in 0..bucket.inserted {
+            for vertex in 0..bucket.inserted + appended {
                 check_row(stage, (vertex, at), chains, &[("vertex", tolerance(*bucket, at))]);
             }
         }
@@ -442,7 +446,41 @@ fn check_bridge_build(medium: &Medium, bridge: &Bridge, step: Step, columns: bri
         let extent = chains.vertices[..bucket.inserted].iter().map(reach).fold(0.0, f32::max);
         tolerances::bridge_vertex(f64::from(extent), f64::from(start.distance(candidates.point.row(at).into())))
     };
-    check_chains("bridge_build", buckets, (kernel.0, twin.0), (&kernel.1, &twin.1), blown_up);
+    check_chains("bridge_build", buckets, 0, (kernel.0, twin.0), (&kernel.1, &twin.1), blown_up);
+}
+
+fn check_lis_vertex(
+    medium: &Medium,
+    lights: &Lights,
+    lis: &Lis,
+    step: Step,
+    columns: lis_sample::VertexColumns<'_, '_>,
+) {
+    let lis_sample::VertexColumns { paths, connections, ends } = columns;
+    let (mut kernel, mut twin) = run_both!(
+        lis_vertex(medium, lights, lis, step),
+        [connections, ends],
+        lis_sample::VertexColumns { paths, connections: &mut *connections, ends: &mut *ends }
+    );
+    kernel.0.forget("weight");
+    twin.0.forget("weight");
+    // Points come from directions and flights, both drawn by powers and logarithms.
+    check_queue("lis_vertex", (&kernel.0, &twin.0), &[("point", tolerances::CHAIN)]);
+    check_queue("lis_vertex", (&kernel.1, &twin.1), &[]);
+    if connections.lane.rows()[..connections.len] != ends.lane.rows()[..ends.len] {
+        fail("lis_vertex", 0, "    connections and the points behind them are not in the same rows");
+    }
+}
+
+fn check_lis_join(columns: lis_sample::JoinColumns<'_, '_>) {
+    let lis_sample::JoinColumns { buckets, ends, candidates, chains } = columns;
+    let (kernel, twin) = run_both!(
+        lis_join(),
+        [candidates, chains],
+        lis_sample::JoinColumns { buckets, ends, candidates: &mut *candidates, chains: &mut *chains }
+    );
+    let chains = (&kernel.1, &twin.1);
+    check_chains("lis_join", buckets, 1, (kernel.0, twin.0), chains, |_, _| tolerances::EXACT);
 }
 
 fn check_roulette(

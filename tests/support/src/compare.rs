@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, FlightTable, HitQueue, SurfaceHitQueue};
+use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue};
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{ColumnMut, ColumnRef, ColumnSet};
 use fogbow_kernels::connect::buckets::BucketTable;
@@ -180,6 +180,7 @@ macro_rules! save_queue {
 save_queue!(HitQueue<'_>);
 save_queue!(SurfaceHitQueue<'_>);
 save_queue!(CandidateQueue<'_>);
+save_queue!(EndQueue<'_>);
 
 impl Save for PathTable<'_> {
     fn save(&self) -> Saved {

@@ -7,6 +7,7 @@ use fogbow::frame::Frame;
 use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
+use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
@@ -41,11 +42,15 @@ pub enum Active {
     BridgeUniform,
     /// Everything there is.
     Every,
+    /// Light importance sampling, joined by bridges, with its companion.
+    Lis,
+    /// The same joined by MVNEE.
+    LisMvnee,
 }
 
 impl Active {
     /// Every combination.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Path,
         Self::Nee,
         Self::Mvnee,
@@ -55,6 +60,8 @@ impl Active {
         Self::Bridge,
         Self::BridgeUniform,
         Self::Every,
+        Self::Lis,
+        Self::LisMvnee,
     ];
 
     /// The settings for `medium` with at most `mesc` expected segments.
@@ -69,8 +76,14 @@ impl Active {
             Self::BridgeUniform => Some(Bridge::new(Roll::Uniform)),
             _ => None,
         };
+        let shape = match self {
+            Self::Lis | Self::Every => Some(Shape::Bridge(Bridge::new(Roll::Aligned))),
+            Self::LisMvnee => Some(Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx))),
+            _ => None,
+        };
+        let lis = shape.map(|shape| Lis::new(medium, shape));
         let nee = matches!(self, Self::Nee | Self::Both | Self::Omnee | Self::Every);
-        Techniques { nee, mvnee, omnee: matches!(self, Self::Omnee | Self::Every), bridge }
+        Techniques { nee, mvnee, omnee: matches!(self, Self::Omnee | Self::Every), bridge, lis }
     }
 }
 
@@ -125,6 +138,12 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size);
     let frame = plain(camera, medium, Lights::new(lights, selection), 8, 11);
     with_techniques(&frame, Active::Both, 3.0)
+}
+
+/// `frame` with its lights, which are disks, as spotlights of these exponents.
+pub fn focused(frame: &Frame, exponents: &[f64]) -> Frame {
+    let disks = frame.lights.emitters().iter().zip(exponents).map(|(disk, exponent)| disk.focused(*exponent)).collect();
+    Frame { lights: Lights::new(disks, frame.lights.selection()), ..frame.clone() }
 }
 
 /// A quadrilateral as two triangles whose front sees its corners counterclockwise.
@@ -295,6 +314,15 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
     let techniques = Techniques { bridge: Some(bridge.with_mesc(&limited.medium, 2.5)), ..limited.techniques };
     add("limited bridges".into(), Frame { techniques, ..limited.clone() });
+    let spots = focused(&three_lights(0.8, Selection::IntensityDistance, size), &[0.0, 3.0, 30.0]);
+    for active in [Active::Lis, Active::LisMvnee, Active::Every] {
+        add(format!("spotlights, {active:?}"), with_techniques(&spots, active, 2.0));
+    }
+    let shape = Shape::Bridge(bridge.with_mesc(&spots.medium, 2.5));
+    let lis = Some(Lis { near: 0.7, ..Lis::new(&spots.medium, shape) });
+    let mvnee = Active::Mvnee.techniques(&spots.medium, 1.0).mvnee;
+    let techniques = Techniques { lis, mvnee, ..Techniques::default() };
+    add("spotlights, limited".into(), Frame { techniques, ..spots.with_walk(3, 0.8) });
     add(
         "aimed, one light".into(),
         Frame { aimed: 0.5, ..with_techniques(&fog_facing(0.0, 0.9, size), Active::Every, 4.0) },

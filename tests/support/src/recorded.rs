@@ -7,10 +7,12 @@ use fogbow::stats::Stats;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::LANES;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
+use fogbow_kernels::connect::buckets;
 use fogbow_kernels::connect::light_sample::{self, Reach};
+use fogbow_kernels::connect::lis::{self, Lis, Shape, sample as lis_sample};
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::pipeline::SIMD;
-use fogbow_kernels::{extend, light_hit, medium_sample, scatter, surface};
+use fogbow_kernels::{Step, extend, light_hit, medium_sample, random, scatter, surface};
 
 /// A wavefront of `lanes` paths of `frame` after `bounces` segments, at the moment when its next vertices have been made
 /// and every queue is filled. Image: 256 x 256.
@@ -63,6 +65,27 @@ pub fn build_bridges(wavefront: &mut Wavefront<'_>, frame: &Frame, bridge: &Brid
     bridged.len = buckets.sort(connections.len);
     let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
     (SIMD.bridge_build)(&frame.medium, bridge, *step, columns);
+}
+
+/// Builds the connections of light importance sampling; a bucket's rows insert one vertex more than it says.
+pub fn build_lis(wavefront: &mut Wavefront<'_>, frame: &Frame, settings: &Lis) {
+    connect(wavefront, frame, lis::reach(frame.lengths));
+    let Wavefront { paths, connections, ends, buckets, bridged, chains, step, .. } = wavefront;
+    let columns = lis_sample::VertexColumns { paths, connections, ends };
+    (SIMD.lis_vertex)(&frame.medium, &frame.lights, settings, *step, columns);
+    let (lengths, step) = (lis::before_last(frame.lengths), Step { seed: random::lis_seed(step.seed), ..*step });
+    let count = buckets::CountColumns { paths, connections, buckets };
+    match &settings.shape {
+        Shape::Bridge(bridge) => (SIMD.bridge_count)(&frame.medium, bridge, lengths, step, count),
+        Shape::Mvnee(_) => (SIMD.mvnee_count)(&frame.medium, lengths, step, count),
+    }
+    bridged.len = buckets.sort(connections.len);
+    let build = buckets::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
+    match &settings.shape {
+        Shape::Bridge(bridge) => (SIMD.bridge_build)(&frame.medium, bridge, step, build),
+        Shape::Mvnee(mvnee) => (SIMD.mvnee_build)(&frame.medium, mvnee, step, build),
+    }
+    (SIMD.lis_join)(lis_sample::JoinColumns { buckets, ends, candidates: bridged, chains });
 }
 
 /// Leaves only the first `live` lanes of every batch alive.

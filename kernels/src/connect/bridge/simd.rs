@@ -58,7 +58,7 @@ pub fn ratios(
             Roll::Uniform => h * h.sqrt(),
         };
         let turn = start.on_surface.select(start.inverse_density / phase.inverse_scale(), turn);
-        let (straight, depth) = (extinction * distance, extinction * start.arc);
+        let (straight, depth) = (extinction * distance, extinction * (start.arc - arrival.skipped));
         let mean = mean_inserted(bridge, straight, start.on_surface.select(f32x8::ONE, arriving.cosine));
         let counts = suffix.counts[a].over(mean, depth, room(a), bridge.defensive);
         let ratio = start.attempt * counts * distance_squared * straight * turn;

@@ -81,7 +81,7 @@ fn sum(
             product *= factor * f32x8::FRAC_1_PI;
             after += projection.step_squared;
         }
-        let detour = exp(arrival.extinction * (start.arc - distance));
+        let detour = exp(arrival.extinction * (start.arc - arrival.skipped - distance));
         sum += axial.possible.select(scale * start.attempt * detour * product, f32x8::ZERO);
     }
     sum

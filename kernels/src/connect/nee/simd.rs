@@ -10,7 +10,7 @@ use crate::transcendental::exp;
 /// Ratio of the one start that next event estimation has: the vertex next to the light.
 #[inline(always)]
 pub fn ratio(arrival: &Arrival, start: &SuffixVertex) -> f32x8 {
-    let Arrival { extinction, inverse_area, last_squared, cos_light } = *arrival;
+    let Arrival { extinction, inverse_area, last_squared, cos_light, .. } = *arrival;
     let geometry = inverse_area * start.attempt * last_squared / cos_light;
     geometry * start.inverse_density * exp(extinction * start.arc)
 }

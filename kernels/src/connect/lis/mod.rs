@@ -1,0 +1,99 @@
+//! Light importance sampling: connections that end at a vertex made from the light (after MVNEE-LIS of Weber, Hanika,
+//! Dachsbacher 2017).
+//!
+//! A focused light sends what it has into a narrow beam, and a connection to a point on it mostly arrives from outside. So
+//! one vertex y is made from the light point x_n first, in a direction w that follows the emission and at a free flight t,
+//! and the start is connected with y, by a bridge (ours) or by MVNEE (the paper's). With theta the angle between w and the
+//! light's normal and k the light's exponent, 0 for one that is alike in all directions, y has the density
+//!
+//! ```text
+//! p_dir(w) = (k + 2) / (2 pi) cos^{k+1} theta                   (solid angle: emitted flux)
+//! p(y)     = p_dir(w) mu_t exp(-mu_t t) / t^2                   (vertex-volume measure)
+//! p        = p_A P_l p(y) q(x_i -> y)
+//! ```
+//!
+//! (half of p_dir where both sides shine), where q is the shape's density of its own inserted vertices, given both ends.
+//! Path tracing has the density of the way to y times `phase(c_y) exp(-mu_t t) cos theta / t^2`, and that of the way
+//! has mu_t where one to a light has its cosine, so that
+//!
+//! ```text
+//! r_i = p_A P_l p_dir(w) / (phase(c_y) cos theta) * [ r_i of a connection to y, without p_A P_l / cos_light ]
+//! ```
+//!
+//! and what y brings in is a factor without t. From a start x_i the path has N = N' + 1 >= 2 edges, N' of them the
+//! shape's; whatever the shape calls s, L, l_{n-1} and m belongs to the way to y.
+//!
+//! **Counts.** `depth + N' + 1 <= K`: the shape has one edge less to spend. What is longer is dropped, not redrawn.
+//!
+//! **Companion.** Paths of a single edge cannot be made so. Starts within [`Lis::near`] of the light point, four mean free
+//! paths as in the paper, also connect by next event estimation, at whose ratio these paths are weighed; beyond, path
+//! tracing alone makes them. Where `nee` itself is active the companion would say the same twice and is left out.
+
+pub mod reference;
+pub mod sample;
+pub(crate) mod simd;
+
+use super::bridge::Bridge;
+use super::light_sample::Reach;
+use super::mvnee::Mvnee;
+use crate::tables::media::Medium;
+use crate::{PathLengths, random};
+
+/// Mean free paths within which starts also connect in a straight line (Weber, Hanika, Dachsbacher 2017).
+pub const NEAR: f64 = 4.0;
+
+/// What joins a start with the vertex made from the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A bridge.
+    Bridge(Bridge),
+    /// Seeds on the axis, perturbed.
+    Mvnee(Mvnee),
+}
+
+/// The settings of the technique.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lis {
+    /// What joins a start with the vertex made from the light; its limits are on the way to that vertex.
+    pub shape: Shape,
+    /// Distance from start to light point up to which the companion connects `[m]`, >= 0.
+    pub near: f32,
+}
+
+impl Lis {
+    /// The settings for `medium`, with the companion of the paper.
+    pub fn new(medium: &Medium, shape: Shape) -> Self {
+        Self { shape, near: (NEAR / f64::from(medium.extinction)) as f32 }
+    }
+
+    /// Longest way from a start to the vertex made from the light `[m]`; infinite for no limit.
+    pub fn max_distance(&self) -> f32 {
+        match &self.shape {
+            Shape::Bridge(bridge) => bridge.max_distance,
+            Shape::Mvnee(mvnee) => mvnee.max_distance,
+        }
+    }
+
+    /// Most edges from a start to the vertex made from the light, as far as the shape limits them.
+    pub(crate) fn most_edges(&self) -> f32 {
+        match &self.shape {
+            Shape::Bridge(bridge) => bridge.max_inserted.saturating_add(1) as f32,
+            Shape::Mvnee(_) => f32::INFINITY,
+        }
+    }
+
+    /// The companion's connections.
+    pub fn companion(&self) -> Reach {
+        Reach { max_distance: self.near, facing: true, ..Reach::new(random::LIS_NEAR_LIGHT) }
+    }
+}
+
+/// Every start connects that has two segments left, whichever way the light faces.
+pub fn reach(lengths: PathLengths) -> Reach {
+    Reach { max_depth: lengths.max.saturating_sub(2), ..Reach::new(random::LIS_LIGHT) }
+}
+
+/// The path lengths of the way to the vertex made from the light: a segment comes after it.
+pub fn before_last(lengths: PathLengths) -> PathLengths {
+    PathLengths { max: lengths.max.saturating_sub(1), ..lengths }
+}

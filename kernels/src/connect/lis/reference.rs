@@ -1,0 +1,215 @@
+//! The full density of light importance sampling, in f64 (after Weber, Hanika, Dachsbacher 2017).
+//!
+//! The last inner vertex y of a chain x_i .. y, x_n is made from the point x_n on the light, the others by a connection from
+//! x_i to y as if y were on a light. With w and t the direction and distance from x_n to y, theta the angle between w and
+//! the normal, and k the exponent of the light,
+//!
+//! ```text
+//! p = p_A P_l * p_dir(w) mu_t exp(-mu_t t) / t^2 * q(x_i .. y)      (volume and area measure)
+//! p_dir(w) = (k + 2) / (2 pi) cos^{k+1} theta                       (solid angle, over the hemisphere of the front,
+//!                                                                    half of it on either side where both shine)
+//! ```
+//!
+//! where q is the density of a bridge or of MVNEE without that of its light point. The companion has that of next event
+//! estimation, within its distance.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{Lis, Shape};
+use crate::connect::light_sample::reference::cosine;
+use crate::connect::{bridge, mvnee, nee};
+use crate::mis_weight::reference::Density;
+use crate::tables::lights::Emitter;
+
+/// The start of a connection, as far as a shape has to know it.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Its depth in the path.
+    pub depth: u32,
+    /// Unit direction in which the path arrives there.
+    pub arriving: DVec3,
+    /// Whether it is on a surface.
+    pub on_surface: bool,
+}
+
+/// p_dir: the density with which `point` of an emitter sends a ray in the unit direction `w` (solid angle) [1/sr].
+pub fn direction_density(emitter: &Emitter, point: DVec3, w: DVec3) -> f64 {
+    let cosine = cosine(emitter, point, -w);
+    if cosine <= 0.0 {
+        return 0.0;
+    }
+    let exponent = f64::from(emitter.exponent);
+    let side = if emitter.double_sided { 0.5 } else { 1.0 };
+    side * (exponent + 2.0) / TAU * cosine.powf(exponent + 1.0)
+}
+
+/// Density of making `vertex` from `point` on the emitter (volume measure) [1/m^3].
+pub fn vertex_density(emitter: &Emitter, extinction: f64, point: DVec3, vertex: DVec3) -> Density {
+    let flight = (vertex - point).length();
+    if flight == 0.0 {
+        return Density::ZERO;
+    }
+    Density::new(direction_density(emitter, point, (vertex - point) / flight))
+        .times(extinction / (flight * flight))
+        .times_exp(-extinction * flight)
+}
+
+/// Density of making `chain`, the vertices from the start to the point on the light, in a path of at most `longest`
+/// segments; `light_density` is p_A P_l at the start. Zero unless a vertex is inserted.
+pub fn density(
+    lis: &Lis,
+    (extinction, g): (f64, f64),
+    emitter: &Emitter,
+    longest: u32,
+    start: Start,
+    chain: &[DVec3],
+    light_density: f64,
+) -> Density {
+    let [to_vertex @ .., point] = chain else {
+        return Density::ZERO;
+    };
+    let [_, .., vertex] = to_vertex else {
+        return Density::ZERO;
+    };
+    let made = vertex_density(emitter, extinction, *point, *vertex);
+    let joined = match &lis.shape {
+        Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), extinction, to_vertex, light_density),
+        Shape::Bridge(bridge) => {
+            let settings = if start.on_surface { bridge.from_surface() } else { *bridge };
+            // One of the segments comes after the vertex.
+            let longest = longest.saturating_sub(1);
+            bridge::reference::density(
+                &settings,
+                extinction,
+                g,
+                longest,
+                start.depth,
+                start.arriving,
+                to_vertex,
+                light_density,
+            )
+        }
+    };
+    joined.product(made)
+}
+
+/// Density of the companion making `chain`.
+pub fn companion_density(lis: &Lis, chain: &[DVec3], normal: DVec3, light_density: f64) -> Density {
+    match chain {
+        [start, point] if start.distance(*point) <= f64::from(lis.near) => {
+            nee::reference::density(chain, normal, light_density)
+        }
+        _ => Density::ZERO,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connect::bridge::{Bridge, Roll};
+    use crate::connect::light_sample::reference::normal;
+    use crate::connect::mvnee::{Mvnee, Offset};
+    use crate::phase::HenyeyGreenstein;
+    use crate::tables::media::Medium;
+    use core::f64::consts::{FRAC_PI_2, PI};
+
+    const MEDIUM: Medium = Medium { extinction: 0.75, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.5 } };
+    const START: Start = Start { depth: 1, arriving: DVec3::X, on_surface: false };
+
+    fn disk(exponent: Option<f64>) -> Emitter {
+        let plain = Emitter::disk(DVec3::new(0.3, -1.0, 2.0), DVec3::new(0.2, -0.4, 0.9), 0.5, [1.0; 3]);
+        exponent.map_or(plain, |exponent| plain.focused(exponent))
+    }
+
+    fn shapes() -> [Lis; 2] {
+        let bridge = Shape::Bridge(Bridge::new(Roll::Aligned));
+        [bridge, Shape::Mvnee(Mvnee::new(&MEDIUM, f64::INFINITY, Offset::Ggx))].map(|shape| Lis::new(&MEDIUM, shape))
+    }
+
+    fn made(lis: &Lis, longest: u32, chain: &[DVec3]) -> f64 {
+        density(lis, (0.75, 0.5), &disk(Some(3.0)), longest, START, chain, 2.0).value()
+    }
+
+    #[test]
+    fn the_vertex_of_the_light_has_a_density_that_integrates_to_one() {
+        let corners = [[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [1.0, 2.0, 1.5]];
+        let panel = Emitter::triangle(corners, 0, true, [1.0; 3]);
+        let sphere = Emitter::sphere(DVec3::ONE - 0.5 * DVec3::Y, 0.5, [1.0; 3]);
+        let disks = [None, Some(0.0), Some(1.5), Some(50.0)].map(disk);
+        for emitter in disks.into_iter().chain([panel, sphere]) {
+            let normal = normal(&emitter, DVec3::ONE, DVec3::ZERO);
+            let side = normal.any_orthonormal_vector();
+            let widest = if emitter.double_sided { PI } else { FRAC_PI_2 };
+            let (angles, flights) = (2000, 400);
+            let mut sum = 0.0;
+            for (i, j) in (0..angles).flat_map(|i| (0..flights).map(move |j| (i, j))) {
+                let theta = widest * (f64::from(i) + 0.5) / f64::from(angles);
+                // t = v / (1 - v), dt = dv / (1 - v)^2.
+                let v = (f64::from(j) + 0.5) / f64::from(flights);
+                let t = v / (1.0 - v);
+                let vertex = DVec3::ONE + t * (theta.cos() * normal + theta.sin() * side);
+                let volume = TAU * t * t * theta.sin() * widest / f64::from(angles) / (1.0 - v).powi(2);
+                sum += vertex_density(&emitter, 0.75, DVec3::ONE, vertex).value() * volume / f64::from(flights);
+            }
+            assert!((sum - 1.0).abs() < 1e-4, "{emitter:?}: {sum}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_made_behind_the_light_or_at_its_point() {
+        let (disk, point) = (disk(Some(2.0)), DVec3::ONE);
+        let normal = DVec3::from(disk.normal.map(f64::from));
+        let made = |vertex: DVec3| vertex_density(&disk, 1.0, point, vertex).value() > 0.0;
+        assert!(made(point + normal) && !made(point - normal) && !made(point));
+        assert!(!made(point + normal.any_orthonormal_vector() - 1e-3 * normal));
+    }
+
+    #[test]
+    fn the_chain_is_that_of_the_shape_and_one_vertex_from_the_light() {
+        let normal = DVec3::from(disk(None).normal.map(f64::from));
+        let point = DVec3::ONE;
+        let vertex = point + 0.5 * normal + 0.1 * DVec3::X;
+        let between = DVec3::new(0.2, 0.3, 0.9);
+        let made_vertex = vertex_density(&disk(Some(3.0)), 0.75, point, vertex).value();
+        for lis in shapes() {
+            for inner in [vec![], vec![between]] {
+                let to_vertex = [vec![DVec3::ZERO], inner, vec![vertex]].concat();
+                let chain = [to_vertex.clone(), vec![point]].concat();
+                let joined = match &lis.shape {
+                    Shape::Bridge(bridge) => {
+                        bridge::reference::density(bridge, 0.75, 0.5, 7, 1, DVec3::X, &to_vertex, 2.0)
+                    }
+                    Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), 0.75, &to_vertex, 2.0),
+                };
+                let found = made(&lis, 8, &chain);
+                assert!((found / (joined.value() * made_vertex) - 1.0).abs() < 1e-12, "{lis:?}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn straight_connections_and_bridges_without_room_are_never_made() {
+        let normal = DVec3::from(disk(None).normal.map(f64::from));
+        let (point, vertex) = (DVec3::ONE, DVec3::ONE + 0.5 * normal);
+        let chain = [DVec3::ZERO, vertex, point];
+        for lis in shapes() {
+            assert!(made(&lis, 3, &chain) > 0.0 && made(&lis, 8, &[DVec3::ZERO, point]) == 0.0, "{lis:?}");
+            assert_eq!(made(&lis, 8, &[DVec3::ZERO, DVec3::ONE - normal, point]), 0.0, "{lis:?}");
+        }
+        assert_eq!(made(&shapes()[0], 2, &chain), 0.0);
+    }
+
+    #[test]
+    fn the_companion_is_next_event_estimation_within_four_mean_free_paths() {
+        let lis = shapes()[0];
+        let near = 4.0 / 0.75;
+        let made = |distance: f64, normal: DVec3| {
+            companion_density(&lis, &[DVec3::ZERO, distance * DVec3::Z], normal, 2.0).value()
+        };
+        assert_eq!([made(0.99 * near, -DVec3::Z), made(1.01 * near, -DVec3::Z)], [2.0, 0.0]);
+        assert_eq!(made(0.5 * near, DVec3::Z), 0.0);
+        assert_eq!(companion_density(&lis, &[DVec3::ZERO, DVec3::X, DVec3::Z], -DVec3::Z, 2.0).value(), 0.0);
+    }
+}

@@ -1,0 +1,104 @@
+//! Making the connections of light importance sampling, in f64 (after Weber, Hanika, Dachsbacher 2017).
+//!
+//! ```text
+//! cos theta = u_1^{1 / (k + 2)},   phi = 2 pi u_2,   t = -ln(1 - u_3) / mu_t
+//! y = x_n + t (cos theta normal + sin theta (cos phi tangent + sin phi bitangent))
+//! ```
+//!
+//! The cosine inverts the distribution of p_dir: `int_c^1 (k + 2) x^{k+1} dx = 1 - c^{k+2}`, and u may stand for 1 - u.
+
+use core::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{JoinColumns, VertexColumns};
+use crate::columns::queues::{Candidate, End};
+use crate::connect::light_sample::reference::normal;
+use crate::connect::lis::Lis;
+use crate::medium_sample::reference::flight;
+use crate::phase::reference::frame;
+use crate::tables::lights::{Emitter, Lights};
+use crate::tables::media::Medium;
+use crate::{Step, random};
+
+/// The twin; see [`VertexKernel`](super::VertexKernel).
+pub fn vertex(medium: &Medium, lights: &Lights, lis: &Lis, step: Step, columns: VertexColumns<'_, '_>) {
+    let VertexColumns { paths, connections, ends } = columns;
+    let rows: Vec<Candidate> = (0..connections.len).map(|row| connections.row(row)).collect();
+    (connections.len, ends.len) = (0, 0);
+    for connection in rows {
+        let lane = connection.lane as usize;
+        let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+        let u = uniforms(pixel, sample, paths.depth(step.clock, lane), step.seed);
+        let vertex = place(&lights.emitters()[connection.light as usize], f64::from(medium.extinction), end, u);
+        if is_within_reach(lis, start, vertex) {
+            connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
+            ends.push(End { lane: connection.lane, point: connection.point });
+        }
+    }
+}
+
+/// The numbers that decide on cosine, azimuth, flight and side.
+pub fn uniforms(pixel: u32, sample: u32, depth: u32, seed: u32) -> [f64; 4] {
+    random::words(pixel, sample, random::block(depth, random::LIS_VERTEX), seed).map(random::uniform)
+}
+
+/// The vertex made from `point` on the emitter `[m]`.
+pub fn place(emitter: &Emitter, extinction: f64, point: DVec3, u: [f64; 4]) -> DVec3 {
+    let front = normal(emitter, point, DVec3::ZERO).normalize();
+    let normal = if emitter.double_sided && u[3] < 0.5 { -front } else { front };
+    let (tangent, bitangent) = frame(normal);
+    let cosine = u[0].powf(1.0 / (f64::from(emitter.exponent) + 2.0));
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let (sin_azimuth, cos_azimuth) = (TAU * u[1]).sin_cos();
+    let across = cos_azimuth * tangent + sin_azimuth * bitangent;
+    point + flight(extinction, u[2]) * (cosine * normal + sine * across)
+}
+
+/// Whether the shape may join `start` with `vertex`.
+pub fn is_within_reach(lis: &Lis, start: DVec3, vertex: DVec3) -> bool {
+    start.distance(vertex) <= f64::from(lis.max_distance())
+}
+
+/// The twin; see [`JoinKernel`](super::JoinKernel).
+pub fn join(columns: JoinColumns<'_, '_>) {
+    let JoinColumns { buckets, ends, candidates, chains } = columns;
+    for bucket in buckets.buckets() {
+        for row in bucket.rows() {
+            let end = ends.row(buckets.order.rows()[row] as usize);
+            chains.vertices[bucket.inserted].set_row(row, candidates.point.row(row));
+            candidates.point.set_row(row, end.point);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connect::lis::reference::vertex_density;
+
+    /// Cells of the unit cube of random numbers are mapped to cells of space; where the map has the Jacobian J, the
+    /// density must be 1 / |J|.
+    #[test]
+    fn the_density_is_one_over_the_jacobian() {
+        let plain = Emitter::disk(DVec3::new(0.3, -1.0, 2.0), DVec3::new(0.2, -0.4, 0.9), 0.5, [1.0; 3]);
+        let sphere = Emitter::sphere(DVec3::ONE - 0.5 * DVec3::Y, 0.5, [1.0; 3]);
+        for disk in [plain, plain.focused(0.0), plain.focused(7.0), plain.focused(200.0), sphere] {
+            for u in [[0.2, 0.3, 0.1, 0.0], [0.5, 0.7, 0.4, 0.0], [0.9, 0.1, 0.8, 0.9], [0.7, 0.95, 0.6, 0.5]] {
+                let step = 1e-6;
+                let slope = |k: usize| {
+                    let moved = |by: f64| {
+                        let mut u = u;
+                        u[k] += by;
+                        place(&disk, 0.7, DVec3::ONE, u)
+                    };
+                    (moved(step) - moved(-step)) / (2.0 * step)
+                };
+                let jacobian = slope(0).cross(slope(1)).dot(slope(2)).abs();
+                let p = vertex_density(&disk, 0.7, DVec3::ONE, place(&disk, 0.7, DVec3::ONE, u)).value();
+                assert!((p * jacobian - 1.0).abs() < 1e-5, "{disk:?}, u = {u:?}: {}", p * jacobian);
+            }
+        }
+    }
+}

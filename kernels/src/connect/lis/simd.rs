@@ -1,0 +1,62 @@
+//! ```text
+//! y = vertex next to the light, at arc t
+//! scale = p_A (k + 2) / (2 pi) cos^k theta / phase(c_y),    half of it where both sides shine
+//! r     = scale * ratios of the shape on the suffix that ends at y, arcs less t
+//! ```
+//!
+//! 1. The shape's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place of p_A,
+//!    and 1 in that of cos_light.
+//! 2. p_dir / cos theta is one power, so that grazing light needs no division.
+
+use core::f32::consts::TAU;
+use core::ops::RangeInclusive;
+
+use wide::f32x8;
+
+use super::{Lis, Shape};
+use crate::columns::LANES;
+use crate::connect::{bridge, mvnee};
+use crate::mis_weight::suffix::{Arrival, Suffix};
+use crate::phase::HenyeyGreensteinX8;
+use crate::tables::lights::Lights;
+use crate::transcendental::{exp, neg_ln};
+
+/// Sum of the ratios of all `starts`, >= 2, counted from the light; `room(a)` are the most edges from start `a` to the
+/// vertex made from the light.
+#[inline(always)]
+pub fn ratios(
+    lis: &Lis,
+    phase: &HenyeyGreensteinX8,
+    emission: f32x8,
+    arrival: &Arrival,
+    suffix: &mut Suffix<'_>,
+    starts: RangeInclusive<usize>,
+    room: impl Fn(usize) -> f32x8,
+) -> f32x8 {
+    let [_, vertex, before, ..] = &suffix.vertices[..] else {
+        return f32x8::ZERO;
+    };
+    let arrival = &Arrival {
+        extinction: arrival.extinction,
+        inverse_area: arrival.inverse_area * emission * vertex.inverse_density,
+        last_squared: (vertex.position - before.position).length_squared(),
+        cos_light: f32x8::ONE,
+        skipped: vertex.arc,
+    };
+    let suffix =
+        &mut Suffix { vertices: &mut suffix.vertices[1..], projections: suffix.projections, counts: suffix.counts };
+    let starts = starts.start() - 1..=starts.end() - 1;
+    match &lis.shape {
+        Shape::Bridge(bridge) => bridge::simd::ratios(bridge, phase, arrival, suffix, starts, |a| room(a + 1)),
+        Shape::Mvnee(mvnee) => mvnee::simd::ratios(mvnee, arrival, suffix, starts),
+    }
+}
+
+/// p_dir over the cosine [1/sr], for emitters and directions at angles of these cosines.
+#[inline(always)]
+pub fn emission(lights: &Lights, emitters: &[u32; LANES], cosine: f32x8) -> f32x8 {
+    let exponent = lights.gather(emitters, |emitter| emitter.exponent);
+    let per_turn = lights.gather(emitters, |emitter| if emitter.double_sided { 0.5 / TAU } else { 1.0 / TAU });
+    let power = exp(-exponent * neg_ln(cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE))));
+    (exponent + f32x8::splat(2.0)) * per_turn * power
+}
