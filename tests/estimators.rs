@@ -235,6 +235,7 @@ fn where_walks_end_and_what_roulette_drops_change_no_mean() {
         ("fog-facing", frames::fog_facing(1.0, 0.7, SMALL), 1.0),
         ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, SMALL), 0.1),
         ("room", frames::room(0.6, Selection::IntensityDistance, SMALL), 0.1),
+        ("lamps", frames::lamps(1.0, 0.6, Selection::IntensityDistance, SMALL), 0.5),
     ] {
         let mut p_values = Vec::new();
         for lengths in lengths(&base) {

@@ -10,11 +10,12 @@
 //! |---|---|
 //! | [`CAMERA`] | film x, film y, free or aimed first flight, the aimed one |
 //! | [`SEGMENT`] | free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves |
-//! | [`NEE_LIGHT`] | light, radius and azimuth of the point on it, roulette |
+//! | [`NEE_LIGHT`] | light, two for the point on it, roulette |
 //! | [`MVNEE_LIGHT`] | the same for MVNEE |
 //! | [`OMNEE_LIGHT`] | the same for OMNEE |
 //! | [`BRIDGE_LIGHT`] | the same for bridges |
 //! | [`LIS_LIGHT`], [`LIS_NEAR_LIGHT`] | the same for light importance sampling and its companion |
+//! | any of these ` + `[`EMITTER`] | emitter of the light, -, -, - |
 //! | [`OMNEE_VERTEX`] | turn, first angle and azimuth of the inserted vertex, - |
 //! | [`LIS_VERTEX`] | cosine, azimuth, flight and side of the vertex made from the light |
 //! | [`BRIDGE_COUNT`] | uniform or Poisson count, the count, roll, - |
@@ -49,6 +50,8 @@ pub const LIS_LIGHT: u32 = 8;
 pub const LIS_NEAR_LIGHT: u32 = 9;
 /// The vertex made from the light.
 pub const LIS_VERTEX: u32 = 10;
+/// Added to the purpose of a light point: the emitter of a light that has several.
+pub const EMITTER: u32 = 0x80;
 /// First block of the seeds' free flights; room for 1024 seeds.
 pub const MVNEE_FLIGHTS: u32 = 0x100;
 /// First block of the seeds' perturbations; room for 1024 seeds.

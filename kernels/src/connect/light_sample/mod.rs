@@ -52,8 +52,8 @@ pub struct Columns<'a, 'q> {
 /// area. A vertex may if `depth <= max_depth` and `depth - first < starts`, where `first` is the depth of the last surface
 /// vertex, or 1.
 ///
-/// The first word of the block picks the light, the fourth one of its emitters. The second and third, u and v, pick the
-/// point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent towards the bitangent; on a sphere
+/// The first word of the block picks the light, the first of the EMITTER block one of its emitters. The second and third of
+/// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent towards the bitangent; on a sphere
 /// the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle the corners' weights
 /// `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`. The light sum, where it is defined, is filled for every live lane that
 /// is near a light.

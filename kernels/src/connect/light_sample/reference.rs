@@ -85,7 +85,9 @@ pub struct Draws {
 
 /// The numbers of a vertex's light point.
 pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> Draws {
-    let [light, u, v, emitter] = random::words(pixel, sample, random::block(depth, purpose), seed);
+    let words = |purpose: u32| random::words(pixel, sample, random::block(depth, purpose), seed);
+    let [light, u, v, _] = words(purpose);
+    let [emitter, ..] = words(purpose + random::EMITTER);
     Draws { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
 }
 

@@ -56,14 +56,18 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
         }
         let block = depth << 16_u32 | u32x8::splat(reach.purpose);
-        let [choice, u, v, emitter] = random::words_x8(pixel[b], sample[b], block, step.seed);
-        let [choice, u, v] = [choice, u, v].map(uniform_x8);
+        let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
 
         let sum = selection::light_sum(lights, start);
         if lights.selection_depends_on_start() {
             light_sum[b] = sum;
         }
-        let light = emitters_of(lights, selection::choose(lights, start, sum, choice), emitter);
+        let mut light = selection::choose(lights, start, sum, choice);
+        if lights.has_meshes() {
+            let block = block + u32x8::splat(random::EMITTER);
+            let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
+            light = emitters_of(lights, light, words);
+        }
         let point = point_on(lights, &light.to_array(), u, v);
         let to_start = start - point;
         let mut keep = to_start.length_squared().simd_le(f32x8::splat(reach.max_distance * reach.max_distance));
@@ -90,9 +94,6 @@ fn near_any(lights: &Lights, reach: Reach, start: Vec3x8) -> f32x8 {
 /// One emitter of each light.
 #[inline(always)]
 fn emitters_of(lights: &Lights, light: u32x8, words: u32x8) -> u32x8 {
-    if !lights.has_meshes() {
-        return light;
-    }
     let (light, words) = (light.to_array(), words.to_array());
     u32x8::new(core::array::from_fn(|i| lights.choose_emitter(light[i], words[i])))
 }
