@@ -31,8 +31,11 @@ pub fn may_meet(geometry: &Geometry, origin: Vec3x8, direction: Vec3x8, max: f32
         return rays.enter([x, y, z, u, v, w]);
     }
     let planes = &tree.nodes.rows()[tree.root.index()].planes;
-    let child = |i: usize| core::array::from_fn(|plane| planes[plane].as_array()[i]);
-    (0..LANES).fold(0, |bits, i| bits | rays.enter(child(i)))
+    let mut bits = 0;
+    for child in 0..LANES {
+        bits |= rays.enter(core::array::from_fn(|plane| planes[plane].as_array()[child]));
+    }
+    bits
 }
 
 /// Eight rays made ready for boxes, by axis.
