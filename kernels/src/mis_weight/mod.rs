@@ -13,9 +13,12 @@
 //! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0 where none
 //! does.
 
+pub mod density;
 pub mod reference;
 pub mod simd;
 pub mod suffix;
+#[cfg(test)]
+mod tests;
 
 use suffix::Suffix;
 

@@ -19,7 +19,7 @@
 use glam::DVec3;
 
 use super::{Bridge, LARGEST_MEAN, Roll};
-use crate::mis_weight::reference::Density;
+use crate::mis_weight::density::Density;
 use crate::phase::reference as phase;
 
 /// Largest number of edges of a bridge from a start at `depth`, where paths have at most `longest` segments.

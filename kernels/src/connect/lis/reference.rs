@@ -20,7 +20,7 @@ use glam::DVec3;
 use super::{Lis, Shape};
 use crate::connect::light_sample::reference::cosine;
 use crate::connect::{bridge, mvnee, nee};
-use crate::mis_weight::reference::Density;
+use crate::mis_weight::density::Density;
 use crate::tables::lights::Emitter;
 
 /// The start of a connection, as far as a shape has to know it.

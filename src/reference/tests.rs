@@ -1,0 +1,177 @@
+//! Equal means, one path at a time.
+
+use super::*;
+use std::sync::Arc;
+
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::Roll;
+use fogbow_kernels::connect::mvnee::Offset;
+use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
+use fogbow_kernels::{PathLengths, Walk as Limits};
+
+const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+
+fn frame(albedo: f32, lengths: PathLengths) -> Frame {
+    let medium = Medium { extinction: 0.5, albedo: [albedo; 3], phase: HenyeyGreenstein { g: 0.5 } };
+    let disk = |z: f64, normal: DVec3| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, [1.0, 2.0, 3.0]);
+    Frame {
+        camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
+        medium,
+        lights: Lights::new(vec![disk(3.0, -DVec3::Z), disk(4.0, DVec3::Z)], Selection::IntensityDistance),
+        surfaces: Arc::new(Surfaces::none()),
+        techniques: Techniques {
+            nee: true,
+            mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),
+            omnee: true,
+            bridge: Some(Bridge::new(Roll::Aligned)),
+            lis: Some(Lis::new(&medium, Shape::Bridge(Bridge::new(Roll::Aligned)))),
+        },
+        lengths,
+        walk: FREE,
+        aimed: 0.0,
+        roulette: 0.0,
+        seed: 7,
+    }
+}
+
+#[test]
+fn a_light_behind_an_absorber_is_attenuated_in_every_sample() {
+    let frame = frame(0.0, PathLengths { min: 1, max: 9 });
+    for sample in 0..20 {
+        let [red, _, blue] = radiance(&frame, 5, sample);
+        assert!((red / (-1.5_f64).exp() - 1.0).abs() < 1e-4 && (blue / red - 3.0).abs() < 1e-12, "{red} {blue}");
+    }
+}
+
+#[test]
+fn contributions_keep_to_the_path_lengths() {
+    let frame = frame(1.0, PathLengths { min: 2, max: 5 });
+    let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
+    assert!(found.iter().all(|contribution| (2..=5).contains(&contribution.segments)));
+    for technique in
+        [Technique::Path, Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge, Technique::Lis]
+    {
+        // A path of one inserted vertex has three segments or more; the companion of nee is nee.
+        let shortest = if matches!(technique, Technique::Omnee | Technique::Lis) { 3 } else { 2 };
+        for segments in shortest..=5 {
+            let made = |c: &&Contribution| c.technique == technique && c.segments == segments;
+            assert!(found.iter().filter(made).count() > 0, "{technique:?} makes no path of {segments} segments");
+        }
+    }
+}
+
+#[test]
+fn walks_end_and_connect_where_they_are_told_to() {
+    let lengths = PathLengths { min: 1, max: 6 };
+    let frame = Frame { walk: Limits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
+    let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
+    let longest = |technique: Technique| {
+        found.iter().filter(|c| c.technique == technique).map(|c| c.segments).max().expect("makes some path")
+    };
+    // From the first vertex alone: straight on, through one vertex, and as far as paths go.
+    assert_eq!([Technique::Path, Technique::Nee, Technique::Omnee].map(longest), [3, 2, 3]);
+    assert_eq!(longest(Technique::Bridge), 6);
+}
+
+#[test]
+fn the_weight_of_the_first_flight_is_on_everything_but_views() {
+    let free = frame(0.9, PathLengths { min: 1, max: 5 });
+    let shares = [0.25, 0.5];
+    let [few, many] = shares.map(|share| Frame { aimed: share as f32, ..free.clone() });
+    let (mut same, mut other) = (0, 0);
+    for sample in 0..600 {
+        let [plain, few, many] = [&free, &few, &many].map(|frame| contributions(frame, 9, sample));
+        let view = |c: &&Contribution| c.segments == 1;
+        assert!(few.iter().any(|c| view(&c)), "sample {sample} sees no light");
+        assert!(plain.iter().filter(view).eq(few.iter().filter(view)), "views differ in sample {sample}");
+        if first_flight::reference::uniforms(9, sample, free.seed)[0] < shares[1] {
+            other += u32::from(few != many);
+            continue;
+        }
+        // The same stretched flight, weighed for either share.
+        let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
+        let words = medium_sample::reference::words(9, sample, 0, free.seed);
+        let t = medium_sample::reference::flight(0.5, random::uniform(words[0])) / 0.75;
+        let weight = |share| first_flight::reference::weight(0.5, &free.lights, share, origin, direction, t);
+        let expected = weight(shares[0]) / weight(shares[1]);
+        assert_eq!(few.len(), many.len(), "sample {sample}");
+        for (few, many) in few.iter().zip(&many).filter(|(few, _)| few.segments > 1) {
+            let ratio = few.radiance[0] / many.radiance[0];
+            assert!((ratio / expected - 1.0).abs() < 1e-12, "sample {sample}: {ratio}, expected {expected}");
+            same += 1;
+        }
+    }
+    assert!(same > 100 && other > 50, "{same} contributions weighed, {other} samples aimed elsewhere");
+}
+
+#[test]
+fn absorbers_are_not_aimed_in() {
+    let free = frame(0.0, PathLengths { min: 1, max: 9 });
+    let aimed = Frame { aimed: 0.5, ..free.clone() };
+    assert!((0..50).all(|sample| contributions(&free, 5, sample) == contributions(&aimed, 5, sample)));
+}
+
+/// Mean over pixels and samples, and its standard error, of the first channel of paths of each number of segments.
+fn means(frame: &Frame) -> Vec<(f64, f64)> {
+    let (pixels, samples) = (16, 3000);
+    let mut sums = vec![(0.0, 0.0); frame.lengths.max as usize + 1];
+    for (pixel, sample) in (0..pixels).flat_map(|pixel| (0..samples).map(move |sample| (pixel, sample))) {
+        let mut values = vec![0.0; sums.len()];
+        for contribution in contributions(frame, pixel, sample) {
+            values[contribution.segments as usize] += contribution.radiance[0];
+        }
+        for ((sum, squares), value) in sums.iter_mut().zip(values) {
+            *sum += value;
+            *squares += value * value;
+        }
+    }
+    let count = f64::from(pixels * samples);
+    let estimate = |(sum, squares): (f64, f64)| {
+        let mean = sum / count;
+        (mean, ((squares / count - mean * mean) / count).sqrt())
+    };
+    // Views of a light are expectations and have no technique.
+    sums.into_iter().skip(2).map(estimate).collect()
+}
+
+#[test]
+fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
+    let all = frame(0.9, PathLengths { min: 1, max: 5 });
+    let only = |techniques: Techniques| Frame { techniques, ..all.clone() };
+    let bridge = |roll: Roll| Techniques { bridge: Some(Bridge::new(roll)), ..Techniques::default() };
+    let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
+    let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
+    let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(&all.medium, shape)), ..Techniques::default() });
+    let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..Bridge::new(Roll::Aligned) };
+    for (name, frame) in [
+        ("path", only(Techniques::default())),
+        ("omnee", only(Techniques { omnee: true, ..Techniques::default() })),
+        ("aligned bridge", only(bridge(Roll::Aligned))),
+        ("uniform bridge", only(bridge(Roll::Uniform))),
+        ("limited bridge", only(Techniques { bridge: Some(limited), ..Techniques::default() })),
+        ("lis by bridges", lis(Shape::Bridge(Bridge::new(Roll::Aligned)))),
+        ("lis by limited bridges", lis(Shape::Bridge(limited))),
+        ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(&all.medium, 3.0, Offset::Ggx)))),
+        ("all", all.clone()),
+        ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
+        ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),
+        ("path, aimed", Frame { aimed: 0.5, ..only(Techniques::default()) }),
+        ("all, aimed", Frame { aimed: 0.5, ..all.clone() }),
+        ("all, mostly aimed, roulette", Frame { aimed: 0.9, roulette: 0.3, ..all.clone() }),
+        ("all, roulette", Frame { roulette: 0.3, ..all.clone() }),
+        ("bridge, one start", Frame { walk: brief, ..only(bridge(Roll::Aligned)) }),
+        (
+            "all, two starts, survival, roulette",
+            Frame { walk: Limits { segments: 3, starts: 2, survival: 0.8 }, roulette: 0.2, ..all.clone() },
+        ),
+    ] {
+        for (n, (found, expected)) in means(&frame).into_iter().zip(&truth).enumerate() {
+            let z = (found.0 - expected.0) / (found.1.powi(2) + expected.1.powi(2)).sqrt();
+            assert!(z.abs() < 4.0, "{name}, {} segments: {found:?}, expected {expected:?}, z = {z}", n + 2);
+        }
+    }
+}

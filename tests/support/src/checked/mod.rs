@@ -1,0 +1,148 @@
+//! A pipeline in which every stage checks itself: it runs its kernel and its twin on the same queues of a real frame and
+//! compares what they filled. The frame goes on with what the kernel found.
+//!
+//! Stages are function pointers without state, so what they find is collected per thread; see [`take_log`].
+
+use std::cell::RefCell;
+
+use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use fogbow_kernels::columns::trail::TrailTable;
+use fogbow_kernels::columns::{Column3, LANES};
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
+use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
+use fogbow_kernels::connect::light_sample::{self, Reach, reference::cosine};
+use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
+use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
+use fogbow_kernels::connect::omnee::sample as omnee_sample;
+use fogbow_kernels::mis_weight::reference::position_before;
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::roulette::{self, Threshold};
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::Lights;
+use fogbow_kernels::tables::media::Medium;
+use fogbow_kernels::tables::surfaces::Surfaces;
+use fogbow_kernels::{
+    PathLengths, Step, Walk, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight,
+    occlusion, scatter, surface,
+};
+
+use crate::compare::{Save, Saved, difference, members};
+use crate::tolerances::{self, Tolerance};
+
+/// What the checked stages found.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    /// Rows compared.
+    pub rows: u64,
+    /// Rows about which kernel and twin decided differently.
+    pub decisions: u64,
+    /// Rows that are further apart than their tolerance.
+    pub failures: Vec<String>,
+}
+
+thread_local! {
+    static LOG: RefCell<Log> = RefCell::new(Log::default());
+}
+
+/// What the checked stages of this thread found since the last call.
+pub fn take_log() -> Log {
+    LOG.take()
+}
+
+fn count_rows(rows: usize) {
+    LOG.with_borrow_mut(|log| log.rows += rows as u64);
+}
+
+fn count_decisions(rows: usize) {
+    LOG.with_borrow_mut(|log| log.decisions += rows as u64);
+}
+
+fn fail(stage: &str, row: usize, text: &str) {
+    LOG.with_borrow_mut(|log| log.failures.push(format!("{stage}, row {row}:\n{text}")));
+}
+
+/// Every stage, checked.
+pub const CHECKED: Pipeline = Pipeline {
+    generate: walk::check_generate,
+    medium_sample: walk::check_medium_sample,
+    first_flight: walk::check_first_flight,
+    extend: walk::check_extend,
+    light_hit: walk::check_light_hit,
+    scatter: walk::check_scatter,
+    surface: walk::check_surface,
+    light_sample: connect::check_light_sample,
+    mvnee_count: connect::check_mvnee_count,
+    mvnee_build: connect::check_mvnee_build,
+    omnee_build: connect::check_omnee_build,
+    bridge_count: connect::check_bridge_count,
+    bridge_build: connect::check_bridge_build,
+    lis_vertex: connect::check_lis_vertex,
+    lis_join: connect::check_lis_join,
+    mis_weight: weigh::check_mis_weight,
+    roulette: weigh::check_roulette,
+    occlusion: weigh::check_occlusion,
+    accumulate: weigh::check_accumulate,
+};
+
+/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables.
+macro_rules! run_both {
+    ($stage:ident($($arg:expr),*), [$($table:ident),*], $columns:expr) => {{
+        let before = ($($table.save(),)*);
+        (SIMD.$stage)($($arg,)* $columns);
+        let kernel = ($($table.save(),)*);
+        run_both!(@restore before, $($table),*);
+        (REFERENCE.$stage)($($arg,)* $columns);
+        let twin = ($($table.save(),)*);
+        run_both!(@restore kernel, $($table),*);
+        (kernel, twin)
+    }};
+    (@restore $saved:ident, $a:ident) => { $a.restore(&$saved.0) };
+    (@restore $saved:ident, $a:ident, $b:ident) => { $a.restore(&$saved.0); $b.restore(&$saved.1) };
+    (@restore $saved:ident, $a:ident, $b:ident, $c:ident) => {
+        $a.restore(&$saved.0); $b.restore(&$saved.1); $c.restore(&$saved.2)
+    };
+}
+
+mod connect;
+mod walk;
+mod weigh;
+
+type Tolerances<'a> = &'a [(&'a str, Tolerance)];
+
+/// Compares row `row` of table `table`.
+fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+    count_rows(1);
+    if let Some(text) = difference(&kernel.row(table, row), &twin.row(table, row), tolerances) {
+        fail(stage, row, &text);
+    }
+}
+
+/// Compares the rows of two queues that have the same lane; a lane that only one of them lists is another decision.
+fn check_queue(stage: &str, (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+    let (kernel_lanes, twin_lanes) = (kernel.indices("lane"), twin.indices("lane"));
+    for (at, lane) in kernel_lanes.iter().enumerate() {
+        let Some(other) = twin_lanes.iter().position(|other| other == lane) else {
+            count_decisions(1);
+            continue;
+        };
+        count_rows(1);
+        if let Some(text) = difference(&kernel.row(0, at), &twin.row(0, other), tolerances) {
+            fail(stage, at, &text);
+        }
+    }
+    count_decisions(twin_lanes.iter().filter(|lane| !kernel_lanes.contains(lane)).count());
+    if !kernel_lanes.is_sorted() || !twin_lanes.is_sorted() {
+        fail(stage, 0, "    rows are not in lane order");
+    }
+}
+
+fn lanes(paths: &PathTable<'_>) -> core::ops::Range<usize> {
+    0..paths.batches() * LANES
+}
+
+/// The slot of `clock` in a ring of so many.
+fn slot(clock: u32, slots: usize) -> usize {
+    clock as usize % slots
+}
