@@ -23,6 +23,7 @@ use fogbow_kernels::connect::lis::{Lis, Shape, sample::reference as lis_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
+use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{bridge, lis, nee, omnee};
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
@@ -250,7 +251,7 @@ impl Walk<'_> {
     /// `lengths` up to there.
     fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, extinction) = (self.last(), self.extinction());
-        let draws = mvnee_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
+        let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let count = mvnee_sample::count_seeds(extinction, (point - start).length(), lengths, &draws)?;
         let mut inserted = vec![point; count as usize];
         mvnee_sample::place(&mvnee.into(), extinction, start, point, &draws, &mut inserted);
@@ -281,7 +282,7 @@ impl Walk<'_> {
     /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
     fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, g) = (self.last(), f64::from(self.frame.medium.phase.g));
-        let draws = bridge_sample::Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
+        let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
         let bridge = &if on_surface { bridge.from_surface() } else { *bridge };

@@ -1,4 +1,4 @@
-//! The random numbers of eight connections.
+//! The random numbers of connections.
 
 use wide::{f32x8, u32x8};
 
@@ -42,5 +42,31 @@ impl Sequence {
     pub fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
         let block = self.depth << 16_u32 | u32x8::splat(purpose);
         random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
+    }
+}
+
+/// The same for one connection, for the twins; each technique names its own numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Draws {
+    /// Index of the pixel in the whole image.
+    pub pixel: u32,
+    /// Number of the sample in its pixel.
+    pub sample: u32,
+    /// Depth of the start.
+    pub depth: u32,
+    /// Seed of the frame.
+    pub seed: u32,
+}
+
+impl Draws {
+    /// Those of a connection from the current vertex of the path in `lane`.
+    pub fn new(step: Step, paths: &PathTable<'_>, lane: usize) -> Self {
+        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+        Self { pixel, sample, depth: paths.depth(step.clock, lane), seed: step.seed }
+    }
+
+    /// Four uniform numbers of block `purpose`.
+    pub(super) fn uniforms(&self, purpose: u32) -> [f64; 4] {
+        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
     }
 }

@@ -19,6 +19,7 @@ use crate::columns::paths::PathTable;
 use crate::connect::bridge::reference::{mean_inserted, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
+use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::{frame, sample_cosine, turn};
 use crate::tables::media::Medium;
@@ -32,12 +33,7 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
         let lane = connection.lane as usize;
         let [start, arriving, point] =
             [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-        let draws = Draws {
-            pixel: paths.columns.pixel.rows()[lane],
-            sample: paths.columns.sample.rows()[lane],
-            depth: paths.depth(step.clock, lane),
-            seed: step.seed,
-        };
+        let draws = Draws::new(step, paths, lane);
         let bridge = from_start(bridge, paths, lane, draws.depth);
         let mean = mean_inserted(&bridge, f64::from(medium.extinction), arriving, point - start);
         let inserted = count_edges(&bridge, mean, lengths, &draws);
@@ -55,22 +51,13 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             let lane = connection.lane as usize;
             let [start, arriving, point] =
                 [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-            let draws = Draws {
-                pixel: paths.columns.pixel.rows()[lane],
-                sample: paths.columns.sample.rows()[lane],
-                depth: paths.depth(step.clock, lane),
-                seed: step.seed,
-            };
+            let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
             let bridge = from_start(bridge, paths, lane, draws.depth);
             place(&bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
 
-            candidates.lane.rows_mut()[row] = connection.lane;
-            candidates.light.rows_mut()[row] = connection.light;
-            candidates.start.set_row(row, connection.start);
-            candidates.arriving.set_row(row, connection.arriving);
-            candidates.point.set_row(row, connection.point);
+            candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
                 vertex.set_row(row, position.as_vec3().to_array());
             }
@@ -84,38 +71,21 @@ fn from_start(bridge: &Bridge, paths: &PathTable<'_>, lane: usize, depth: u32) -
     if on_surface { bridge.from_surface() } else { *bridge }
 }
 
-/// The random numbers of one bridge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Draws {
-    /// Index of the pixel in the whole image.
-    pub pixel: u32,
-    /// Number of the sample in its pixel.
-    pub sample: u32,
-    /// Depth of the start.
-    pub depth: u32,
-    /// Seed of the frame.
-    pub seed: u32,
-}
-
 impl Draws {
-    fn block(&self, purpose: u32) -> [f64; 4] {
-        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
-    }
-
     /// The numbers that choose between the two distributions of the count, and from the chosen one.
     pub fn count(&self) -> [f64; 2] {
-        let [which, count, _, _] = self.block(random::BRIDGE_COUNT);
+        let [which, count, _, _] = self.uniforms(random::BRIDGE_COUNT);
         [which, count]
     }
 
     /// The number behind the roll about the axis.
     pub fn roll(&self) -> f64 {
-        self.block(random::BRIDGE_COUNT)[2]
+        self.uniforms(random::BRIDGE_COUNT)[2]
     }
 
     /// The numbers behind the length of edge `k`, counted from 0, and behind cosine and azimuth of the turn at its end.
     pub fn edge(&self, k: usize) -> [f64; 3] {
-        let [length, cosine, azimuth, _] = self.block(random::BRIDGE_WALK + k as u32);
+        let [length, cosine, azimuth, _] = self.uniforms(random::BRIDGE_WALK + k as u32);
         [length, cosine, azimuth]
     }
 }

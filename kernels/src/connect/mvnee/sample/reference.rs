@@ -16,6 +16,7 @@ use glam::DVec3;
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::mvnee::reference::{Settings, sigma};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
+use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::frame;
 use crate::tables::media::Medium;
@@ -28,12 +29,7 @@ pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountCo
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-        let draws = Draws {
-            pixel: paths.columns.pixel.rows()[lane],
-            sample: paths.columns.sample.rows()[lane],
-            depth: paths.depth(step.clock, lane),
-            seed: step.seed,
-        };
+        let draws = Draws::new(step, paths, lane);
         let inserted = count_seeds(f64::from(medium.extinction), (point - start).length(), lengths, &draws);
         buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
@@ -49,21 +45,12 @@ pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'
             let connection = connections.row(buckets.order.rows()[row] as usize);
             let lane = connection.lane as usize;
             let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-            let draws = Draws {
-                pixel: paths.columns.pixel.rows()[lane],
-                sample: paths.columns.sample.rows()[lane],
-                depth: paths.depth(step.clock, lane),
-                seed: step.seed,
-            };
+            let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
             place(&settings, f64::from(medium.extinction), start, point, &draws, &mut inserted);
 
-            candidates.lane.rows_mut()[row] = connection.lane;
-            candidates.light.rows_mut()[row] = connection.light;
-            candidates.start.set_row(row, connection.start);
-            candidates.arriving.set_row(row, connection.arriving);
-            candidates.point.set_row(row, connection.point);
+            candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
                 vertex.set_row(row, position.as_vec3().to_array());
             }
@@ -71,32 +58,15 @@ pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'
     }
 }
 
-/// The random numbers of one connection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Draws {
-    /// Index of the pixel in the whole image.
-    pub pixel: u32,
-    /// Number of the sample in its pixel.
-    pub sample: u32,
-    /// Depth of the start.
-    pub depth: u32,
-    /// Seed of the frame.
-    pub seed: u32,
-}
-
 impl Draws {
-    fn block(&self, purpose: u32) -> [f64; 4] {
-        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
-    }
-
     /// The number behind the flight to seed `k`.
     pub fn flight(&self, k: usize) -> f64 {
-        self.block(random::MVNEE_FLIGHTS + (k / 4) as u32)[k % 4]
+        self.uniforms(random::MVNEE_FLIGHTS + (k / 4) as u32)[k % 4]
     }
 
     /// The numbers behind radius and azimuth of the perturbation of seed `k`.
     pub fn offset(&self, k: usize) -> [f64; 2] {
-        let block = self.block(random::MVNEE_OFFSETS + (k / 2) as u32);
+        let block = self.uniforms(random::MVNEE_OFFSETS + (k / 2) as u32);
         let radius = 2 * (k % 2);
         [block[radius], block[radius + 1]]
     }
