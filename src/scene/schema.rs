@@ -202,8 +202,8 @@ pub struct Render {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "whole number"))]
     pub bridge_vertices: Option<u32>,
-    /// Vertices that connect, the first ones after the camera: "all", a number from 1 to 1024, or "auto", what a short pilot finds
-    /// most efficient.
+    /// Vertices that connect, the first ones after the camera or the last surface: "all", a number from 1 to 1024, or "auto", what a
+    /// short pilot finds most efficient.
     pub starts: Starts,
     /// Probability with which a walk goes on from a vertex, 0.01 to 1, or "auto", from the same pilot.
     pub survival: NumberOrAuto,

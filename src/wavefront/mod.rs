@@ -132,7 +132,7 @@ impl<'q> Wavefront<'q> {
         Self {
             requests: RequestTable::new_in(arena, lanes),
             paths: PathTable {
-                surfaces: !frame.surfaces.is_empty(),
+                has_surfaces: !frame.surfaces.is_empty(),
                 ..PathTable::new_in(arena, lanes, frame.channels())
             },
             vertices: VertexTable::new_in(arena, lanes),

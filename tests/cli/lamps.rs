@@ -79,3 +79,15 @@ fn a_scene_in_which_nothing_shines_is_refused() {
     let folder = lamp([0.0; 3], 8.0);
     folder.refused(&["render", "scene.toml"], 1, "scene.toml: the scene has no light");
 }
+
+#[test]
+fn statistics_tell_of_surfaces() {
+    let folder = lamp([1.0; 3], 2.0);
+    folder.done(&["render", "scene.toml", "-o", "a.exr", "--progress", "none", "--stats", "s.json"]);
+    let text = std::fs::read_to_string(folder.path("s.json")).expect("statistics");
+    let statistics: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let stages = statistics["stages"].as_array().expect("stages");
+    let surface = stages.iter().find(|stage| stage["stage"] == "surface").expect("a stage");
+    // Half of the paths or so get to the lamp, which is white.
+    assert!(surface["rows"].as_u64().is_some_and(|rows| (1..=16).contains(&rows)), "{surface}");
+}

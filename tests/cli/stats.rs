@@ -28,7 +28,7 @@ fn statistics_tell_what_every_stage_did() {
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
-    // Nothing is solid in this scene.
+    // Nothing is solid in this scene; lamps has what is.
     for (index, name) in names.iter().enumerate().filter(|(_, name)| **name != "surface") {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
         let lanes = stage("live_lanes_per_batch");

@@ -72,7 +72,7 @@ pub struct PathTable<'q> {
     /// Channels in use: 1 where everything is grey, 3 otherwise.
     pub channels: usize,
     /// Whether there are surfaces that a path may meet.
-    pub surfaces: bool,
+    pub has_surfaces: bool,
 }
 
 impl<'q> PathTable<'q> {
@@ -85,7 +85,7 @@ impl<'q> PathTable<'q> {
             occupied: LaneSet::new_in(arena, lanes),
             on_surface: LaneSet::new_in(arena, lanes),
             channels,
-            surfaces: false,
+            has_surfaces: false,
         }
     }
 

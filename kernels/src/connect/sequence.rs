@@ -24,7 +24,7 @@ impl Sequence {
     pub fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
         let path = &paths.columns;
         let depth = u32x8::splat(step.clock) - path.birth.gather(lane_of);
-        let on_surface = match paths.surfaces {
+        let on_surface = match paths.has_surfaces {
             true => lanes::as_mask(path.last_surface.gather(lane_of).simd_eq(depth)),
             false => f32x8::ZERO,
         };

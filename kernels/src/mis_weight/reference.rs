@@ -61,7 +61,7 @@ pub fn run(
         let light = candidates.light.rows()[row] as usize;
         let first_start = paths.first_start(lane) as usize;
         let normal = paths.columns.surface_normal.row(lane).map(f64::from);
-        let is_surface = paths.surfaces && paths.columns.last_surface.rows()[lane] > 0;
+        let is_surface = paths.has_surfaces && paths.columns.last_surface.rows()[lane] > 0;
         let surface = is_surface.then(|| DVec3::from(normal));
         let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, surface, light);
         candidates.weight.rows_mut()[row] = weight as f32;

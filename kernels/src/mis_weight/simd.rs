@@ -278,7 +278,7 @@ impl Batch<'_> {
     #[inline(always)]
     fn reflect(&self, paths: &PathTable<'_>, starts: &Starts, suffix: &mut Suffix<'_>, needed: usize) -> f32x8 {
         let all = f32x8::ZERO.simd_eq(f32x8::ZERO);
-        if !paths.surfaces {
+        if !paths.has_surfaces {
             return all;
         }
         let normal = paths.columns.surface_normal.gather(&self.lane_of);

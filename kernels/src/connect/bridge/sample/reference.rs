@@ -67,7 +67,7 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
 
 /// The bridge as it is from the start at `depth`, which may be on a surface.
 fn from_start(bridge: &Bridge, paths: &PathTable<'_>, lane: usize, depth: u32) -> Bridge {
-    let on_surface = paths.surfaces && paths.columns.last_surface.rows()[lane] == depth;
+    let on_surface = paths.has_surfaces && paths.columns.last_surface.rows()[lane] == depth;
     if on_surface { bridge.from_surface() } else { *bridge }
 }
 
