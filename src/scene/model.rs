@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::document::Document;
+use super::lights::LARGEST_RADIANCE;
 use super::schema::Scene;
 use super::source::{LARGEST, Source};
 use crate::error::Result;
@@ -27,12 +28,24 @@ pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Res
         Some(model) if !document.is_set_by_flag("geometry") => Loaded { file: document.file().into(), model },
         _ => load(geometry, document)?,
     };
+    check_emission(&loaded)?;
     let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
     if far <= LARGEST {
         return Ok(Some(loaded));
     }
     let finding = format!("geometry is {geometry:?}, with a vertex at {far:e} m");
     Err(document.error("geometry", finding, "scale the model: coordinates may be 1e9 m at most"))
+}
+
+/// Emission of materials, within the limits of other lights.
+fn check_emission(loaded: &Loaded) -> Result<()> {
+    for (index, material) in loaded.model.materials.iter().enumerate() {
+        let ok = material.emission.iter().all(|x| f64::from(*x) <= LARGEST_RADIANCE);
+        let name = material.name.clone().unwrap_or_else(|| format!("{index}"));
+        let finding = format!("{:?}", material.emission);
+        loaded.source("material", &name).require(ok, "emission", finding, "scale it down: at most 1e30 W/(m^2 sr)")?;
+    }
+    Ok(())
 }
 
 fn load(geometry: &str, document: &Document) -> Result<Loaded> {

@@ -7,6 +7,8 @@ use fogbow_kernels::tables::surfaces::{Material, Paint, Surfaces};
 use super::model::Loaded;
 use crate::gltf::{self, LightKind, Model};
 
+/// Area from which on a triangle shines `[m^2]`, about that of the smallest disk: one over it is far inside f32.
+const SMALLEST_AREA: f64 = 1e-18;
 /// Points per side of the grid over which the texture of a triangle's emission is averaged.
 const GRID: u16 = 8;
 
@@ -28,7 +30,7 @@ pub fn from_model(model: Model) -> (Surfaces, Vec<Vec<Emitter>>) {
             let corners = corners.map(|corner| corner as usize);
             let radiance = radiance(&looks[material as usize], &paint, corners);
             let positions = corners.map(|corner| positions[corner]);
-            let shines = radiance != [0.0; 3] && has_area(positions);
+            let shines = radiance != [0.0; 3] && area(positions) >= SMALLEST_AREA;
             shines.then(|| Emitter::triangle(positions, index, looks[material as usize].double_sided, radiance))
         };
         instance.triangles.clone().filter_map(emitter).collect()
@@ -54,9 +56,9 @@ fn radiance(material: &gltf::Material, paint: &Paint, corners: [usize; 3]) -> [f
     core::array::from_fn(|channel| material.emission[channel] * mean[channel])
 }
 
-fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
-    let [a, b, c] = [a, b, c].map(|corner| glam::DVec3::from(corner.map(f64::from)));
-    (b - a).cross(c - a).length() > 0.0
+fn area(corners: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|corner| glam::DVec3::from(corner.map(f64::from)));
+    (b - a).cross(c - a).length() / 2.0
 }
 
 /// What a model holds that is not rendered, and what was passed over in reading it, a line each.

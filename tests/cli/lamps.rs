@@ -64,6 +64,47 @@ fn a_mesh_that_shines_is_a_light() {
 }
 
 #[test]
+fn emission_is_bounded_as_radiance_is() {
+    let folder = lamp([1.0, 0.5, 0.0], 3e38);
+    folder.refused(&["render", "scene.toml"], 1, "lamp.gltf: material \"0\": emission is [3e38, 1.5e38, 0.0]\n");
+}
+
+/// The lamp whose material has this texture but whose mesh has no texture coordinates.
+fn textured(slot: &str) -> Folder {
+    let folder = lamp([1.0; 3], 8.0);
+    let text = std::fs::read_to_string(folder.path("lamp.gltf")).expect("a model");
+    let mut gltf: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    gltf["images"] = serde_json::json!([{ "uri": "grey.png" }]);
+    gltf["textures"] = serde_json::json!([{ "source": 0 }]);
+    let material = &mut gltf["materials"][0];
+    let info = serde_json::json!({ "index": 0 });
+    match slot {
+        "emissiveTexture" => material[slot] = info,
+        _ => material["pbrMetallicRoughness"] = serde_json::json!({ "baseColorTexture": info }),
+    }
+    folder.write("lamp.gltf", gltf.to_string());
+    let file = std::fs::File::create(folder.path("grey.png")).expect("a file");
+    let mut encoder = png::Encoder::new(file, 1, 1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&[188; 3])).expect("an image");
+    folder
+}
+
+#[test]
+fn textures_without_texture_coordinates_have_one_texel() {
+    for (slot, share) in [("baseColorTexture", 1.0), ("emissiveTexture", 0.5)] {
+        let folder = textured(slot);
+        let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--progress", "none"]);
+        assert!(run.stderr.contains("texture coordinates"), "{run}");
+        let image = folder.image("a.exr");
+        for value in image.channel("R").expect("red") {
+            let seen = f64::from(*value) / (8.0 * share);
+            assert!((0.4..0.51).contains(&seen), "{slot}: {value}");
+        }
+    }
+}
+
+#[test]
 fn strength_changes_the_hash() {
     let hash = |strength: f64| {
         let folder = lamp([1.0; 3], strength);

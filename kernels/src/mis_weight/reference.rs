@@ -131,7 +131,7 @@ pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
         return 0.0;
     }
     let exponent = f64::from(emitter.exponent);
-    if emitter.is_focused() { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
+    if emitter.focused { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
 }
 
 /// Probability that a walk survives all vertices between the camera and vertex `i`.

@@ -27,7 +27,7 @@ impl Material {
 pub struct Paint {
     /// Linear factors of the albedo at the vertices, [0, 1].
     pub colors: Vec<[f32; 3]>,
-    /// Texture coordinates of set 0 and set 1.
+    /// Texture coordinates of set 0 and set 1; (0, 0) everywhere where a set is empty.
     pub texcoords: [Vec<[f32; 2]>; 2],
     /// The textures that materials name.
     pub textures: Vec<Texture>,
@@ -142,7 +142,8 @@ impl Paint {
     /// The linear value of a texture at the point of a triangle with these vertices and barycentric weights.
     pub fn texel(&self, texture: &TextureRef, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
         let texcoords = &self.texcoords[texture.texcoords as usize];
-        let at = mix(corners.map(|corner| texcoords[corner]), weights);
+        let of_corner = |corner: usize| texcoords.get(corner).copied().unwrap_or_default();
+        let at = mix(corners.map(of_corner), weights);
         let table = &self.textures[texture.texture as usize];
         table.sample(&self.images[table.image as usize], texture.transform(at))
     }
@@ -203,6 +204,9 @@ mod tests {
         let textured = painted(Some(texture));
         assert_eq!(albedo(&textured, [0.25, 0.5]), [0.125, 0.25, 0.5], "on the white texel");
         assert_eq!(albedo(&textured, [0.75, 0.0]), [0.0; 3], "on the black one");
+        let mut without = painted(Some(texture));
+        without.paint.texcoords = [Vec::new(), Vec::new()];
+        assert_eq!(albedo(&without, [0.75, 0.0]), [0.125, 0.75, 0.0], "one texel everywhere");
         let shifted = painted(Some(TextureRef { offset: [0.5, 0.0], ..texture }));
         assert_eq!(albedo(&shifted, [0.25, 0.5]), [0.0; 3]);
         assert!(!plain.are_grey() && plain != textured);

@@ -42,9 +42,12 @@ pub struct Emitter {
     pub exponent: f32,
     /// `(n + 1) / (2 pi)` of a spotlight, otherwise 1.
     pub scale: f32,
+    /// Whether it is a spotlight.
+    pub focused: bool,
     /// Whether the back shines as the front does.
     pub double_sided: bool,
-    /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2], > 0.
+    /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2]; 0 for what is dark in a mesh that
+    /// shines.
     pub density: f32,
     /// Index of the light that it is part of.
     pub light: u32,
@@ -72,6 +75,7 @@ impl Emitter {
             radiance: radiance.map(|channel| channel as f32),
             exponent: 0.0,
             scale: 1.0,
+            focused: false,
             double_sided: false,
             density: (1.0 / (PI * radius * radius)) as f32,
             light: 0,
@@ -115,7 +119,8 @@ impl Emitter {
 
     /// The same disk as a spotlight of `exponent` >= 0.
     pub fn focused(self, exponent: f64) -> Self {
-        Self { exponent: exponent as f32, scale: ((exponent + 1.0) / (2.0 * PI)) as f32, ..self }
+        let scale = ((exponent + 1.0) / (2.0 * PI)) as f32;
+        Self { exponent: exponent as f32, scale, focused: true, ..self }
     }
 
     /// Shows all that makes it up to `digest`, in pieces.
@@ -124,11 +129,6 @@ impl Emitter {
         digest(bytemuck::cast_slice(&vectors));
         digest(bytemuck::cast_slice(&[self.radius, self.exponent, self.scale, self.density]));
         digest(bytemuck::cast_slice(&[self.light, self.triangle, u32::from(self.double_sided)]));
-    }
-
-    /// Whether its radiance depends on the direction.
-    pub fn is_focused(&self) -> bool {
-        self.scale != 1.0
     }
 
     /// Area that shines, one side of it `[m^2]`.

@@ -110,7 +110,7 @@ impl Lights {
             solids: count,
             of_triangle: of_triangle(&emitters),
             selection,
-            focused: emitters.iter().any(Emitter::is_focused),
+            focused: emitters.iter().any(|emitter| emitter.focused),
             spheres: emitters.iter().any(|emitter| emitter.shape == Shape::Sphere),
             double_sided: emitters.iter().any(|emitter| emitter.double_sided),
             emitters,
