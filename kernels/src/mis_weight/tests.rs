@@ -166,3 +166,20 @@ fn the_depth_of_the_start_limits_what_it_can_make() {
     let bridge = Techniques { bridge: Some(limited), ..Techniques::default() };
     assert!(sum(&bridge, 5, 2) && !sum(&bridge, 5, 1) && !sum(&bridge, 4, 2));
 }
+
+#[test]
+fn connections_that_lead_into_a_surface_weigh_nothing() {
+    let (medium, lights) = (medium(0.5, 0.3), light(DVec3::new(0.0, 0.0, 3.0)));
+    let path = [DVec3::new(0.0, -1.0, 1.0), DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0)];
+    let weight = |normal: DVec3, techniques: &Techniques| {
+        weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, Some(normal), 0)
+    };
+    for techniques in [both(&medium), Techniques::default()] {
+        assert!(weight(DVec3::Z, &techniques) > 0.0 && weight(DVec3::new(0.0, 0.9, 0.1), &techniques) > 0.0);
+        assert_eq!(weight(DVec3::NEG_Z, &techniques), 0.0);
+    }
+    // p_A s^2 pi / (cos_surface cos_light) of next event estimation, times the chance of a flight past the light.
+    let nee = Techniques { nee: true, ..Techniques::default() };
+    let ratio = 1.0 / (0.25 * PI) * 9.0 * PI / 0.6 * 1.5_f64.exp();
+    assert!((weight(DVec3::new(0.8, 0.0, 0.6), &nee) - 1.0 / (1.0 + ratio)).abs() < 1e-12);
+}
