@@ -83,7 +83,7 @@ pub struct ConnectionStats {
     pub weighted: u64,
     /// Of these, connections that the roulette dropped before they were traced.
     pub faint: u64,
-    /// Of the rest, connections that a disk blocked.
+    /// Of the rest, connections that something blocked.
     pub occluded: u64,
 }
 

@@ -22,8 +22,8 @@ use crate::scene::{self, Contents, Light, LoadedScene};
 const PILOT: Duration = Duration::from_millis(300);
 /// About how many pixels the rate is measured on.
 const PILOT_PIXELS: u32 = 1 << 14;
-/// Meshes of a scene that are named.
-const MOST_MESHES: usize = 20;
+/// Meshes and lights of a scene that are named.
+const MOST_NAMED: usize = 20;
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     let path = args.path.as_path();
@@ -31,7 +31,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         let remedy = "give a scene, or the EXR image of the same render";
         return Err(Error::failure(path.display(), "PNG images are for the eye and hold no data", remedy));
     }
-    if image::is_exr(path) { describe_image(path) } else { describe_scene(&scene::load(path, Vec::new())?) }
+    if image::is_exr(path) { describe_image(path) } else { describe_scene(&scene::load(path, args.set.clone())?) }
 }
 
 fn describe_image(path: &Path) -> Result<()> {
@@ -82,7 +82,10 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     }
     describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
-    loaded.lights.iter().try_for_each(|light| describe_light(light, loaded))?;
+    loaded.lights.iter().take(MOST_NAMED).try_for_each(|light| describe_light(light, loaded))?;
+    if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
+        say(format!("and {more} more lights"))?;
+    }
     if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
         let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
         say(format!("shining meshes: {shining}, of {triangles} triangles"))?;
@@ -111,10 +114,10 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
 
 /// Meshes and cameras of the scene's glTF file.
 fn describe_contents(contents: &Contents) -> Result<()> {
-    for (name, triangles) in contents.meshes.iter().take(MOST_MESHES) {
+    for (name, triangles) in contents.meshes.iter().take(MOST_NAMED) {
         say(format!("mesh {}: {triangles} triangles", quoted(name)))?;
     }
-    if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_MESHES) {
+    if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_NAMED) {
         say(format!("and {more} more meshes"))?;
     }
     for (index, name) in contents.cameras.iter().enumerate() {

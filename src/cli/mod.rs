@@ -129,6 +129,9 @@ struct CompareArgs {
 struct InfoArgs {
     /// A scene file or folder, a glTF file, or an EXR image.
     path: PathBuf,
+    /// Override any key of the scene; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
+    set: Vec<Override>,
 }
 
 /// Runs the program with `args`, the program's name first.

@@ -110,7 +110,14 @@ impl Check<'_> {
 
     fn lights(&self, lights: &[Placed<'_>], meshes: Vec<Vec<Emitter>>, selection: LightSelection) -> Result<Lights> {
         if lights.is_empty() && meshes.is_empty() {
-            let remedy = "add a [[light]] table, or geometry that shines; without any the image is black";
+            let remedy = match self.document.is_model() {
+                true => {
+                    "put a light or an emissive material into the file, write a scene.toml with [[light]] and this file as \
+                     geometry, or give one with --set 'light=[{ type = \"sphere\", center = [0, 3, 0], radius = 0.1, \
+                     radiance = 100 }]'"
+                }
+                false => "add a [[light]] table, or geometry that shines; without any the image is black",
+            };
             return Err(self.document.error("light", "the scene has no light", remedy));
         }
         let solids =

@@ -36,7 +36,7 @@ fn keys(page: &mut String, schema: &Value, table: &Value, prefix: &str) {
     for (key, property) in properties(table) {
         let target = resolve(schema, property);
         let _ = writeln!(page, "{prefix}{}", entry(schema, table, key, property));
-        for (value, meaning) in choices(target) {
+        for (value, meaning) in choices(schema, target) {
             let _ = writeln!(page, "      \"{value}\": {meaning}");
         }
         if target["properties"].is_object() {
@@ -72,10 +72,9 @@ fn description(property: &Value) -> String {
     property["description"].as_str().unwrap_or_default().replace('`', "").replace('\n', "\n    ")
 }
 
-/// The named values of a choice, with their meanings.
-fn choices(target: &Value) -> impl Iterator<Item = (&str, &str)> {
-    let items = target["items"].as_object().and_then(|_| target["items"]["oneOf"].as_array());
-    let alternatives = target["oneOf"].as_array().or(items);
+/// The named values of a choice, or of a list of choices, with their meanings.
+fn choices<'a>(schema: &'a Value, target: &'a Value) -> impl Iterator<Item = (&'a str, &'a str)> {
+    let alternatives = target["oneOf"].as_array().or_else(|| resolve(schema, &target["items"])["oneOf"].as_array());
     alternatives
         .into_iter()
         .flatten()
@@ -118,5 +117,17 @@ mod tests {
             count += 1;
         }
         assert!(count > 20, "only {count} keys");
+    }
+
+    #[test]
+    fn every_choice_is_on_the_page() {
+        let (schema, page) = (schema_for!(Scene).to_value(), page());
+        let definitions = schema["$defs"].as_object().expect("definitions").values();
+        let alternatives = definitions.filter_map(|definition| definition["oneOf"].as_array()).flatten();
+        let names: Vec<_> = alternatives.filter_map(|choice| choice["const"].as_str()).collect();
+        assert!(names.contains(&"lis") && names.contains(&"sphere") && names.len() > 12, "{names:?}");
+        for name in names {
+            assert!(page.contains(&format!("\"{name}\": ")), "{name} is missing on\n{page}");
+        }
     }
 }

@@ -11,9 +11,10 @@ pub use values::{CameraOrName, NumberOrAuto, Spectrum, Starts, Techniques};
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// A glTF file, .gltf or .glb, relative to this one: its meshes are surfaces that reflect diffusely, with their base
-    /// colour (factor, texture, colours of vertices), and hide what is behind; those with an emissive material shine, and its point and spot lights, beside those
-    /// of this file. Absent: nothing is solid.
+    /// A glTF file, .gltf or .glb, relative to this one. Its meshes are surfaces that reflect diffusely, with their base
+    /// colour (factor, texture, colours of vertices), and hide what is behind. Those with an emissive material shine, every
+    /// triangle in the mean of its texture. Its point and spot lights shine beside those of this file. Absent: nothing is
+    /// solid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,

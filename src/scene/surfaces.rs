@@ -65,7 +65,9 @@ fn area(corners: [[f32; 3]; 3]) -> f64 {
 pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<String> {
     let directional = model.lights.iter().any(|light| light.kind == LightKind::Directional);
     let not_rendered = directional.then(|| "not rendered so far: directional lights: they do not shine".into());
-    let lines = not_rendered.into_iter().chain(model.warnings.iter().cloned());
+    let varies = model.materials.iter().any(|look| look.emission != [0.0; 3] && look.emissive_texture.is_some());
+    let averaged = varies.then(|| "emissive textures: every triangle shines in the mean of its texture".into());
+    let lines = not_rendered.into_iter().chain(averaged).chain(model.warnings.iter().cloned());
     lines.map(|line: String| format!("{file}: {line}")).collect()
 }
 

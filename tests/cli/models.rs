@@ -211,12 +211,14 @@ fn a_model_without_a_camera_is_refused_with_a_remedy() {
     folder.refused(&["render", "room.gltf", "--set", "camera=Eye"], 2, beginning);
     let view = ["camera.position=[0, 0, 0]", "camera.look_at=[0, 0, -1]", "camera.vertical_fov_deg=30"];
     render(&folder, &["--set", view[0], "--set", view[1], "--set", view[2]]);
+    folder.done(&["info", "room.gltf", "--set", view[0], "--set", view[1], "--set", view[2]]);
 }
 
 #[test]
 fn a_model_without_lights_is_refused() {
     let folder = with_model(|model| drop(model["nodes"][2].as_object_mut().expect("a node").remove("extensions")));
-    folder.refused(&["render", "room.gltf"], 1, "room.gltf: the scene has no light\n");
+    let run = folder.refused(&["render", "room.gltf"], 1, "room.gltf: the scene has no light\n");
+    assert!(run.stderr.contains("--set 'light=[{"), "{run}");
     let light = "light=[{ type = \"disk\", center = [0, 0, 1], normal = [0, 0, -1], radius = 1, radiance = 1 }]";
     render(&folder, &["--set", light]);
 }
