@@ -19,12 +19,12 @@ pub struct Scene {
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
     /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
-    /// "radius" in the extras of a light is its own. Their intensities are read as W/sr, per channel, where glTF has
+    /// "radius" in the extras of a light (not of its node) is its own. Their intensities are read as W/sr, per channel, where glTF has
     /// candela; their ranges are not read. A spot's intensity falls to one half midway between its cone angles.
     #[serde(default = "Scene::punctual_radius")]
     pub punctual_radius: f64,
-    /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry that is called so, with
-    /// near from its extras, or else 0. Absent: the first camera of geometry.
+    /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry whose node is called
+    /// so (or itself, where the node has no name), with near from its extras, or else 0. Absent: the first camera of geometry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraOrName>,
     /// The image. Absent: 512 rows, and columns by the aspect ratio of the glTF camera, or else 512.

@@ -1,6 +1,5 @@
 //! The connections of one bounce: light points, counts, chains, one technique after the other.
 
-use fogbow_kernels::PathLengths;
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::light_sample::{self, Reach};
@@ -10,6 +9,7 @@ use fogbow_kernels::connect::nee;
 use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
 use fogbow_kernels::pipeline::{Pipeline, Stage};
 use fogbow_kernels::random;
+use fogbow_kernels::{PathLengths, Step};
 
 use super::settle::Settle;
 use super::{Wavefront, rows};
@@ -70,13 +70,13 @@ impl Wavefront<'_> {
 
     fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, mvnee.reach(), stats);
-        self.join_by_mvnee(frame, pipeline, mvnee, frame.lengths, stats);
+        self.join_by_mvnee(frame, pipeline, mvnee, (frame.lengths, self.step), stats);
         self.settle_buckets(Connector::Mvnee, 0, frame, pipeline, stats);
     }
 
     fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, bridge.reach(), stats);
-        self.join_by_bridge(frame, pipeline, bridge, frame.lengths, stats);
+        self.join_by_bridge(frame, pipeline, bridge, (frame.lengths, self.step), stats);
         self.settle_buckets(Connector::Bridge, 0, frame, pipeline, stats);
     }
 
@@ -86,18 +86,18 @@ impl Wavefront<'_> {
         frame: &Frame,
         pipeline: &Pipeline,
         mvnee: &Mvnee,
-        lengths: PathLengths,
+        (lengths, step): (PathLengths, Step),
         stats: &mut Stats,
     ) {
-        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
+        let Self { connections, buckets, bridged, paths, chains, .. } = self;
         stats.run(Stage::MvneeCount, rows(connections.len), || {
             let columns = mvnee_sample::CountColumns { paths, connections, buckets };
-            (pipeline.mvnee_count)(&frame.medium, lengths, *step, columns);
+            (pipeline.mvnee_count)(&frame.medium, lengths, step, columns);
         });
         bridged.len = buckets.sort(connections.len);
         stats.run(Stage::MvneeBuild, rows(bridged.len), || {
             let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.mvnee_build)(&frame.medium, mvnee, *step, columns);
+            (pipeline.mvnee_build)(&frame.medium, mvnee, step, columns);
         });
     }
 
@@ -107,18 +107,18 @@ impl Wavefront<'_> {
         frame: &Frame,
         pipeline: &Pipeline,
         bridge: &Bridge,
-        lengths: PathLengths,
+        (lengths, step): (PathLengths, Step),
         stats: &mut Stats,
     ) {
-        let Self { connections, buckets, bridged, paths, chains, step, .. } = self;
+        let Self { connections, buckets, bridged, paths, chains, .. } = self;
         stats.run(Stage::BridgeCount, rows(connections.len), || {
             let columns = bridge_sample::CountColumns { paths, connections, buckets };
-            (pipeline.bridge_count)(&frame.medium, bridge, lengths, *step, columns);
+            (pipeline.bridge_count)(&frame.medium, bridge, lengths, step, columns);
         });
         bridged.len = buckets.sort(connections.len);
         stats.run(Stage::BridgeBuild, rows(bridged.len), || {
             let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.bridge_build)(&frame.medium, bridge, *step, columns);
+            (pipeline.bridge_build)(&frame.medium, bridge, step, columns);
         });
     }
 
@@ -129,13 +129,12 @@ impl Wavefront<'_> {
             let columns = lis_sample::VertexColumns { paths, connections, ends };
             (pipeline.lis_vertex)(&frame.medium, &frame.lights, lis, *step, columns);
         });
-        let (lengths, seed) = (lis::before_last(frame.lengths), self.step.seed);
-        self.step.seed = random::lis_seed(seed);
+        let step = Step { seed: random::lis_seed(self.step.seed), ..self.step };
+        let under = (lis::before_last(frame.lengths), step);
         match &lis.shape {
-            Shape::Bridge(bridge) => self.join_by_bridge(frame, pipeline, bridge, lengths, stats),
-            Shape::Mvnee(mvnee) => self.join_by_mvnee(frame, pipeline, mvnee, lengths, stats),
+            Shape::Bridge(bridge) => self.join_by_bridge(frame, pipeline, bridge, under, stats),
+            Shape::Mvnee(mvnee) => self.join_by_mvnee(frame, pipeline, mvnee, under, stats),
         }
-        self.step.seed = seed;
         let Self { ends, buckets, bridged, chains, .. } = self;
         stats.run(Stage::LisJoin, rows(bridged.len), || {
             (pipeline.lis_join)(lis_sample::JoinColumns { buckets, ends, candidates: bridged, chains });
