@@ -3,8 +3,9 @@
 use core::f64::consts::PI;
 
 use glam::DVec3;
+use wide::f32x8;
 
-use super::reference::{ratios, weight};
+use super::reference::{profile, ratios, weight};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::mvnee::{Mvnee, Offset};
 use crate::connect::{Techniques, bridge, omnee};
@@ -182,4 +183,24 @@ fn connections_that_lead_into_a_surface_weigh_nothing() {
     let nee = Techniques { nee: true, ..Techniques::default() };
     let ratio = 1.0 / (0.25 * PI) * 9.0 * PI / 0.6 * 1.5_f64.exp();
     assert!((weight(DVec3::new(0.8, 0.0, 0.6), &nee) - 1.0 / (1.0 + ratio)).abs() < 1e-12);
+}
+
+#[test]
+fn spots_of_any_exponent_have_their_profile() {
+    // (n + 1) / (2 pi) is 1 at n = 2 pi - 1: a spot even so.
+    for exponent in [0.0, 2.0 * PI - 1.0, 50.0] {
+        let spot = Emitter::disk(DVec3::ZERO, DVec3::Z, 0.5, [1.0; 3]).focused(exponent);
+        let lights = Lights::new(vec![spot], Selection::Uniform);
+        for cosine in [0.2_f64, 0.7, 1.0] {
+            let expected = (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent);
+            let direction = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, -cosine);
+            let twin = profile(&spot, DVec3::ZERO, direction);
+            let kernel = lights.profile(&[0; 8], f32x8::splat(cosine as f32)).to_array()[3];
+            assert!((twin / expected - 1.0).abs() < 1e-5, "{exponent} at {cosine}: {twin} instead of {expected}");
+            assert!(
+                (f64::from(kernel) / expected - 1.0).abs() < 1e-4,
+                "{exponent} at {cosine}: {kernel} in the kernel"
+            );
+        }
+    }
 }
