@@ -241,7 +241,7 @@ fn mvnee_stages(c: &mut Criterion) {
 /// The stages of light importance sampling, and its weights, which are those of a bridge seen from another end.
 fn lis_stages(c: &mut Criterion) {
     let frame = frames::focused(&frames::with_techniques(&mvnee_frame(), Active::Lis, 4.0), &[20.0]);
-    let settings = frame.techniques.lis.expect("a frame with light importance sampling");
+    let settings = frame.techniques.lis.clone().expect("a frame with light importance sampling");
     let arena = Bump::new();
     let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
     let mut group = c.benchmark_group("lis");
@@ -281,7 +281,7 @@ fn bridge_frame() -> Frame {
 /// The stages of bridges, bucket by bucket.
 fn bridge_stages(c: &mut Criterion) {
     let frame = bridge_frame();
-    let bridge = frame.techniques.bridge.expect("a frame with bridges");
+    let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
     let arena = Bump::new();
     let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
     build_bridges(&mut w, &frame, &bridge);
@@ -317,7 +317,7 @@ fn bridge_stages(c: &mut Criterion) {
 /// Weights of bridges; elements are starts, of which every row has those of its path and those that the bridge inserts.
 fn bridge_weights(c: &mut Criterion) {
     let frame = bridge_frame();
-    let bridge = frame.techniques.bridge.expect("a frame with bridges");
+    let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
     let arena = Bump::new();
     let mut w = wavefront(&arena, &frame, 8 * ROWS, BOUNCES);
     build_bridges(&mut w, &frame, &bridge);

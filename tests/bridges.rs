@@ -1,17 +1,20 @@
 //! Bridges and once-more next event estimation: what their kernels make against the densities of the twins.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 use fogbow::frame::Frame;
 use fogbow_kernels::PathLengths;
-use fogbow_kernels::connect::bridge::reference::{count_probability, density, mean_inserted, roll_coefficients};
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::counts::CountTable;
+use fogbow_kernels::connect::bridge::reference::{Start, count_probability, density, roll_coefficients};
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
-use fogbow_kernels::phase::reference as phase;
+use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::pipeline::SIMD;
-use fogbow_testing::frames::{self, Active};
+use fogbow_testing::frames;
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
 use fogbow_testing::walks::{after_walks, vector};
@@ -24,22 +27,39 @@ const COUNTED: usize = SAMPLES / 8;
 /// P-value below which a distribution is refused. Some 40 are tested, with fixed seeds.
 const SUSPICIOUS: f64 = 1e-4;
 
-const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
-const UNIFORM: Bridge = Bridge::new(Roll::Uniform);
-
 /// A frame whose starts see the light from all sides, at distances of some mean free paths.
-fn frame(g: f32, bridge: Bridge) -> Frame {
+fn frame(g: f32, roll: Roll) -> Frame {
+    thicker(g, roll, 0.5, 60)
+}
+
+/// The same for another extinction and other lengths.
+fn thicker(g: f32, roll: Roll, extinction: f32, longest: u32) -> Frame {
     let mut frame = frames::fog_facing(0.0, g, [64, 64]);
-    frame.medium.extinction = 0.5;
-    frame.lengths = PathLengths { min: 1, max: 60 };
-    frame.techniques = Active::Path.techniques(&frame.medium, f64::INFINITY);
-    frame.techniques.bridge = Some(bridge);
-    frame
+    frame.medium.extinction = extinction;
+    frame.lengths = PathLengths { min: 1, max: longest };
+    let bridge = Some(Bridge::new(roll, &frame.medium, longest));
+    Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
+}
+
+/// `frame` with other bridges.
+fn with(frame: Frame, change: impl FnOnce(Bridge) -> Bridge) -> Frame {
+    let bridge = Some(change(settings(&frame)));
+    Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
+}
+
+/// Extinction and mean cosine.
+fn constants(frame: &Frame) -> (f64, f64) {
+    (f64::from(frame.medium.extinction), f64::from(frame.medium.phase.g))
+}
+
+/// A start in the medium.
+fn start(depth: usize, arriving: DVec3) -> Start {
+    Start { depth: depth as u32, arriving, on_surface: false }
 }
 
 /// The settings of the bridges of `frame`.
 fn settings(frame: &Frame) -> Bridge {
-    frame.techniques.bridge.expect("a frame with bridges")
+    frame.techniques.bridge.clone().expect("a frame with bridges")
 }
 
 /// Bridges from the vertices after `events` scattering events, built by the kernels: the direction in which the path
@@ -62,7 +82,7 @@ fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(D
 
 /// Counts of bridges by their number of edges, dropped ones in entry 0, and what the twin expects.
 fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
-    let (bridge, extinction, longest) = (settings(frame), f64::from(frame.medium.extinction), frame.lengths.max);
+    let (bridge, longest) = (settings(frame), frame.lengths.max);
     let cells = longest as usize + 1;
     let (mut found, mut expected) = (vec![0.0; cells], vec![0.0; cells]);
     after_walks(frame, COUNTED, events, |wavefront| {
@@ -72,10 +92,10 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
             found[if inserted == DROPPED { 0 } else { inserted as usize + 1 }] += 1.0;
             let connection = wavefront.connections.row(row);
             let way = vector(connection.point) - vector(connection.start);
-            let mean = mean_inserted(&bridge, extinction, vector(connection.arriving), way);
+            let start = start(events, vector(connection.arriving));
             let mut rest = 1.0;
             for edges in 1..=longest - events as u32 {
-                let p = count_probability(&bridge, longest, events as u32, mean, edges);
+                let p = count_probability(&bridge, constants(frame), longest, &start, way, edges);
                 expected[edges as usize] += p;
                 rest -= p;
             }
@@ -87,23 +107,27 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
 
 #[test]
 fn numbers_of_edges_follow_the_defensive_mixture() {
-    let mixed = |defensive: f32| Bridge { defensive, ..ALIGNED };
-    for (name, bridge, extinction, longest, events) in [
-        ("as usual", ALIGNED, 0.5, 60, 1),
-        ("thin", ALIGNED, 0.05, 15, 2),
-        ("little room", ALIGNED, 0.5, 6, 3),
-        ("dense, little room", ALIGNED, 20.0, 15, 2),
-        ("dense, much room", ALIGNED, 20.0, 120, 1),
-        ("two vertices at most", Bridge { max_inserted: 2, ..ALIGNED }, 0.5, 60, 1),
-        ("dense, no vertices", Bridge { max_inserted: 0, ..ALIGNED }, 2.0, 60, 1),
-        ("Poisson", mixed(0.0), 0.5, 60, 1),
-        ("Poisson of mean mu_t s", ALIGNED.with_poisson_counts(), 0.5, 60, 2),
-        ("half and half", mixed(0.5), 1.0, 9, 2),
-        ("uniform", mixed(1.0), 0.5, 9, 1),
-    ] {
-        let mut frame = frame(0.7, bridge);
-        frame.medium.extinction = extinction;
-        frame.lengths.max = longest;
+    let mixed = |defensive: f32| move |bridge: Bridge| Bridge { defensive, ..bridge };
+    let poisson = |bridge: Bridge| {
+        let counts = Arc::new(CountTable::poisson(HenyeyGreenstein { g: 0.7 }, 40));
+        Bridge { defensive: 0.0, counts, ..bridge }
+    };
+    let few = |max_inserted: u32| move |bridge: Bridge| Bridge { max_inserted, ..bridge };
+    let tests: [(&str, &dyn Fn(Bridge) -> Bridge, f32, u32, usize); 11] = [
+        ("as usual", &|bridge| bridge, 0.5, 60, 1),
+        ("thin", &|bridge| bridge, 0.05, 15, 2),
+        ("little room", &|bridge| bridge, 0.5, 6, 3),
+        ("dense, little room", &|bridge| bridge, 20.0, 15, 2),
+        ("dense, more edges than the table knows", &|bridge| bridge, 20.0, 160, 1),
+        ("two vertices at most", &few(2), 0.5, 60, 1),
+        ("dense, no vertices", &few(0), 2.0, 60, 1),
+        ("table alone", &mixed(0.0), 0.5, 60, 1),
+        ("Poisson", &poisson, 0.5, 60, 2),
+        ("half and half", &mixed(0.5), 1.0, 9, 2),
+        ("uniform", &mixed(1.0), 0.5, 9, 1),
+    ];
+    for (name, change, extinction, longest, events) in tests {
+        let frame = with(thicker(0.7, Roll::Aligned, extinction, longest), change);
         let (found, expected) = edges(&frame, events);
         let p = p_of_counts(&found, &expected);
         assert!(p > SUSPICIOUS, "{name}: p = {p}, {found:.0?} instead of {expected:.0?}");
@@ -128,16 +152,16 @@ fn walk_density(g: f64, chain: &[DVec3], flight: f64) -> f64 {
 fn any_density_over_that_of_bridges_has_mean_one() {
     // E[h / p] = 1 for every density h of the inner vertices, where p is the twin's density of what the kernels make.
     let mut p_values = Vec::new();
-    for (roll, g) in [(ALIGNED, 0.5), (UNIFORM, 0.4), (ALIGNED, -0.3)] {
+    for (roll, g) in [(Roll::Aligned, 0.5), (Roll::Uniform, 0.4), (Roll::Aligned, -0.3)] {
         // All counts from 1 to 8 alike: h / p is conditional on the count.
-        let frame = frame(g, Bridge { defensive: 1.0, max_inserted: 7, ..roll });
-        let (bridge, extinction, longest) = (settings(&frame), f64::from(frame.medium.extinction), frame.lengths.max);
+        let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
+        let (bridge, longest) = (settings(&frame), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
         bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
             let edges = chain.len() - 1;
-            let mean = mean_inserted(&bridge, extinction, arriving, chain[edges] - chain[0]);
-            let made = density(&bridge, extinction, f64::from(g), longest, 2, arriving, chain, 1.0).value();
-            let count = count_probability(&bridge, longest, 2, mean, edges as u32);
+            let (start, way) = (start(2, arriving), chain[edges] - chain[0]);
+            let made = density(&bridge, constants(&frame), longest, &start, chain, 1.0).value();
+            let count = count_probability(&bridge, constants(&frame), longest, &start, way, edges as u32);
             // A very short edge may be rounded to nothing.
             degenerate += u32::from(made == 0.0);
             quotients[edges].add(if made > 0.0 { walk_density(f64::from(g), chain, 0.3) * count / made } else { 0.0 });
@@ -166,16 +190,9 @@ fn roll(g: f64, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
 #[test]
 fn rolls_follow_their_density() {
     const SHARES: usize = 32;
-    for (g, bridge) in [
-        (-0.6, ALIGNED),
-        (0.0, ALIGNED),
-        (0.5, ALIGNED),
-        (0.9, ALIGNED),
-        (0.95, ALIGNED),
-        (0.9, UNIFORM),
-        (-0.4, UNIFORM),
-    ] {
-        let frame = frame(g, bridge);
+    let aligned = [-0.6, 0.0, 0.5, 0.9, 0.95].map(|g| (g, Roll::Aligned));
+    for (g, kind) in aligned.into_iter().chain([0.9, -0.4].map(|g| (g, Roll::Uniform))) {
+        let frame = frame(g, kind);
         // Weak, middling and strong concentration apart: a roll may be right on average only.
         let limits = [0.3, 0.7, 0.95];
         let mut found = vec![0.0; (limits.len() + 1) * SHARES];
@@ -183,7 +200,7 @@ fn rolls_follow_their_density() {
             if chain.len() > 2 {
                 let (concentration, _) = roll(f64::from(g), arriving, chain);
                 // A uniform roll is the aligned one of an isotropic medium.
-                let (_, share) = roll(if bridge.roll == Roll::Aligned { f64::from(g) } else { 0.0 }, arriving, chain);
+                let (_, share) = roll(if kind == Roll::Aligned { f64::from(g) } else { 0.0 }, arriving, chain);
                 let class = limits.partition_point(|limit| *limit < concentration.abs());
                 found[class * SHARES + ((share * SHARES as f64) as usize).min(SHARES - 1)] += 1.0;
             }
@@ -192,7 +209,7 @@ fn rolls_follow_their_density() {
             found.chunks(SHARES).flat_map(|shares| [shares.iter().sum::<f64>() / SHARES as f64; SHARES]).collect();
         let p = p_of_counts(&found, &expected);
         let total: f64 = found.iter().sum();
-        assert!(p > SUSPICIOUS && total > 1e5, "g = {g}, {:?}: p = {p} of {total} rolls", bridge.roll);
+        assert!(p > SUSPICIOUS && total > 1e5, "g = {g}, {kind:?}: p = {p} of {total} rolls");
     }
 }
 
@@ -201,8 +218,8 @@ fn one_vertex_of_a_bridge_matches_its_density() {
     const LONG: usize = 16;
     const SKEW: usize = 12;
     for g in [-0.5_f32, 0.0, 0.6, 0.9] {
-        let frame = frame(g, Bridge { defensive: 1.0, max_inserted: 1, ..UNIFORM });
-        let (bridge, extinction) = (settings(&frame), f64::from(frame.medium.extinction));
+        let frame = with(frame(g, Roll::Uniform), |bridge| Bridge { defensive: 1.0, max_inserted: 1, ..bridge });
+        let bridge = settings(&frame);
         // With both edges l1, l2 in units of the distance: x, 1 - x^2 = 1 / (l1 + l2), and y, sin(pi (y - 1/2)) = l1 - l2.
         let cell = |x: f64, y: f64| {
             let at = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
@@ -232,9 +249,9 @@ fn one_vertex_of_a_bridge_matches_its_density() {
                 let along = 0.5 * (1.0 + l1 * l1 - l2 * l2);
                 let across = (l1 * l1 - along * along).max(0.0).sqrt();
                 let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
-                let made = density(&bridge, extinction, f64::from(g), 60, 1, DVec3::Z, &chain, 1.0).value();
-                let mean = mean_inserted(&bridge, extinction, DVec3::Z, DVec3::Z);
-                let count = count_probability(&bridge, 60, 1, mean, 2);
+                let start = start(1, DVec3::Z);
+                let made = density(&bridge, constants(&frame), 60, &start, &chain, 1.0).value();
+                let count = count_probability(&bridge, constants(&frame), 60, &start, DVec3::Z, 2);
                 expected[cell(x, y)] += total * made / count * volume;
             }
         }
@@ -263,7 +280,7 @@ fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
     const ALONG: usize = 16;
     const ACROSS: usize = 10;
     for g in [-0.5_f32, 0.0, 0.5, 0.9] {
-        let frame = frame(g, ALIGNED);
+        let frame = frame(g, Roll::Aligned);
         // All vertices lie in the ball over the chain, where the turn is less than a right angle. Place along the axis,
         // (1 - cos(pi x)) / 2, and distance from it, a share y^2 of the widest there: finer where vertices are dense.
         let widest = |along: f64| (along * (1.0 - along)).max(0.0).sqrt();

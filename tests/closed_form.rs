@@ -121,7 +121,7 @@ fn lengths_can_be_counted_in_mean_free_paths() {
             medium,
             lights: Lights::new(vec![disk], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
-            techniques: Active::Mvnee.techniques(&medium, 4.0),
+            techniques: Active::Mvnee.techniques(&medium, 5, 4.0),
             ..base.clone()
         };
         // The random numbers are the same, so that only rounding differs.
@@ -157,7 +157,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
             medium,
             lights: Lights::new(vec![behind, front], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
-            techniques: Active::Both.techniques(&medium, 4.0),
+            techniques: Active::Both.techniques(&medium, 5, 4.0),
             walk: Walk::ALL,
             aimed: 0.0,
             roulette: 0.0,

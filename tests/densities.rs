@@ -1,5 +1,8 @@
 //! Densities and weights against independent code, and the properties that every weight has.
 
+use std::sync::Arc;
+
+use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
@@ -35,9 +38,12 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
             let chain = &path[start.start..];
             let light = 1.0 / case.light_area;
             let arriving = (path[start.start] - path[start.start - 1]).normalize();
+            let medium = (case.mu_t, case.g);
+            let from = bridge::reference::Start { depth: start.start as u32, arriving, on_surface: false };
             let bridge = |roll: Roll| {
-                let (bridge, depth) = (poisson_bridge(roll), start.start as u32);
-                bridge::reference::density(&bridge, case.mu_t, case.g, 1000, depth, arriving, chain, light)
+                let density =
+                    bridge::reference::density(&poisson_bridge(case, roll), medium, 1000, &from, chain, light);
+                density.times(1.0 / count_quotient(case, start.start))
             };
             let found = [
                 traced.value() / start.path_tracing_density,
@@ -61,26 +67,41 @@ fn quotient(found: f64, recorded: f64) -> f64 {
     if found == recorded { 1.0 } else { found / recorded }
 }
 
-/// Bridges with the counts that were recorded: nothing but Poisson.
-fn poisson_bridge(roll: Roll) -> Bridge {
-    Bridge::new(roll).with_poisson_counts()
+/// Bridges with about the counts that were recorded: nothing but Poisson, from a table.
+fn poisson_bridge(case: &Case, roll: Roll) -> Bridge {
+    let phase = HenyeyGreenstein { g: case.g as f32 };
+    Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(phase, 40))) }
+}
+
+/// The probability that the table gives to the number of edges from vertex `start` on, over the Poisson probability that was
+/// recorded.
+fn count_quotient(case: &Case, start: usize) -> f64 {
+    let path = vertices(case);
+    let arriving = (path[start] - path[start - 1]).normalize();
+    let (way, edges) = (path[path.len() - 1] - path[start], path.len() - 1 - start);
+    let from = bridge::reference::Start { depth: start as u32, arriving, on_surface: false };
+    let bridge = poisson_bridge(case, Roll::Uniform);
+    let tabled = bridge::reference::count_probability(&bridge, (case.mu_t, case.g), 1000, &from, way, edges as u32);
+    let mean = case.mu_t * way.length();
+    let poisson = (1..edges).fold((-mean).exp(), |p, k| p * mean / k as f64);
+    tabled / poisson
 }
 
 /// The techniques whose ratios were recorded, and their sum over the starts from `first` on.
 fn recorded(case: &Case, first: usize) -> [(Techniques, f64); 6] {
-    let none = Techniques::default();
     let mvnee = Some(Mvnee::new(&medium(case), f64::INFINITY, Offset::Ggx));
-    let bridge = |roll: Roll| Techniques { bridge: Some(poisson_bridge(roll)), ..none };
+    let bridge = |roll: Roll| Techniques { bridge: Some(poisson_bridge(case, roll)), ..Techniques::default() };
+    let aligned = |start: &Start| start.aligned_bridge * count_quotient(case, start.start);
     let sum = |ratio: &dyn Fn(&Start) -> f64| case.starts.iter().filter(|start| start.start >= first).map(ratio).sum();
     [
-        (Techniques { nee: true, ..none }, sum(&|start| start.nee)),
-        (Techniques { mvnee, ..none }, sum(&|start| start.mvnee)),
-        (Techniques { nee: true, mvnee, ..none }, sum(&|start| start.nee + start.mvnee)),
-        (bridge(Roll::Uniform), sum(&|start| start.bridge)),
-        (bridge(Roll::Aligned), sum(&|start| start.aligned_bridge)),
+        (Techniques { nee: true, ..Techniques::default() }, sum(&|start| start.nee)),
+        (Techniques { mvnee, ..Techniques::default() }, sum(&|start| start.mvnee)),
+        (Techniques { nee: true, mvnee, ..Techniques::default() }, sum(&|start| start.nee + start.mvnee)),
+        (bridge(Roll::Uniform), sum(&|start| start.bridge * count_quotient(case, start.start))),
+        (bridge(Roll::Aligned), sum(&aligned)),
         (
             Techniques { nee: true, mvnee, ..bridge(Roll::Aligned) },
-            sum(&|start| start.nee + start.mvnee + start.aligned_bridge),
+            sum(&|start| start.nee + start.mvnee + aligned(start)),
         ),
     ]
 }
@@ -167,15 +188,17 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
 /// All techniques, or those whose bit is set; light importance sampling without its companion, which nee replaces.
 fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
     let has = |bit: u32| bits >> bit & 1 == 1;
-    let bridge = Shape::Bridge(Bridge::new(Roll::Aligned));
+    // The counts of the paper are the quickest to tabulate.
+    let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase, 12)));
+    let lis = Shape::Bridge(bridge.clone());
     Techniques {
         nee: has(0),
         mvnee: has(1).then(|| Mvnee::new(medium, mesc, Offset::Ggx)),
         omnee: has(2),
-        bridge: has(3).then(|| Bridge::new(Roll::Aligned)),
+        bridge: has(3).then_some(bridge),
         lis: (has(4) || has(5)).then(|| Lis {
             near: 0.0,
-            ..Lis::new(medium, if has(4) { bridge } else { Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx)) })
+            ..Lis::new(medium, if has(4) { lis } else { Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx)) })
         }),
     }
 }

@@ -95,7 +95,7 @@ fn media_of_any_density_leave_the_range_of_numbers_nowhere() {
         let base = frames::three_lights(0.6, Selection::IntensityDistance, size);
         let medium = Medium { extinction, ..base.medium };
         for active in frames::Active::ALL {
-            let techniques = active.techniques(&medium, f64::INFINITY);
+            let techniques = active.techniques(&medium, base.lengths.max, f64::INFINITY);
             let frame = Frame { medium, techniques, ..base.clone() };
             let (film, stats) = render(&frame, size, 0..1);
             assert_eq!(stats.dropped.count, 0, "extinction {extinction}, {active:?}: {:?}", stats.dropped.first);

@@ -4,14 +4,16 @@ use core::f64::consts::TAU;
 
 use fogbow::frame::Frame;
 use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::reference::Start;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::light_sample::reference::normal;
-use fogbow_kernels::connect::lis::reference::{Start, density, vertex_density};
+use fogbow_kernels::connect::lis::reference::{density, vertex_density};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::phase::reference as phase;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_testing::frames::{self, Active};
+use fogbow_testing::frames;
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
 use fogbow_testing::walks::{after_walks, vector};
@@ -37,13 +39,13 @@ fn lit(g: f32, lights: Lights, shape: impl Fn(&Frame) -> Shape) -> Frame {
     frame.medium.extinction = EXTINCTION as f32;
     frame.lengths = PathLengths { min: 1, max: 60 };
     frame.lights = lights;
-    frame.techniques = Active::Path.techniques(&frame.medium, f64::INFINITY);
+    frame.techniques = Techniques::default();
     frame.techniques.lis = Some(Lis::new(&frame.medium, shape(&frame)));
     frame
 }
 
 fn settings(frame: &Frame) -> Lis {
-    frame.techniques.lis.expect("a frame with light importance sampling")
+    frame.techniques.lis.clone().expect("a frame with light importance sampling")
 }
 
 /// Connections from the vertices after two scattering events, built by the kernels: the direction in which the path
@@ -68,7 +70,7 @@ fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(DVec3, &[DVe
 fn vertices_made_from_lights_follow_emission_and_flight() {
     // Cells of equal probability: side, and shares of the density's integrals over cosine, azimuth and flight.
     const CELLS: usize = 8;
-    let bridge = |_: &Frame| Shape::Bridge(Bridge::new(Roll::Aligned));
+    let bridge = |frame: &Frame| Shape::Bridge(Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max));
     let disks = [None, Some(0.0), Some(3.0), Some(50.0), Some(5000.0)].map(|exponent| frame(0.6, exponent, bridge));
     let sphere = Emitter::sphere(DVec3::new(0.3, -0.2, 4.0), 0.6, [80.0; 3]);
     let sphere = lit(0.6, Lights::new(vec![sphere], Selection::Uniform), bridge);
@@ -139,7 +141,10 @@ fn other_shape_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
 fn any_density_over_that_of_the_connections_has_mean_one() {
     // E[h / p] = 1 for every density h of a number of inserted vertices, where p is the twin's density of what the kernels
     // make, and connections with another number of vertices count as nothing.
-    let bridge = |_: &Frame| Shape::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..Bridge::new(Roll::Aligned) });
+    let bridge = |frame: &Frame| {
+        let bridge = Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max);
+        Shape::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
+    };
     let mvnee = |frame: &Frame| Shape::Mvnee(Mvnee::new(&frame.medium, f64::INFINITY, Offset::Ggx));
     let mut p_values = Vec::new();
     for frame in [
@@ -153,7 +158,7 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
         connections(&frame, 16 * SAMPLES, |arriving, chain| {
             let (to_vertex, edges) = (&chain[..chain.len() - 1], chain.len() - 1);
             let from = Start { depth: 2, arriving, on_surface: false };
-            let made = density(&settings(&frame), (EXTINCTION, g), disk, frame.lengths.max, from, chain, 1.0).value();
+            let made = density(&settings(&frame), (EXTINCTION, g), disk, frame.lengths.max, &from, chain, 1.0).value();
             let other = other_vertex_density(disk, chain[edges], chain[edges - 1]);
             for (count, quotient) in quotients.iter_mut().enumerate() {
                 // Very short edges may be rounded to nothing.

@@ -4,9 +4,13 @@
 //! cargo test --release --features long --test long
 //! ```
 
+use std::sync::Arc;
+
 use fogbow::frame::Frame;
 use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::counts::CountTable;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::random;
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -104,8 +108,9 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
         "render.min_segments=6",
     ];
     let mixed = small_light(&near);
-    let bridge = mixed.techniques.bridge.expect("a frame with bridges").with_poisson_counts();
-    let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..mixed.techniques }, ..mixed.clone() };
+    let counts = Arc::new(CountTable::poisson(mixed.medium.phase, mixed.lengths.max as usize));
+    let bridge = Bridge { defensive: 0.0, ..Bridge::with_counts(Roll::Aligned, counts) };
+    let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..Techniques::default() }, ..mixed.clone() };
     let (mixed, poisson) = (variances(&mixed), variances(&poisson));
     println!("long detours, variances of ten seeds: {mixed:.1?}, of Poisson counts {poisson:.1?}");
     // A few samples decide the worst run with Poisson counts: by how much it is worse differs, that it is far worse does not.

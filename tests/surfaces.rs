@@ -30,7 +30,7 @@ fn under_a_disk(eye: DVec3, surfaces: Arc<Surfaces>, side: f64, active: Active) 
     let disk = Emitter::disk(2.0 * side * DVec3::Z, -side * DVec3::Z, 1.5, [3.0; 3]);
     let lights = Lights::new(vec![disk], Selection::Uniform);
     let frame = Frame { surfaces, ..frames::plain(camera, VACUUM, lights, 6, 3) };
-    let techniques = active.techniques(&VACUUM, f64::INFINITY).without_vertices();
+    let techniques = active.techniques(&VACUUM, frame.lengths.max, f64::INFINITY).without_vertices();
     Frame { techniques, ..frame }
 }
 

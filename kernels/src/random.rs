@@ -18,7 +18,7 @@
 //! | any of these ` + `[`EMITTER`] | emitter of the light, -, -, - |
 //! | [`OMNEE_VERTEX`] | turn, first angle and azimuth of the inserted vertex, - |
 //! | [`LIS_VERTEX`] | cosine, azimuth, flight and side of the vertex made from the light |
-//! | [`BRIDGE_COUNT`] | uniform or Poisson count, the count, roll, - |
+//! | [`BRIDGE_COUNT`] | uniform or tabulated count and the table's turn, the count, roll, the table's distance |
 //! | [`MVNEE_FLIGHTS`]` + k` | free flights of the seeds 4 k .. 4 k + 4 |
 //! | [`MVNEE_OFFSETS`]` + k` | radius and azimuth of the perturbation of seeds 2 k and 2 k + 1 |
 //! | [`BRIDGE_WALK`]` + k` | length of edge k, cosine and azimuth of the turn at its end, - |

@@ -285,11 +285,11 @@ impl Walk<'_> {
         let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
-        let bridge = &if on_surface { bridge.from_surface() } else { *bridge };
-        let mean = bridge::reference::mean_inserted(bridge, self.extinction(), arriving, point - start);
-        let count = bridge_sample::count_edges(bridge, mean, lengths, &draws)?;
+        let from = bridge::reference::Start { depth: self.depth(), arriving, on_surface };
+        let medium = (self.extinction(), g);
+        let count = bridge_sample::count_edges(bridge, medium, lengths, &from, point - start, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(bridge, g, start, arriving, point, &draws, &mut inserted);
+        bridge_sample::place(from.roll(bridge), g, start, arriving, point, &draws, &mut inserted);
         Some(inserted)
     }
 

@@ -18,6 +18,7 @@ const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let medium = Medium { extinction: 0.5, albedo: [albedo; 3], phase: HenyeyGreenstein { g: 0.5 } };
     let disk = |z: f64, normal: DVec3| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, [1.0, 2.0, 3.0]);
+    let bridge = Bridge::new(Roll::Aligned, &medium, lengths.max);
     Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
         medium,
@@ -27,8 +28,8 @@ fn frame(albedo: f32, lengths: PathLengths) -> Frame {
             nee: true,
             mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),
             omnee: true,
-            bridge: Some(Bridge::new(Roll::Aligned)),
-            lis: Some(Lis::new(&medium, Shape::Bridge(Bridge::new(Roll::Aligned)))),
+            lis: Some(Lis::new(&medium, Shape::Bridge(bridge.clone()))),
+            bridge: Some(bridge),
         },
         lengths,
         walk: FREE,
@@ -142,18 +143,19 @@ fn means(frame: &Frame) -> Vec<(f64, f64)> {
 fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
     let all = frame(0.9, PathLengths { min: 1, max: 5 });
     let only = |techniques: Techniques| Frame { techniques, ..all.clone() };
-    let bridge = |roll: Roll| Techniques { bridge: Some(Bridge::new(roll)), ..Techniques::default() };
+    let shape = |roll: Roll| Bridge::new(roll, &all.medium, all.lengths.max);
+    let bridge = |roll: Roll| Techniques { bridge: Some(shape(roll)), ..Techniques::default() };
     let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
     let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
     let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(&all.medium, shape)), ..Techniques::default() });
-    let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..Bridge::new(Roll::Aligned) };
+    let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..shape(Roll::Aligned) };
     for (name, frame) in [
         ("path", only(Techniques::default())),
         ("omnee", only(Techniques { omnee: true, ..Techniques::default() })),
         ("aligned bridge", only(bridge(Roll::Aligned))),
         ("uniform bridge", only(bridge(Roll::Uniform))),
-        ("limited bridge", only(Techniques { bridge: Some(limited), ..Techniques::default() })),
-        ("lis by bridges", lis(Shape::Bridge(Bridge::new(Roll::Aligned)))),
+        ("limited bridge", only(Techniques { bridge: Some(limited.clone()), ..Techniques::default() })),
+        ("lis by bridges", lis(Shape::Bridge(shape(Roll::Aligned)))),
         ("lis by limited bridges", lis(Shape::Bridge(limited))),
         ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(&all.medium, 3.0, Offset::Ggx)))),
         ("all", all.clone()),

@@ -156,10 +156,11 @@ impl Check<'_> {
             schema::Roll::Uniform => Roll::Uniform,
         };
         let max_inserted = render.bridge_vertices.unwrap_or(u32::MAX);
-        let bridge = Bridge { max_inserted, ..Bridge::new(roll).with_mesc(medium, bridge_mesc) };
+        let bridge =
+            Bridge { max_inserted, ..Bridge::new(roll, medium, render.max_segments).with_mesc(medium, bridge_mesc) };
         let mvnee = Mvnee::new(medium, mesc, offset);
         let shape = match render.lis {
-            LisShape::Bridge => Shape::Bridge(bridge),
+            LisShape::Bridge => Shape::Bridge(bridge.clone()),
             LisShape::Mvnee => Shape::Mvnee(mvnee),
         };
         Ok(Techniques {

@@ -20,8 +20,8 @@ impl Wavefront<'_> {
     /// Everything that connects from the current vertices.
     pub(super) fn connect(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
         // MVNEE first: it notes which vertices are near a light, and the weights of all candidates rely on that.
-        if let Some(mvnee) = frame.techniques.mvnee {
-            self.connect_mvnee(frame, pipeline, &mvnee, stats);
+        if let Some(mvnee) = &frame.techniques.mvnee {
+            self.connect_mvnee(frame, pipeline, mvnee, stats);
         }
         if frame.techniques.nee {
             self.connect_straight(Connector::Nee, nee::REACH, frame, pipeline, stats);
@@ -29,11 +29,11 @@ impl Wavefront<'_> {
         if frame.techniques.omnee {
             self.connect_omnee(frame, pipeline, stats);
         }
-        if let Some(bridge) = frame.techniques.bridge {
-            self.connect_bridge(frame, pipeline, &bridge, stats);
+        if let Some(bridge) = &frame.techniques.bridge {
+            self.connect_bridge(frame, pipeline, bridge, stats);
         }
-        if let Some(lis) = frame.techniques.lis {
-            self.connect_lis(frame, pipeline, &lis, stats);
+        if let Some(lis) = &frame.techniques.lis {
+            self.connect_lis(frame, pipeline, lis, stats);
         }
         if let Some(reach) = frame.techniques.companion() {
             self.connect_straight(Connector::Lis, reach, frame, pipeline, stats);

@@ -45,8 +45,8 @@ pub fn default_lanes(frame: &Frame) -> usize {
 
 /// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone.
 fn remembered(frame: &Frame) -> usize {
-    let Techniques { nee: _, mvnee, omnee, bridge, lis } = frame.techniques;
-    let looks_back = mvnee.is_some() || omnee || bridge.is_some() || lis.is_some();
+    let Techniques { nee: _, mvnee, omnee, bridge, lis } = &frame.techniques;
+    let looks_back = mvnee.is_some() || *omnee || bridge.is_some() || lis.is_some();
     if looks_back { frame.walk_segments() as usize } else { 0 }
 }
 

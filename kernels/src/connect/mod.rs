@@ -19,7 +19,7 @@ use lis::Lis;
 use mvnee::Mvnee;
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Techniques {
     /// Next event estimation: one straight connection from every vertex.
     pub nee: bool,
@@ -42,7 +42,7 @@ impl Techniques {
     /// The straight connections that keep light importance sampling company: none where next event estimation makes them
     /// all.
     pub fn companion(&self) -> Option<Reach> {
-        self.lis.filter(|_| !self.nee).map(|lis| lis.companion())
+        self.lis.as_ref().filter(|_| !self.nee).map(Lis::companion)
     }
 
     /// Whether any vertex connects.

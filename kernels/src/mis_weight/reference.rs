@@ -175,18 +175,16 @@ pub(super) fn ratios(
     }
     let longest = lengths.max;
     let arriving = (path[start] - path[start - 1]).normalize();
+    let from = bridge::reference::Start { depth, arriving, on_surface: surface.is_some() };
     if let Some(lis) = &techniques.lis {
-        let from = lis::reference::Start { depth, arriving, on_surface: surface.is_some() };
-        let density = lis::reference::density(lis, (extinction, g), emitter, longest, from, chain, light_density);
+        let density = lis::reference::density(lis, (extinction, g), emitter, longest, &from, chain, light_density);
         sum += density.over(traced);
         if techniques.companion().is_some() {
             sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
         }
     }
     if let Some(bridge) = &techniques.bridge {
-        let bridge = if surface.is_some() { bridge.from_surface() } else { *bridge };
-        let density =
-            bridge::reference::density(&bridge, extinction, g, longest, depth, arriving, chain, light_density);
+        let density = bridge::reference::density(bridge, (extinction, g), longest, &from, chain, light_density);
         sum += density.over(traced);
     }
     sum

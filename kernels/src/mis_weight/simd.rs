@@ -61,7 +61,7 @@ pub fn run(
         };
         let starts = batch.starts(paths, walk, step, rows);
         let (nearest, farthest) = (starts.nearest(), starts.farthest());
-        let farthest_near = techniques.mvnee.map_or(0, |mvnee| batch.farthest_near(&mvnee, paths, &starts));
+        let farthest_near = techniques.mvnee.as_ref().map_or(0, |mvnee| batch.farthest_near(mvnee, paths, &starts));
         let needed = farthest.min(usable).max(farthest_near);
 
         let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
@@ -99,7 +99,7 @@ pub fn run(
 
 /// Whether phase functions are needed at every vertex.
 fn asks_for_densities(techniques: &Techniques) -> bool {
-    let by_mvnee = techniques.lis.is_some_and(|lis| matches!(lis.shape, Shape::Mvnee(_)));
+    let by_mvnee = techniques.lis.as_ref().is_some_and(|lis| matches!(lis.shape, Shape::Mvnee(_)));
     techniques.nee || techniques.omnee || techniques.mvnee.is_some() || by_mvnee
 }
 

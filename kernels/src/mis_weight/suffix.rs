@@ -3,7 +3,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
-use crate::connect::bridge::simd::CountTerms;
+use crate::connect::bridge::simd::LengthLikelihood;
 use crate::vec3x8::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
@@ -47,8 +47,8 @@ pub struct Suffix<'q> {
     pub vertices: &'q mut [SuffixVertex],
     /// Scratch for one start at a time.
     pub projections: &'q mut [Projection],
-    /// What the weight of a bridge knows of its number of edges alone, by that number.
-    pub counts: &'q [CountTerms],
+    /// What the lengths of bridges say, by their number of edges.
+    pub likelihoods: &'q [LengthLikelihood],
 }
 
 impl<'q> Suffix<'q> {
@@ -71,7 +71,7 @@ impl<'q> Suffix<'q> {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
-            counts: arena.alloc_slice_fill_with(longest + 1, |edges| CountTerms::new(edges.max(1))),
+            likelihoods: arena.alloc_slice_fill_with(longest + 1, |edges| LengthLikelihood::new(edges.max(1))),
         }
     }
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use wide::f32x8;
 
 use super::reference::{profile, ratios, weight};
+use crate::connect::bridge::reference::{Start, count_probability};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::mvnee::{Mvnee, Offset};
 use crate::connect::{Techniques, bridge, omnee};
@@ -106,13 +107,15 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
         let common = 1.0 / (area * phase::density(g, direction(start - 1).dot(direction(start))) * cos_light);
         let factorial: f64 = (1..n).map(f64::from).product();
         let axis = (path[5] - path[start]) / s;
-        let mean = extinction * s * (2.95 - 2.0 * direction(start - 1).dot(axis));
-        let count = 0.95 * (-mean).exp() * mean.powi(n - 1) / factorial + 0.05 / f64::from(9 - start as i32);
+        let from = Start { depth: start as u32, arriving: direction(start - 1), on_surface: false };
+        let aligned = Bridge::new(Roll::Aligned, &medium, lengths.max);
+        let count = count_probability(&aligned, (extinction, g), lengths.max, &from, s * axis, n as u32);
         let uniform = common * count * factorial * extinction * s.powi(3) * (extinction * length).exp()
             / (extinction * length).powi(n);
         let roll = bridge::reference::roll_density(g, direction(start - 1), axis, direction(start));
         for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll)] {
-            let found = sum(&Techniques { bridge: Some(Bridge::new(kind)), ..Techniques::default() }, start);
+            let bridge = Bridge { roll: kind, ..aligned.clone() };
+            let found = sum(&Techniques { bridge: Some(bridge), ..Techniques::default() }, start);
             assert!((found / expected - 1.0).abs() < 1e-6, "{kind:?} from {start}: {found}, expected {expected}");
         }
         let found = sum(&Techniques { omnee: true, ..Techniques::default() }, start);
@@ -130,7 +133,8 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
 #[test]
 fn walks_that_end_stop_or_rarely_start_compete_less() {
     let (medium, lights, path) = bent();
-    let techniques = Techniques { nee: true, omnee: true, bridge: Some(Bridge::new(Roll::Aligned)), ..both(&medium) };
+    let bridge = Some(Bridge::new(Roll::Aligned, &medium, LENGTHS.max));
+    let techniques = Techniques { nee: true, omnee: true, bridge, ..both(&medium) };
     let ratio = |start: usize| ratios(&medium, &lights, &techniques, LENGTHS, &path, start, None, 0);
     let weight =
         |walk: Walk, first: usize| weight(&medium, &lights, &techniques, &walk, LENGTHS, &path, first, None, 0);
@@ -163,7 +167,7 @@ fn the_depth_of_the_start_limits_what_it_can_make() {
     };
     let omnee = Techniques { omnee: true, ..Techniques::default() };
     assert!(sum(&omnee, 5, 3) && !sum(&omnee, 4, 3));
-    let limited = Bridge { max_inserted: 2, ..Bridge::new(Roll::Uniform) };
+    let limited = Bridge { max_inserted: 2, ..Bridge::new(Roll::Uniform, &medium, 5) };
     let bridge = Techniques { bridge: Some(limited), ..Techniques::default() };
     assert!(sum(&bridge, 5, 2) && !sum(&bridge, 5, 1) && !sum(&bridge, 4, 2));
 }

@@ -64,20 +64,21 @@ impl Active {
         Self::LisMvnee,
     ];
 
-    /// The settings for `medium` with at most `mesc` expected segments.
-    pub fn techniques(self, medium: &Medium, mesc: f64) -> Techniques {
+    /// The settings for `medium`, paths of at most `longest` segments and at most `mesc` expected segments.
+    pub fn techniques(self, medium: &Medium, longest: u32, mesc: f64) -> Techniques {
+        let bridge_of = |roll: Roll| Bridge::new(roll, medium, longest);
         let mvnee = match self {
             Self::Mvnee | Self::Both | Self::Every => Some(Mvnee::new(medium, mesc, Offset::Ggx)),
             Self::MvneeGaussian => Some(Mvnee::new(medium, mesc, Offset::Gaussian)),
             _ => None,
         };
         let bridge = match self {
-            Self::Bridge | Self::Every => Some(Bridge::new(Roll::Aligned)),
-            Self::BridgeUniform => Some(Bridge::new(Roll::Uniform)),
+            Self::Bridge | Self::Every => Some(bridge_of(Roll::Aligned)),
+            Self::BridgeUniform => Some(bridge_of(Roll::Uniform)),
             _ => None,
         };
         let shape = match self {
-            Self::Lis | Self::Every => Some(Shape::Bridge(Bridge::new(Roll::Aligned))),
+            Self::Lis | Self::Every => Some(Shape::Bridge(bridge_of(Roll::Aligned))),
             Self::LisMvnee => Some(Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx))),
             _ => None,
         };
@@ -89,7 +90,7 @@ impl Active {
 
 /// `frame` with other techniques; MVNEE is limited to `mesc` expected segments.
 pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
-    Frame { techniques: active.techniques(&frame.medium, mesc), ..frame.clone() }
+    Frame { techniques: active.techniques(&frame.medium, frame.lengths.max, mesc), ..frame.clone() }
 }
 
 /// `frame` with only paths of `segments` segments.
@@ -310,17 +311,18 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
             add(name, with_techniques(&lights, active, 2.0).with_walk(starts, survival));
         }
     }
-    let bridge = Bridge { max_inserted: 3, ..Bridge::new(Roll::Aligned) };
     let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
-    let techniques = Techniques { bridge: Some(bridge.with_mesc(&limited.medium, 2.5)), ..limited.techniques };
+    let bridge = Bridge::new(Roll::Aligned, &limited.medium, limited.lengths.max);
+    let bridge = Bridge { max_inserted: 3, ..bridge.with_mesc(&limited.medium, 2.5) };
+    let techniques = Techniques { bridge: Some(bridge.clone()), ..limited.techniques.clone() };
     add("limited bridges".into(), Frame { techniques, ..limited.clone() });
     let spots = focused(&three_lights(0.8, Selection::IntensityDistance, size), &[0.0, 3.0, 30.0]);
     for active in [Active::Lis, Active::LisMvnee, Active::Every] {
         add(format!("spotlights, {active:?}"), with_techniques(&spots, active, 2.0));
     }
-    let shape = Shape::Bridge(bridge.with_mesc(&spots.medium, 2.5));
+    let shape = Shape::Bridge(bridge);
     let lis = Some(Lis { near: 0.7, ..Lis::new(&spots.medium, shape) });
-    let mvnee = Active::Mvnee.techniques(&spots.medium, 1.0).mvnee;
+    let mvnee = Active::Mvnee.techniques(&spots.medium, spots.lengths.max, 1.0).mvnee;
     let techniques = Techniques { lis, mvnee, ..Techniques::default() };
     add("spotlights, limited".into(), Frame { techniques, ..spots.with_walk(3, 0.8) });
     add(

@@ -21,13 +21,12 @@
 //! **Counts.** Edges of a bridge from a start at depth i, with `room = min(K - i, max_inserted + 1)`:
 //!
 //! ```text
-//! P(N) = (1 - eps) Poisson(N - 1; lambda) + eps / room,    N in 1 .. room
-//! lambda = mu_t s (straight + turning (1 - cos gamma)),    at most LARGEST_MEAN
+//! P(N) = (1 - eps) P_table(N; mu_t s, gamma) + eps / room,    N in 1 .. room
 //! ```
 //!
-//! with eps = [`Bridge::defensive`] and gamma the angle between axis and arriving direction: a path that has to turn on
-//! its way is longer than s. A Poisson count alone has too thin a tail: a path with many more edges than lambda
-//! predicts is then found by nobody and becomes a firefly. Counts beyond the room are dropped, not redrawn.
+//! with eps = [`Bridge::defensive`] and gamma the angle between axis and arriving direction. The [table](counts) says how much
+//! of the light comes by N edges. It is a mean, and rare paths have many more edges: found by nobody else, they would become
+//! fireflies; the uniform part finds them. Counts beyond the room are dropped, not redrawn.
 //!
 //! **Roll.** With d_in the direction in which the path arrives at the start and d_0 that of the first edge, at angles
 //! gamma and beta to the axis, and psi the dihedral angle between them, `d_in . d_0 = cos beta cos gamma + sin beta sin
@@ -44,11 +43,16 @@
 //! which replaces these two lines.
 //!
 //! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the reflection,
-//! and gamma counts as 0.
+//! and the table has a row of its own for it.
 
+pub mod counts;
 pub mod reference;
 pub mod sample;
 pub mod simd;
+
+use std::sync::Arc;
+
+use counts::CountTable;
 
 use super::light_sample::Reach;
 use crate::random;
@@ -56,13 +60,6 @@ use crate::tables::media::Medium;
 
 /// Share of the counts that are drawn uniformly, if nothing else is asked for.
 pub const DEFENSIVE: f32 = 0.05;
-
-/// [`Bridge::straight`] and [`Bridge::turning`], if nothing else is asked for: the best of a scan, alike for g from 0 to
-/// 0.95. They take a tenth of the variance of single starts where paths turn towards the light, a third for g = 0.
-pub const MEAN: [f32; 2] = [0.95, 2.0];
-
-/// Largest mean of the Poisson part of the counts: its first probability, e^-64, is far inside f32.
-pub const LARGEST_MEAN: f64 = 64.0;
 
 /// How a bridge is rolled about its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,16 +71,14 @@ pub enum Roll {
 }
 
 /// The settings of the technique.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bridge {
     /// How bridges are rolled.
     pub roll: Roll,
     /// Share of the counts that are drawn uniformly, [0, 1]; with 0 there are fireflies.
     pub defensive: f32,
-    /// Mean of the Poisson counts per mean free path, where the light is straight ahead; >= 0.
-    pub straight: f32,
-    /// How much that mean grows, per mean free path, with one minus the cosine to the light; >= 0.
-    pub turning: f32,
+    /// Probabilities of the others.
+    pub counts: Arc<CountTable>,
     /// Longest distance from start to light point `[m]`; infinite for no limit.
     pub max_distance: f32,
     /// Most inserted vertices; `u32::MAX` for no limit but that of the path.
@@ -91,21 +86,14 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// Bridges of any length.
-    pub const fn new(roll: Roll) -> Self {
-        let [straight, turning] = MEAN;
-        Self { roll, defensive: DEFENSIVE, straight, turning, max_distance: f32::INFINITY, max_inserted: u32::MAX }
+    /// Bridges of any length in `medium`, on paths of at most `longest` segments.
+    pub fn new(roll: Roll, medium: &Medium, longest: u32) -> Self {
+        Self::with_counts(roll, Arc::new(CountTable::new(medium, longest)))
     }
 
-    /// The same with the counts of the paper: pure Poisson numbers of mean mu_t s.
-    pub const fn with_poisson_counts(self) -> Self {
-        Self { defensive: 0.0, straight: 1.0, turning: 0.0, ..self }
-    }
-
-    /// The same for a start on a surface: it has no phase function to align the roll with, and none of its turns is better than
-    /// another.
-    pub const fn from_surface(self) -> Self {
-        Self { roll: Roll::Uniform, turning: 0.0, ..self }
+    /// Bridges of any length, with numbers of edges from `counts`.
+    pub fn with_counts(roll: Roll, counts: Arc<CountTable>) -> Self {
+        Self { roll, defensive: DEFENSIVE, counts, max_distance: f32::INFINITY, max_inserted: u32::MAX }
     }
 
     /// With at most `mesc` expected segments, mu_t s, in `medium`.

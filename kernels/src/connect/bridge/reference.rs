@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! p = p_A P_l P(N) * s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)   (volume, area measure)
-//! P(N) = (1 - e) exp(-lambda) lambda^{N-1} / (N-1)! + e / room,      1 <= N <= room
+//! P(N) = (1 - e) P_table(N; mu_t s, gamma) + e / room,      1 <= N <= room
 //! ```
 //!
 //! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first edge,
@@ -18,9 +18,27 @@
 
 use glam::DVec3;
 
-use super::{Bridge, LARGEST_MEAN, Roll};
+use super::{Bridge, Roll, counts};
 use crate::mis_weight::density::Density;
 use crate::phase::reference as phase;
+
+/// The start of a bridge.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Its depth in the path.
+    pub depth: u32,
+    /// Unit direction in which the path arrives there.
+    pub arriving: DVec3,
+    /// Whether it is on a surface: it then has no phase function to align a roll with.
+    pub on_surface: bool,
+}
+
+impl Start {
+    /// How bridges from here are rolled.
+    pub fn roll(&self, bridge: &Bridge) -> Roll {
+        if self.on_surface { Roll::Uniform } else { bridge.roll }
+    }
+}
 
 /// Largest number of edges of a bridge from a start at `depth`, where paths have at most `longest` segments.
 pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
@@ -31,26 +49,29 @@ pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
     limit.min(longest - depth)
 }
 
-/// lambda: the mean of the Poisson part of the number of inserted vertices, for a start at which a path arrives in the
-/// unit direction `arriving`, and a light point `way` from there `[m]`.
-pub fn mean_inserted(bridge: &Bridge, extinction: f64, arriving: DVec3, way: DVec3) -> f64 {
-    let turned = 1.0 - arriving.dot(way.normalize_or(arriving));
-    let per_mean_free_path = f64::from(bridge.straight) + f64::from(bridge.turning) * turned;
-    (extinction * way.length() * per_mean_free_path).min(LARGEST_MEAN)
+/// The place in the table of counts of a start with a light point `way` from there `[m]`.
+pub fn cell(bridge: &Bridge, (extinction, g): (f64, f64), start: &Start, way: DVec3) -> counts::reference::Cell {
+    let turn = (!start.on_surface).then(|| start.arriving.dot(way.normalize_or(start.arriving)));
+    counts::reference::cell(&bridge.counts, g, extinction * way.length(), turn)
 }
 
-/// P(N): the probability of `edges` edges from a start at `depth`, for lambda = `mean`.
-pub fn count_probability(bridge: &Bridge, longest: u32, depth: u32, mean: f64, edges: u32) -> f64 {
-    let room = room(bridge, longest, depth);
+/// P(N): the probability of `edges` edges from `start` to a light point `way` from there `[m]`, where paths have at most
+/// `longest` segments; extinction [1/m] and mean cosine are those of the medium.
+pub fn count_probability(
+    bridge: &Bridge,
+    medium: (f64, f64),
+    longest: u32,
+    start: &Start,
+    way: DVec3,
+    edges: u32,
+) -> f64 {
+    let room = room(bridge, longest, start.depth);
     if edges == 0 || edges > room {
         return 0.0;
     }
-    let inserted = edges - 1;
-    // Nothing to the power of nothing is one: without a mean nothing is inserted.
-    let log_power = if inserted == 0 { 0.0 } else { f64::from(inserted) * mean.ln() };
-    let poisson = (log_power - mean - log_factorial(inserted)).exp();
+    let tabled = counts::reference::probability(&bridge.counts, &cell(bridge, medium, start, way), edges);
     let defensive = f64::from(bridge.defensive);
-    (1.0 - defensive) * poisson + defensive / f64::from(room)
+    (1.0 - defensive) * tabled + defensive / f64::from(room)
 }
 
 /// ln k!
@@ -78,95 +99,96 @@ pub fn roll_density(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
 
 /// Density of making `chain`, the vertices from the start to the point on the light.
 ///
-/// The start is at `depth` in a path of at most `longest` segments, which arrives there in direction `arriving`;
-/// `light_density` is p_A P_l at the start. Zero if the chain is longer than the reach or has an edge without length.
-#[expect(clippy::too_many_arguments, reason = "a density of the whole connection, from its settings to its light")]
+/// Paths have at most `longest` segments; `light_density` is p_A P_l at the start. Zero if the chain is longer than the reach or
+/// has an edge without length.
 pub fn density(
     bridge: &Bridge,
-    extinction: f64,
-    g: f64,
+    medium: (f64, f64),
     longest: u32,
-    depth: u32,
-    arriving: DVec3,
+    start: &Start,
     chain: &[DVec3],
     light_density: f64,
 ) -> Density {
-    let [start, .., point] = chain else {
+    let [first, .., point] = chain else {
         return Density::ZERO;
     };
     let edges: Vec<DVec3> = chain.windows(2).map(|ends| ends[1] - ends[0]).collect();
-    let distance = (*point - *start).length();
+    let way = *point - *first;
+    let distance = way.length();
     if distance == 0.0 || distance > f64::from(bridge.max_distance) || edges.iter().any(|edge| edge.length() == 0.0) {
         return Density::ZERO;
     }
     let count = edges.len() as u32;
-    let mean = mean_inserted(bridge, extinction, arriving, *point - *start);
-    let counted = Density::new(light_density).times(count_probability(bridge, longest, depth, mean, count));
+    let counted = Density::new(light_density).times(count_probability(bridge, medium, longest, start, way, count));
     if count == 1 {
         return counted;
     }
     let length: f64 = edges.iter().map(|edge| edge.length()).sum();
     let mut density =
         counted.times_exp(3.0 * distance.ln() + log_factorial(count - 1) - f64::from(count) * length.ln());
+    let (_, g) = medium;
     for pair in edges.windows(2) {
         density = density.times(phase::density(g, pair[0].normalize().dot(pair[1].normalize())));
     }
     for edge in &edges {
         density = density.times(1.0 / edge.length_squared());
     }
-    match bridge.roll {
+    match start.roll(bridge) {
         Roll::Uniform => density,
-        Roll::Aligned => density.times(roll_density(g, arriving, (*point - *start) / distance, edges[0].normalize())),
+        Roll::Aligned => density.times(roll_density(g, start.arriving, way / distance, edges[0].normalize())),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::HenyeyGreenstein;
+    use crate::tables::media::Medium;
     use core::f64::consts::{PI, TAU};
 
-    const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
     const DEFENSIVE: f64 = super::super::DEFENSIVE as f64;
-    const UNIFORM: Bridge = Bridge { roll: Roll::Uniform, ..ALIGNED };
+
+    fn bridge(roll: Roll, g: f64) -> Bridge {
+        let phase = HenyeyGreenstein { g: g as f32 };
+        Bridge::new(roll, &Medium { extinction: 0.7, albedo: [1.0; 3], phase }, 40)
+    }
+
+    fn start(depth: u32, arriving: DVec3) -> Start {
+        Start { depth, arriving, on_surface: false }
+    }
 
     #[test]
     fn count_probabilities_add_up_to_one_with_room_and_to_less_without() {
-        let sum = |longest: u32, mean: f64| -> f64 {
-            (0..=longest + 2).map(|edges| count_probability(&ALIGNED, longest, 1, mean, edges)).sum()
+        let bridge = bridge(Roll::Aligned, 0.6);
+        let sum = |longest: u32, way: f64| -> f64 {
+            let p = |n| count_probability(&bridge, (1.0, 0.6), longest, &start(1, DVec3::Y), way * DVec3::Z, n);
+            (0..=longest + 2).map(p).sum()
         };
-        for mean in [0.0, 2e-3, 1.0, 8.0, 60.0] {
-            assert!((sum(1024, mean) - 1.0).abs() < 1e-12, "{mean}");
-            let few = sum(4, mean);
-            assert!((DEFENSIVE..=1.0 + 1e-12).contains(&few), "{mean}: {few}");
+        for way in [0.0, 2e-3, 1.0, 8.0, 60.0, 1e9] {
+            assert!((sum(1024, way) - 1.0).abs() < 1e-6, "{way}");
+            let few = sum(4, way);
+            assert!((DEFENSIVE..=1.0 + 1e-6).contains(&few), "{way}: {few}");
         }
-        // Four edges are far below 60: the defensive part alone is left, and the counts beyond are dropped.
-        assert!((sum(4, 60.0) - DEFENSIVE).abs() < 1e-12);
+        // Four edges are far below what 60 mean free paths take: the defensive part is left, and the counts beyond are dropped.
+        assert!((sum(4, 60.0) - DEFENSIVE).abs() < 1e-6);
     }
 
     #[test]
-    fn more_vertices_are_expected_where_the_path_has_to_turn() {
-        let mean = |bridge: &Bridge, arriving: DVec3| mean_inserted(bridge, 0.5, arriving, 6.0 * DVec3::X);
-        assert!((mean(&ALIGNED, DVec3::X) - 3.0 * 0.95).abs() < 1e-6);
-        assert!((mean(&ALIGNED, DVec3::Y) - 3.0 * 2.95).abs() < 1e-6);
-        assert!((mean(&ALIGNED, -DVec3::X) - 3.0 * 4.95).abs() < 1e-6);
-        assert_eq!(mean(&ALIGNED.with_poisson_counts(), -DVec3::X), 3.0);
-        assert_eq!(mean_inserted(&ALIGNED, 2.0, DVec3::Z, DVec3::ZERO), 0.0);
-        assert_eq!(mean_inserted(&ALIGNED, 2.0, DVec3::Z, 1e9 * DVec3::Z), LARGEST_MEAN);
-    }
-
-    #[test]
-    fn counts_are_a_mixture_of_poisson_and_uniform_within_the_room() {
-        let limited = Bridge { max_inserted: 2, ..ALIGNED };
-        // Two inserted vertices where 1.5 are expected; room min(9 - 4, 3).
-        let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 3.0;
-        assert!((count_probability(&limited, 9, 4, 1.5, 3) - expected).abs() < 1e-15);
-        let expected = (1.0 - DEFENSIVE) * 1.125 * (-1.5_f64).exp() + DEFENSIVE / 5.0;
-        assert!((count_probability(&ALIGNED, 9, 4, 1.5, 3) - expected).abs() < 1e-15);
-        assert_eq!([0, 4].map(|edges| count_probability(&limited, 9, 4, 1.5, edges)), [0.0; 2]);
-        assert_eq!([9, 12].map(|depth| count_probability(&ALIGNED, 9, depth, 1.5, 1)), [0.0; 2]);
-        let most = count_probability(&ALIGNED, 2000, 1, LARGEST_MEAN, 65);
-        let mode = (64.0 * 64.0_f64.ln() - 64.0 - (2..=64).map(|k| f64::from(k).ln()).sum::<f64>()).exp();
-        assert!((most / ((1.0 - DEFENSIVE) * mode + DEFENSIVE / 1999.0) - 1.0).abs() < 1e-12, "{most}");
+    fn counts_are_a_mixture_of_the_table_and_uniform_within_the_room() {
+        let free = bridge(Roll::Aligned, 0.6);
+        let limited = Bridge { max_inserted: 2, ..free.clone() };
+        let (at, way) = (start(4, DVec3::X), 1.5 * DVec3::Z);
+        let tabled = counts::reference::probability(&free.counts, &cell(&free, (1.0, 0.6), &at, way), 3);
+        let found = |bridge: &Bridge, longest: u32, n: u32| count_probability(bridge, (1.0, 0.6), longest, &at, way, n);
+        // Room min(9 - 4, 3), and 5.
+        for (bridge, room) in [(&limited, 3.0), (&free, 5.0)] {
+            let expected = (1.0 - DEFENSIVE) * tabled + DEFENSIVE / room;
+            assert!((found(bridge, 9, 3) - expected).abs() < 1e-15);
+        }
+        assert_eq!([0, 4].map(|edges| found(&limited, 9, edges)), [0.0; 2]);
+        assert_eq!([4, 3].map(|longest| found(&free, longest, 1)), [0.0; 2]);
+        // Beyond the table counts are uniform.
+        assert_eq!(found(&free, 2004, 40), DEFENSIVE / 2000.0);
     }
 
     /// A unit vector at `angle` to the z axis.
@@ -206,7 +228,8 @@ mod tests {
     fn the_density_of_one_inserted_vertex_integrates_to_its_probability() {
         let (distance, arriving) = (1.3, tilted(1.1, 0.4));
         let point = DVec3::new(0.0, 0.0, distance);
-        for (bridge, g) in [(UNIFORM, 0.0), (UNIFORM, 0.6), (ALIGNED, 0.6), (ALIGNED, -0.5)] {
+        for (roll, g) in [(Roll::Uniform, 0.0), (Roll::Uniform, 0.6), (Roll::Aligned, 0.6), (Roll::Aligned, -0.5)] {
+            let (bridge, at) = (bridge(roll, g), start(2, arriving));
             let (turns, shares, azimuths) = (400, 200, 24);
             let mut sum = 0.0;
             for (i, j) in (0..turns).flat_map(|i| (0..shares).map(move |j| (i, j))) {
@@ -217,11 +240,11 @@ mod tests {
                 for k in 0..azimuths {
                     let vertex = l1 * tilted(alpha, TAU * f64::from(k) / f64::from(azimuths));
                     let chain = [DVec3::ZERO, vertex, point];
-                    sum += density(&bridge, 0.7, g, 9, 2, arriving, &chain, 2.0).value() * volume;
+                    sum += density(&bridge, (0.7, g), 9, &at, &chain, 2.0).value() * volume;
                 }
             }
             sum *= PI * TAU / f64::from(turns * shares * azimuths);
-            let expected = 2.0 * count_probability(&bridge, 9, 2, mean_inserted(&bridge, 0.7, arriving, point), 2);
+            let expected = 2.0 * count_probability(&bridge, (0.7, g), 9, &at, point, 2);
             assert!((sum / expected - 1.0).abs() < 1e-3, "{bridge:?}, g = {g}: {sum}, expected {expected}");
         }
     }
@@ -230,20 +253,22 @@ mod tests {
     fn a_single_edge_obeys_the_formula_of_many() {
         let (start, point) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 4.0));
         let s = (point - start).length();
-        for bridge in [ALIGNED, UNIFORM] {
-            let p = density(&bridge, 0.8, 0.9, 9, 1, DVec3::X, &[start, point], 3.0).value();
-            let mean = mean_inserted(&bridge, 0.8, DVec3::X, point - start);
-            let many = 3.0 * count_probability(&bridge, 9, 1, mean, 1) * s.powi(3) / s / (s * s);
+        for roll in [Roll::Aligned, Roll::Uniform] {
+            let (bridge, at) = (bridge(roll, 0.9), super::Start { depth: 1, arriving: DVec3::X, on_surface: false });
+            let p = density(&bridge, (0.8, 0.9), 9, &at, &[start, point], 3.0).value();
+            let count = count_probability(&bridge, (0.8, 0.9), 9, &at, point - start, 1);
+            let many = 3.0 * count * s.powi(3) / s / (s * s);
             assert!((p / many - 1.0).abs() < 1e-14, "{p} and {many}");
         }
     }
 
     #[test]
     fn a_thousand_vertices_in_any_unit_of_length_have_a_density() {
+        let bridge = bridge(Roll::Aligned, 0.9);
         let zigzag = |k: i32| DVec3::new(0.3 * f64::from(k % 3), 0.2 * f64::from(k % 2), 0.5 * f64::from(k));
         let ratios = [1e-6, 1.0, 1e6].map(|unit| {
             let path: Vec<_> = (0..1025).map(|k| unit * zigzag(k)).collect();
-            let p = density(&ALIGNED, 1.0 / unit, 0.9, 2048, 1, DVec3::Z, &path[1..], 1.0 / (unit * unit));
+            let p = density(&bridge, (1.0 / unit, 0.9), 2048, &start(1, DVec3::Z), &path[1..], 1.0 / (unit * unit));
             let traced = crate::mis_weight::reference::path_tracing_density(1.0 / unit, 0.9, &path, 1, None, -DVec3::Z)
                 .expect("one");
             p.over(traced)
@@ -254,16 +279,18 @@ mod tests {
 
     #[test]
     fn chains_beyond_the_reach_or_with_an_empty_edge_are_never_made() {
-        let made =
-            |bridge: &Bridge, chain: &[DVec3]| density(bridge, 1.0, 0.5, 4, 1, DVec3::X, chain, 1.0).value() > 0.0;
+        let aligned = bridge(Roll::Aligned, 0.5);
+        let made = |bridge: &Bridge, chain: &[DVec3]| {
+            density(bridge, (1.0, 0.5), 4, &start(1, DVec3::X), chain, 1.0).value() > 0.0
+        };
         let chain = [DVec3::ZERO, DVec3::Y, DVec3::ONE, DVec3::Z, 2.0 * DVec3::Z];
-        assert!(made(&ALIGNED, &chain[..4]) && made(&ALIGNED, &[DVec3::ZERO, DVec3::Z]));
-        assert!(!made(&ALIGNED, &chain), "more edges than there is room");
-        assert!(!made(&Bridge { max_inserted: 1, ..ALIGNED }, &chain[..4]));
-        assert!(made(&Bridge { max_distance: 1.0, ..ALIGNED }, &chain[..4]));
-        assert!(!made(&Bridge { max_distance: 0.99, ..ALIGNED }, &chain[..4]));
-        assert!(!made(&ALIGNED, &[DVec3::ZERO, DVec3::Y, DVec3::Y, DVec3::Z]));
-        assert!(!made(&ALIGNED, &[DVec3::ZERO, DVec3::Y, DVec3::ZERO]));
-        assert!(!made(&ALIGNED, &[DVec3::ZERO]));
+        assert!(made(&aligned, &chain[..4]) && made(&aligned, &[DVec3::ZERO, DVec3::Z]));
+        assert!(!made(&aligned, &chain), "more edges than there is room");
+        assert!(!made(&Bridge { max_inserted: 1, ..aligned.clone() }, &chain[..4]));
+        assert!(made(&Bridge { max_distance: 1.0, ..aligned.clone() }, &chain[..4]));
+        assert!(!made(&Bridge { max_distance: 0.99, ..aligned.clone() }, &chain[..4]));
+        assert!(!made(&aligned, &[DVec3::ZERO, DVec3::Y, DVec3::Y, DVec3::Z]));
+        assert!(!made(&aligned, &[DVec3::ZERO, DVec3::Y, DVec3::ZERO]));
+        assert!(!made(&aligned, &[DVec3::ZERO]));
     }
 }

@@ -1,22 +1,21 @@
 //! ```text
 //! for each start a, counted from the light (N = a edges), within reach:
-//!     x = mu_t L, lambda = min(mu_t s (straight + turning (1 - cos gamma)), largest mean)
-//!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) Poisson(N - 1; lambda) + eps / room ] (N - 1)! e^x / x^N * turn
+//!     x = mu_t L
+//!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) P_table(N; mu_t s, gamma) + eps / room ] (N - 1)! e^x / x^N * turn
 //!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll),
-//!            1 / p_w  (start on a surface, where cos gamma counts as 1)
+//!            1 / p_w  (start on a surface)
 //! ```
 //!
-//! 1. One start costs two logarithms and two exponentials, whatever lies between it and the light. All lanes have the same
-//!    N at a time, so what depends on N alone is a scalar.
+//! 1. One start costs a logarithm, an exponential and four entries of the table, whatever lies between it and the light. All
+//!    lanes have the same N at a time, so what depends on N alone is a scalar.
 //! 2. `(N - 1)! e^x / x^N = exp(N (y - 1 - ln y) + c_N)` with `y = x / N` and `c_N = N - N ln N + ln (N - 1)!`: the exponent
 //!    is small where the bridge is likely, and nothing of the size of N ln N cancels.
-//! 3. The Poisson term takes its factorial along: `exp(x - lambda + (N - 1) ln (lambda / x) - ln x)`.
-//! 4. Sines of the angles to the axis come from what is left of a direction across it; `1 - cos^2` would lose the small
+//! 3. Sines of the angles to the axis come from what is left of a direction across it; `1 - cos^2` would lose the small
 //!    angles on which a forward peak depends.
 
 use wide::f32x8;
 
-use super::{Bridge, LARGEST_MEAN, Roll};
+use super::{Bridge, Roll};
 use crate::mis_weight::suffix::{Arrival, Suffix};
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
 use crate::transcendental::{exp, neg_ln};
@@ -59,19 +58,14 @@ pub fn ratios(
         };
         let turn = start.on_surface.select(start.inverse_density / phase.inverse_scale(), turn);
         let (straight, depth) = (extinction * distance, extinction * (start.arc - arrival.skipped));
-        let mean = mean_inserted(bridge, straight, start.on_surface.select(f32x8::ONE, arriving.cosine));
-        let counts = suffix.counts[a].over(mean, depth, room(a), bridge.defensive);
-        let ratio = start.attempt * counts * distance_squared * straight * turn;
+        let cell = bridge.counts.cell(straight, phase.h(suffix.vertices[a + 1].leaving, axis), start.on_surface);
+        let uniform = f32x8::splat(bridge.defensive) / room(a);
+        let count = f32x8::splat(1.0 - bridge.defensive).mul_add(bridge.counts.probability(a, &cell), uniform);
+        let likelihood = suffix.likelihoods[a].inverse(depth);
+        let ratio = start.attempt * count * likelihood * distance_squared * straight * turn;
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.inverse_scale() * arrival.inverse_area / arrival.cos_light
-}
-
-/// lambda, for `straight` = mu_t s and the cosine between axis and arriving direction.
-#[inline(always)]
-pub fn mean_inserted(bridge: &Bridge, straight: f32x8, cosine: f32x8) -> f32x8 {
-    let turned = f32x8::splat(bridge.turning) * (f32x8::ONE - cosine);
-    (straight * (f32x8::splat(bridge.straight) + turned)).fast_min(f32x8::splat(LARGEST_MEAN as f32))
 }
 
 /// The angle between unit vectors.
@@ -81,34 +75,29 @@ fn angle(direction: Vec3x8, axis: Vec3x8) -> PlaneAngle {
     PlaneAngle { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
 }
 
-/// What the weight of a bridge knows of its number of edges N alone.
+/// What a walk's length says of its number of edges N: the density x^N e^-x / (N-1)!, up to a factor 1/x.
 #[derive(Clone, Copy, Debug)]
-pub struct CountTerms {
+pub struct LengthLikelihood {
     edges: f32,
-    inverse: f32,
-    ln: f32,
+    inverse_edges: f32,
     /// c_N = N - N ln N + ln (N - 1)!
     scale: f32,
 }
 
-impl CountTerms {
-    /// Those of `edges` edges, >= 1.
+impl LengthLikelihood {
+    /// That of `edges` edges, >= 1.
     pub fn new(edges: usize) -> Self {
         let n = edges as f64;
         let log_factorial: f64 = (1..edges).map(|k| (k as f64).ln()).sum();
         let scale = n - n * n.ln() + log_factorial;
-        Self { edges: n as f32, inverse: (1.0 / n) as f32, ln: n.ln() as f32, scale: scale as f32 }
+        Self { edges: n as f32, inverse_edges: (1.0 / n) as f32, scale: scale as f32 }
     }
 
-    /// `P(N) (N-1)! e^x / x^N` for x = `depth` = mu_t L and lambda = `mean`.
+    /// `(N-1)! e^x / x^N` for x = `depth`, the optical length mu_t L.
     #[inline(always)]
-    fn over(&self, mean: f32x8, depth: f32x8, room: f32x8, defensive: f32) -> f32x8 {
-        let [n, inverse, ln, scale] = [self.edges, self.inverse, self.ln, self.scale].map(f32x8::splat);
+    fn inverse(&self, depth: f32x8) -> f32x8 {
+        let [n, inverse, scale] = [self.edges, self.inverse_edges, self.scale].map(f32x8::splat);
         let y = depth * inverse;
-        let minus_ln_y = neg_ln(y);
-        let uniform = exp((y - f32x8::ONE + minus_ln_y).mul_add(n, scale));
-        let minus_ln_depth = minus_ln_y - ln;
-        let poisson = exp(neg_ln(mean / depth).mul_neg_add(n - f32x8::ONE, depth - mean + minus_ln_depth));
-        poisson.mul_add(f32x8::splat(1.0 - defensive), f32x8::splat(defensive) / room * uniform)
+        exp((y - f32x8::ONE + neg_ln(y)).mul_add(n, scale))
     }
 }

@@ -43,7 +43,7 @@ use crate::{PathLengths, random};
 pub const NEAR: f64 = 4.0;
 
 /// What joins a start with the vertex made from the light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A bridge.
     Bridge(Bridge),
@@ -52,7 +52,7 @@ pub enum Shape {
 }
 
 /// The settings of the technique.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lis {
     /// What joins a start with the vertex made from the light; its limits are on the way to that vertex.
     pub shape: Shape,

@@ -18,21 +18,11 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 
 use super::{Lis, Shape};
+use crate::connect::bridge::reference::Start;
 use crate::connect::light_sample::reference::cosine;
 use crate::connect::{bridge, mvnee, nee};
 use crate::mis_weight::density::Density;
 use crate::tables::lights::Emitter;
-
-/// The start of a connection, as far as a shape has to know it.
-#[derive(Clone, Copy, Debug)]
-pub struct Start {
-    /// Its depth in the path.
-    pub depth: u32,
-    /// Unit direction in which the path arrives there.
-    pub arriving: DVec3,
-    /// Whether it is on a surface.
-    pub on_surface: bool,
-}
 
 /// p_dir: the density with which `point` of an emitter sends a ray in the unit direction `w` (solid angle) [1/sr].
 pub fn direction_density(emitter: &Emitter, point: DVec3, w: DVec3) -> f64 {
@@ -60,10 +50,10 @@ pub fn vertex_density(emitter: &Emitter, extinction: f64, point: DVec3, vertex: 
 /// segments; `light_density` is p_A P_l at the start. Zero unless a vertex is inserted.
 pub fn density(
     lis: &Lis,
-    (extinction, g): (f64, f64),
+    medium: (f64, f64),
     emitter: &Emitter,
     longest: u32,
-    start: Start,
+    start: &Start,
     chain: &[DVec3],
     light_density: f64,
 ) -> Density {
@@ -73,23 +63,14 @@ pub fn density(
     let [_, .., vertex] = to_vertex else {
         return Density::ZERO;
     };
+    let (extinction, _) = medium;
     let made = vertex_density(emitter, extinction, *point, *vertex);
     let joined = match &lis.shape {
         Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), extinction, to_vertex, light_density),
         Shape::Bridge(bridge) => {
-            let settings = if start.on_surface { bridge.from_surface() } else { *bridge };
             // One of the segments comes after the vertex.
             let longest = longest.saturating_sub(1);
-            bridge::reference::density(
-                &settings,
-                extinction,
-                g,
-                longest,
-                start.depth,
-                start.arriving,
-                to_vertex,
-                light_density,
-            )
+            bridge::reference::density(bridge, medium, longest, start, to_vertex, light_density)
         }
     };
     joined.product(made)
@@ -124,12 +105,12 @@ mod tests {
     }
 
     fn shapes() -> [Lis; 2] {
-        let bridge = Shape::Bridge(Bridge::new(Roll::Aligned));
+        let bridge = Shape::Bridge(Bridge::new(Roll::Aligned, &MEDIUM, 9));
         [bridge, Shape::Mvnee(Mvnee::new(&MEDIUM, f64::INFINITY, Offset::Ggx))].map(|shape| Lis::new(&MEDIUM, shape))
     }
 
     fn made(lis: &Lis, longest: u32, chain: &[DVec3]) -> f64 {
-        density(lis, (0.75, 0.5), &disk(Some(3.0)), longest, START, chain, 2.0).value()
+        density(lis, (0.75, 0.5), &disk(Some(3.0)), longest, &START, chain, 2.0).value()
     }
 
     #[test]
@@ -179,7 +160,7 @@ mod tests {
                 let chain = [to_vertex.clone(), vec![point]].concat();
                 let joined = match &lis.shape {
                     Shape::Bridge(bridge) => {
-                        bridge::reference::density(bridge, 0.75, 0.5, 7, 1, DVec3::X, &to_vertex, 2.0)
+                        bridge::reference::density(bridge, (0.75, 0.5), 7, &START, &to_vertex, 2.0)
                     }
                     Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), 0.75, &to_vertex, 2.0),
                 };
@@ -203,7 +184,7 @@ mod tests {
 
     #[test]
     fn the_companion_is_next_event_estimation_within_four_mean_free_paths() {
-        let lis = shapes()[0];
+        let [lis, _] = shapes();
         let near = 4.0 / 0.75;
         let made = |distance: f64, normal: DVec3| {
             companion_density(&lis, &[DVec3::ZERO, distance * DVec3::Z], normal, 2.0).value()

@@ -43,8 +43,11 @@ pub fn ratios(
         cos_light: f32x8::ONE,
         skipped: vertex.arc,
     };
-    let suffix =
-        &mut Suffix { vertices: &mut suffix.vertices[1..], projections: suffix.projections, counts: suffix.counts };
+    let suffix = &mut Suffix {
+        vertices: &mut suffix.vertices[1..],
+        projections: suffix.projections,
+        likelihoods: suffix.likelihoods,
+    };
     let starts = starts.start() - 1..=starts.end() - 1;
     match &lis.shape {
         Shape::Bridge(bridge) => bridge::simd::ratios(bridge, phase, arrival, suffix, starts, |a| room(a + 1)),

@@ -10,9 +10,11 @@ use crate::{PathLengths, Step};
 
 /// Draws the number of edges N of every bridge.
 ///
-/// With u and v the first two uniforms of block `BRIDGE_COUNT` at the depth of the start, and `room` and `lambda` as in
-/// [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`; else N - 1 is the smallest m whose cumulative Poisson
-/// probability `sum_{k <= m} e^-lambda lambda^k / k!` exceeds v. A bridge of more than `room` edges is marked as dropped.
+/// With u, v, w the first, second and fourth uniform of block `BRIDGE_COUNT` at the depth of the start, and `room` as in
+/// [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`. Else the [table's](super::counts) farther knot in mu_t s is
+/// chosen if w is less than the place between the knots, the farther one in gamma if `(u - defensive) / (1 - defensive)`
+/// is, and N is the smallest number whose cumulative probability there exceeds v. A bridge of more than `room` edges is
+/// marked as dropped.
 pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, '_>);
 
 /// Places the inserted vertices of every bridge.

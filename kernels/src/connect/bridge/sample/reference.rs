@@ -1,8 +1,7 @@
 //! Making bridges, in f64 (Schuessler, Hanika, Dachsbacher, EGSR 2024; the aligned roll is our own).
 //!
 //! ```text
-//! count:  u < e:  N = 1 + floor(v room);      else  N - 1 = min { m : sum_{k <= m} e^-lambda lambda^k / k! > v }
-//!         lambda = mu_t s (straight + turning (1 - cos gamma))
+//! count:  u < e:  N = 1 + floor(v room);      else  N from the table at mu_t s and gamma
 //! walk:   y_0 = 0,  d_0 = z;      y_{k+1} = y_k - ln(1 - u) d_k,    d_{k+1} = d_k turned by the phase function
 //! bridge: x_k = x + s / |y_N| * ((y_k . e) w + (y_k . p) a + (y_k . q) b)
 //! roll:   tan(psi / 2) = sqrt((a - b) / (a + b)) tan(pi (u - 1/2)),       a = 1 + g^2 - 2 g cos beta cos gamma,
@@ -16,8 +15,8 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use crate::columns::paths::PathTable;
-use crate::connect::bridge::reference::{mean_inserted, roll_coefficients, room};
-use crate::connect::bridge::{Bridge, Roll};
+use crate::connect::bridge::reference::{Start, cell, roll_coefficients, room};
+use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
@@ -34,9 +33,9 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
         let [start, arriving, point] =
             [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
-        let bridge = from_start(bridge, paths, lane, draws.depth);
-        let mean = mean_inserted(&bridge, f64::from(medium.extinction), arriving, point - start);
-        let inserted = count_edges(&bridge, mean, lengths, &draws);
+        let from = Start { depth: draws.depth, arriving, on_surface: is_on_surface(paths, lane, draws.depth) };
+        let constants = (f64::from(medium.extinction), f64::from(medium.phase.g));
+        let inserted = count_edges(bridge, constants, lengths, &from, point - start, &draws);
         buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
@@ -54,8 +53,8 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            let bridge = from_start(bridge, paths, lane, draws.depth);
-            place(&bridge, f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
+            let from = Start { depth: draws.depth, arriving, on_surface: is_on_surface(paths, lane, draws.depth) };
+            place(from.roll(bridge), f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
@@ -65,17 +64,16 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
     }
 }
 
-/// The bridge as it is from the start at `depth`, which may be on a surface.
-fn from_start(bridge: &Bridge, paths: &PathTable<'_>, lane: usize, depth: u32) -> Bridge {
-    let on_surface = paths.has_surfaces && paths.columns.last_surface.rows()[lane] == depth;
-    if on_surface { bridge.from_surface() } else { *bridge }
+/// Whether the start at `depth` is on a surface.
+fn is_on_surface(paths: &PathTable<'_>, lane: usize, depth: u32) -> bool {
+    paths.has_surfaces && paths.columns.last_surface.rows()[lane] == depth
 }
 
 impl Draws {
-    /// The numbers that choose between the two distributions of the count, and from the chosen one.
-    pub fn count(&self) -> [f64; 2] {
-        let [which, count, _, _] = self.uniforms(random::BRIDGE_COUNT);
-        [which, count]
+    /// The numbers that choose between the two distributions of the count, from the chosen one, and the knot in mu_t s.
+    pub fn count(&self) -> [f64; 3] {
+        let [which, count, _, along] = self.uniforms(random::BRIDGE_COUNT);
+        [which, count, along]
     }
 
     /// The number behind the roll about the axis.
@@ -90,39 +88,33 @@ impl Draws {
     }
 }
 
-/// Number of vertices to insert, one less than edges, where lambda is `mean`; None if that exceeds the room.
-pub fn count_edges(bridge: &Bridge, mean: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
-    let room = room(bridge, lengths.max, draws.depth);
-    let [which, count] = draws.count();
+/// Number of vertices to insert, one less than edges, from `start` to a light point `way` from there `[m]`; None if that
+/// exceeds the room. `medium`: extinction and mean cosine.
+pub fn count_edges(
+    bridge: &Bridge,
+    medium: (f64, f64),
+    lengths: PathLengths,
+    start: &Start,
+    way: DVec3,
+    draws: &Draws,
+) -> Option<u32> {
+    let room = room(bridge, lengths.max, start.depth);
+    let [which, count, along] = draws.count();
     if room == 0 {
         return None;
     }
     if which < f64::from(bridge.defensive) {
         return Some((count * f64::from(room)).floor() as u32);
     }
-    let mut probability = (-mean).exp();
-    let mut cumulative = probability;
-    for inserted in 0..room {
-        if cumulative > count {
-            return Some(inserted);
-        }
-        probability *= mean / f64::from(inserted + 1);
-        cumulative += probability;
-    }
-    None
+    let across = (which - f64::from(bridge.defensive)) / (1.0 - f64::from(bridge.defensive));
+    let cell = cell(bridge, medium, start, way);
+    let inserted = counts::reference::draw(&bridge.counts, &cell, [along, across], count);
+    (inserted < room).then_some(inserted)
 }
 
 /// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`, to
 /// `point` `[m]`.
-pub fn place(
-    bridge: &Bridge,
-    g: f64,
-    start: DVec3,
-    arriving: DVec3,
-    point: DVec3,
-    draws: &Draws,
-    inserted: &mut [DVec3],
-) {
+pub fn place(roll: Roll, g: f64, start: DVec3, arriving: DVec3, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
     let walk = free_walk(g, inserted.len() + 1, draws);
     let reached = walk[inserted.len()];
     let end = reached.normalize();
@@ -134,7 +126,7 @@ pub fn place(
     let arriving_azimuth = arriving.dot(bitangent).atan2(arriving.dot(tangent));
     // Any roll will do to measure the angle between first edge and axis, which is that between z and the walk's end.
     let unrolled = DVec3::Z.dot(end) * axis + DVec3::Z.dot(across_end) * tangent;
-    let azimuth = arriving_azimuth + roll(bridge.roll, g, arriving, axis, unrolled, draws.roll());
+    let azimuth = arriving_azimuth + psi(roll, g, arriving, axis, unrolled, draws.roll());
     let side = azimuth.cos() * tangent + azimuth.sin() * bitangent;
     let other_side = axis.cross(side);
 
@@ -159,7 +151,7 @@ fn free_walk(g: f64, edges: usize, draws: &Draws) -> Vec<DVec3> {
 
 /// psi: the angle about the axis from the direction of arrival to the first edge, in (-pi, pi), for a number in (0, 1).
 /// `first` is a unit vector at the first edge's angle to the axis, however it is rolled.
-pub fn roll(roll: Roll, g: f64, arriving: DVec3, axis: DVec3, first: DVec3, u: f64) -> f64 {
+pub fn psi(roll: Roll, g: f64, arriving: DVec3, axis: DVec3, first: DVec3, u: f64) -> f64 {
     let half_turn = PI * (u - 0.5);
     match roll {
         Roll::Uniform => 2.0 * half_turn,
@@ -174,10 +166,17 @@ pub fn roll(roll: Roll, g: f64, arriving: DVec3, axis: DVec3, first: DVec3, u: f
 mod tests {
     use super::*;
     use crate::connect::bridge::reference::{count_probability, density, roll_density};
+    use crate::phase::HenyeyGreenstein;
     use core::f64::consts::TAU;
 
-    const ALIGNED: Bridge = Bridge::new(Roll::Aligned);
-    const UNIFORM: Bridge = Bridge { roll: Roll::Uniform, ..ALIGNED };
+    fn bridge(g: f64) -> Bridge {
+        let phase = HenyeyGreenstein { g: g as f32 };
+        Bridge::new(Roll::Aligned, &Medium { extinction: 1.0, albedo: [1.0; 3], phase }, 30)
+    }
+
+    fn start(arriving: DVec3) -> Start {
+        Start { depth: 2, arriving, on_surface: false }
+    }
 
     fn draws(pixel: u32) -> Draws {
         Draws { pixel, sample: 3, depth: 2, seed: 1 }
@@ -186,27 +185,31 @@ mod tests {
     #[test]
     fn counts_follow_their_probabilities() {
         let samples = 40_000;
-        for (bridge, mean, max) in
-            [(ALIGNED, 2.4, 30), (ALIGNED, 13.5, 8), (Bridge { max_inserted: 2, ..ALIGNED }, 2.4, 30)]
-        {
-            let mut made = [0; 31];
-            for pixel in 0..samples {
-                let lengths = PathLengths { min: 1, max };
-                if let Some(inserted) = count_edges(&bridge, mean, lengths, &draws(pixel)) {
-                    made[inserted as usize + 1] += 1;
+        let limited = Bridge { max_inserted: 2, ..bridge(0.6) };
+        for (bridge, way, max) in [(bridge(0.6), 2.4, 30), (bridge(0.6), 13.5, 8), (limited, 2.4, 30)] {
+            let (lengths, way) = (PathLengths { min: 1, max }, way * DVec3::X);
+            for start in [start(DVec3::Y), Start { on_surface: true, ..start(DVec3::Y) }] {
+                let mut made = [0; 31];
+                for pixel in 0..samples {
+                    let inserted = count_edges(&bridge, (1.0, 0.6), lengths, &start, way, &draws(pixel));
+                    inserted.into_iter().for_each(|inserted| made[inserted as usize + 1] += 1);
                 }
-            }
-            for (edges, made) in made.into_iter().enumerate() {
-                let p = count_probability(&bridge, max, 2, mean, edges as u32);
-                let (expected, deviation) = (p * f64::from(samples), (p * f64::from(samples)).sqrt());
-                assert!((f64::from(made) - expected).abs() <= 4.5 * deviation, "{edges} edges: {made}, not {expected}");
+                for (edges, made) in made.into_iter().enumerate() {
+                    let p = count_probability(&bridge, (1.0, 0.6), max, &start, way, edges as u32);
+                    let (expected, deviation) = (p * f64::from(samples), (p * f64::from(samples)).sqrt());
+                    let case = format!("{edges} edges: {made}, not {expected}");
+                    assert!((f64::from(made) - expected).abs() <= 4.5 * deviation, "{case}");
+                }
             }
         }
     }
 
     #[test]
     fn without_room_bridges_are_dropped() {
-        let count = |max: u32| count_edges(&ALIGNED, 0.0, PathLengths { min: 1, max }, &draws(0));
+        let count = |max: u32| {
+            let lengths = PathLengths { min: 1, max };
+            count_edges(&bridge(0.5), (1.0, 0.5), lengths, &start(DVec3::X), DVec3::ZERO, &draws(0))
+        };
         assert_eq!([1, 2, 3].map(count), [None, None, Some(0)]);
     }
 
@@ -218,11 +221,11 @@ mod tests {
         let width = TAU / 8192.0;
         let mut share = 0.0;
         for k in 0..8191 {
-            let psi = -PI + (f64::from(k) + 0.5) * width;
-            share += roll_density(g, arriving, axis, first(psi)) * width / TAU;
+            let angle = -PI + (f64::from(k) + 0.5) * width;
+            share += roll_density(g, arriving, axis, first(angle)) * width / TAU;
             if k % 512 == 511 {
-                let found = roll(Roll::Aligned, g, arriving, axis, first(0.0), share);
-                assert!((found - (psi + 0.5 * width)).abs() < 1e-4, "{found} at {psi}");
+                let found = psi(Roll::Aligned, g, arriving, axis, first(0.0), share);
+                assert!((found - (angle + 0.5 * width)).abs() < 1e-4, "{found} at {angle}");
             }
         }
     }
@@ -231,16 +234,16 @@ mod tests {
     fn the_first_edge_is_rolled_away_from_the_direction_of_arrival() {
         let (start, point) = (DVec3::new(0.3, -1.0, 2.0), DVec3::new(1.1, 0.5, -0.7));
         let (axis, arriving) = ((point - start).normalize(), DVec3::new(0.4, 0.5, -0.6).normalize());
-        for (pixel, bridge) in (0..50).flat_map(|pixel| [(pixel, ALIGNED), (pixel, UNIFORM)]) {
+        for (pixel, roll) in (0..50).flat_map(|pixel| [(pixel, Roll::Aligned), (pixel, Roll::Uniform)]) {
             let draws = draws(pixel);
             let mut inserted = [DVec3::ZERO; 3];
-            place(&bridge, 0.6, start, arriving, point, &draws, &mut inserted);
+            place(roll, 0.6, start, arriving, point, &draws, &mut inserted);
             let first = (inserted[0] - start).normalize();
             let across = |v: DVec3| (v - v.dot(axis) * axis).normalize();
             let (from, to) = (across(arriving), across(first));
             let found = from.cross(to).dot(axis).atan2(from.dot(to));
-            let psi = roll(bridge.roll, 0.6, arriving, axis, first, draws.roll());
-            assert!((found - psi).abs() < 1e-9, "{found}, not {psi}");
+            let expected = psi(roll, 0.6, arriving, axis, first, draws.roll());
+            assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
         }
     }
 
@@ -249,7 +252,7 @@ mod tests {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
         for pixel in 0..50 {
             let mut chain = [start; 6];
-            place(&ALIGNED, 0.5, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
+            place(Roll::Aligned, 0.5, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
             chain[5] = point;
             let walk = [vec![DVec3::ZERO], free_walk(0.5, 5, &draws(pixel))].concat();
             let scale = (point - start).length() / walk[5].length();
@@ -271,21 +274,23 @@ mod tests {
         let arriving = DVec3::new(0.8, 0.0, 0.6);
         let (center, radius) = (0.5 * (start + point), 0.5_f64);
         let h = 1.0 / (4.0 / 3.0 * PI * radius.powi(3));
-        for (bridge, g, inserted) in [(UNIFORM, 0.3, 1), (ALIGNED, 0.5, 1), (ALIGNED, -0.4, 1), (ALIGNED, 0.25, 2)] {
+        for (roll, g, inserted) in
+            [(Roll::Uniform, 0.3, 1), (Roll::Aligned, 0.5, 1), (Roll::Aligned, -0.4, 1), (Roll::Aligned, 0.25, 2)]
+        {
+            let (bridge, from) = (Bridge { roll, ..bridge(g) }, self::start(arriving));
             // Pairs of vertices are rarely both in the ball.
             let samples = if inserted == 1 { 100_000 } else { 1_000_000 };
             let (mut sum, mut squares) = (0.0, 0.0);
             // Given the number of edges, so without its probability.
-            let mean = mean_inserted(&bridge, 1.0, arriving, point - start);
-            let probability = count_probability(&bridge, 9, 2, mean, inserted as u32 + 1);
+            let probability = count_probability(&bridge, (1.0, g), 9, &from, point - start, inserted as u32 + 1);
             for pixel in 0..samples {
                 let mut chain = vec![start; inserted + 2];
-                place(&bridge, g, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
+                place(roll, g, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
                 chain[inserted + 1] = point;
                 if chain[1..=inserted].iter().any(|vertex| (*vertex - center).length() > radius) {
                     continue;
                 }
-                let p = density(&bridge, 1.0, g, 9, 2, arriving, &chain, 1.0 / probability).value();
+                let p = density(&bridge, (1.0, g), 9, &from, &chain, 1.0 / probability).value();
                 let ratio = h.powi(inserted as i32) / p;
                 sum += ratio;
                 squares += ratio * ratio;
@@ -293,7 +298,7 @@ mod tests {
             let samples = f64::from(samples);
             let mean = sum / samples;
             let error = ((squares / samples - mean * mean) / samples).sqrt();
-            let case = format!("{:?}, g = {g}, {inserted} inserted: {mean} +- {error}", bridge.roll);
+            let case = format!("{roll:?}, g = {g}, {inserted} inserted: {mean} +- {error}");
             assert!((mean - 1.0).abs() < 4.0 * error && error < 0.03, "{case}");
         }
     }

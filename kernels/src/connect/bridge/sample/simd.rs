@@ -1,6 +1,5 @@
 //! ```text
-//! count: lambda = min(mu_t s (straight + turning (1 - cos gamma)), largest mean)
-//!        u < eps ? floor(v room) : smallest m with v < sum_{k <= m} e^-lambda lambda^k / k!
+//! count: u < eps ? floor(v room) : drawn from the table at mu_t s and gamma
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
@@ -19,14 +18,13 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::queues::CandidateBatch;
 use crate::columns::{Column3, LANES};
-use crate::connect::bridge::simd::mean_inserted;
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
 use crate::random;
 use crate::tables::media::Medium;
-use crate::transcendental::{exp, neg_ln, sin_cos_half_turn};
+use crate::transcendental::{neg_ln, sin_cos_half_turn};
 use crate::vec3x8::Vec3x8;
 use crate::{PathLengths, Step, lanes};
 
@@ -37,43 +35,25 @@ const LEAST: f32 = 1e-30;
 pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
     let CountColumns { paths, connections, buckets } = columns;
     let most = bridge.max_inserted.saturating_add(1);
+    let phase = HenyeyGreensteinX8::new(medium.phase);
     for b in 0..connections.len.div_ceil(LANES) {
         let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
-        let [choice, number, ..] = sequence.uniforms(random::BRIDGE_COUNT);
+        let [choice, number, _, along] = sequence.uniforms(random::BRIDGE_COUNT);
         let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
         let to_light = connections.point.batch(b) - connections.start.batch(b);
         let distance = to_light.length_squared().sqrt();
-        let cosine = connections.arriving.batch(b).dot(to_light) / distance.fast_max(f32x8::splat(LEAST));
-        let straight_on = sequence.on_surface.select(f32x8::ONE, cosine);
-        let mean = mean_inserted(bridge, f32x8::splat(medium.extinction) * distance, straight_on);
+        let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
+        let h = phase.h(connections.arriving.batch(b), axis);
+        let cell = bridge.counts.cell(f32x8::splat(medium.extinction) * distance, h, sequence.on_surface);
 
-        let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
+        let across = (choice - f32x8::splat(bridge.defensive)) * f32x8::splat(1.0 / (1.0 - bridge.defensive));
         let spread = floor(number * lanes::to_f32(room)).min(room - u32x8::splat(1));
-        let poisson = poisson(number, mean, room, live & !uniform);
-        let inserted = lanes::as_integer_mask(uniform).select(spread, poisson);
+        let tabled = bridge.counts.draw(&cell, [along, across], number);
+        let inserted = lanes::as_integer_mask(uniform).select(spread, tabled);
         let fits = inserted.simd_lt(room);
         buckets.count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
     }
-}
-
-/// Poisson numbers of the given means by inversion of the distribution at `number`; `room` or more where they exceed it.
-#[inline(always)]
-fn poisson(number: f32x8, mean: f32x8, room: u32x8, rows: f32x8) -> u32x8 {
-    let mut probability = exp(-mean);
-    let mut sum = probability;
-    let mut count = u32x8::splat(0);
-    let mut beyond = rows & number.simd_ge(sum);
-    for k in 1.. {
-        if !beyond.any() {
-            break;
-        }
-        count -= lanes::as_integer_mask(beyond); // a mask of all ones is -1
-        probability *= mean * f32x8::splat(1.0 / k as f32);
-        sum += probability;
-        beyond &= number.simd_ge(sum) & lanes::as_mask(count.simd_lt(room));
-    }
-    count
 }
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
