@@ -1,4 +1,4 @@
-//! Variance of one camera sample, by technique, mean cosine and light radius: the table of docs/bridges.md.
+//! Variance of one camera sample, by technique, mean cosine and light radius, and by numbers of edges: the tables of docs/bridges.md.
 //!
 //! ```text
 //! cargo run --release --example variance
@@ -8,10 +8,13 @@
 //! mean over the pixels of the variance of a sample. Where techniques are far from the light's shape, variances come from a
 //! few rare samples: the figure in brackets is its relative spread over eight parts of the samples.
 
+use std::sync::Arc;
+
 use fogbow::film::{Film, Region, tile_size};
 use fogbow::frame::Frame;
 use fogbow::render::{Monitor, Renderer, Workers};
 use fogbow::scene::{self, document::Override};
+use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::pipeline::SIMD;
 
 /// Side of the image in pixels.
@@ -31,6 +34,14 @@ const TECHNIQUES: [(&str, &[&str]); 7] = [
     ("bridge, aligned, 1 start", &["render.technique=bridge", "render.starts=1"]),
 ];
 
+/// Bridges with Poisson counts of mean mu_t s, and with those of the table, by vertices that connect.
+const COUNTS: [(&str, bool, &str); 4] = [
+    ("Poisson, 1 start", true, "render.starts=1"),
+    ("table, 1 start", false, "render.starts=1"),
+    ("Poisson, all starts", true, "render.starts=all"),
+    ("table, all starts", false, "render.starts=all"),
+];
+
 fn main() {
     let workers = Workers { threads: 0, lanes: None, detailed_stats: false };
     let renderer = Renderer::new(workers).expect("threads start");
@@ -41,6 +52,21 @@ fn main() {
             println!("| {name} | {} |", cells.join(" | "));
         }
     }
+    println!("\n| counts | g 0 | g .5 | g .9 | g .95 |\n|---|---|---|---|---|");
+    for (name, poisson, starts) in COUNTS {
+        let cells = [0.0, 0.5, 0.9, 0.95].map(|g| {
+            let frame = frame(0.5, g, &["render.technique=bridge", starts]);
+            cell(&if poisson { with_poisson_counts(frame) } else { frame }, &renderer)
+        });
+        println!("| {name} | {} |", cells.join(" | "));
+    }
+}
+
+/// `frame` with Poisson counts of mean mu_t s in the place of those from the table.
+fn with_poisson_counts(mut frame: Frame) -> Frame {
+    let counts = CountTable::poisson(frame.medium.phase);
+    frame.techniques.bridge.iter_mut().for_each(|bridge| bridge.counts = Arc::new(counts.clone()));
+    frame
 }
 
 fn frame(radius: f64, g: f64, settings: &[&str]) -> Frame {

@@ -109,7 +109,7 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
 fn numbers_of_edges_follow_the_defensive_mixture() {
     let mixed = |defensive: f32| move |bridge: Bridge| Bridge { defensive, ..bridge };
     let poisson = |bridge: Bridge| {
-        let counts = Arc::new(CountTable::poisson(HenyeyGreenstein { g: 0.7 }, 40));
+        let counts = Arc::new(CountTable::poisson(HenyeyGreenstein { g: 0.7 }));
         Bridge { defensive: 0.0, counts, ..bridge }
     };
     let few = |max_inserted: u32| move |bridge: Bridge| Bridge { max_inserted, ..bridge };

@@ -70,7 +70,7 @@ fn quotient(found: f64, recorded: f64) -> f64 {
 /// Bridges with about the counts that were recorded: nothing but Poisson, from a table.
 fn poisson_bridge(case: &Case, roll: Roll) -> Bridge {
     let phase = HenyeyGreenstein { g: case.g as f32 };
-    Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(phase, 40))) }
+    Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(phase))) }
 }
 
 /// The probability that the table gives to the number of edges from vertex `start` on, over the Poisson probability that was
@@ -189,7 +189,7 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
 fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
     let has = |bit: u32| bits >> bit & 1 == 1;
     // The counts of the paper are the quickest to tabulate.
-    let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase, 12)));
+    let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase)));
     let lis = Shape::Bridge(bridge.clone());
     Techniques {
         nee: has(0),

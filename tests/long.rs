@@ -108,7 +108,7 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
         "render.min_segments=6",
     ];
     let mixed = small_light(&near);
-    let counts = Arc::new(CountTable::poisson(mixed.medium.phase, mixed.lengths.max as usize));
+    let counts = Arc::new(CountTable::poisson(mixed.medium.phase));
     let bridge = Bridge { defensive: 0.0, ..Bridge::with_counts(Roll::Aligned, counts) };
     let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..Techniques::default() }, ..mixed.clone() };
     let (mixed, poisson) = (variances(&mixed), variances(&poisson));

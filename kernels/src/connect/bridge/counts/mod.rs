@@ -93,8 +93,9 @@ impl CountTable {
         table
     }
 
-    /// The counts of the paper: one more than a Poisson number of mean mu_t s.
-    pub fn poisson(phase: HenyeyGreenstein, edges: usize) -> Self {
+    /// The counts of the paper: one more than a Poisson number of mean mu_t s, but no more than [`MOST_EDGES`].
+    pub fn poisson(phase: HenyeyGreenstein) -> Self {
+        let edges = MOST_EDGES as usize;
         Self::from_weights(phase, edges, |_, knot| {
             let mut weight = (-knot.distance).exp();
             let next = |n: usize| {

@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_counts_of_the_paper_are_poisson_numbers() {
-        let table = CountTable::poisson(HenyeyGreenstein { g: 0.3 }, 60);
+        let table = CountTable::poisson(HenyeyGreenstein { g: 0.3 });
         let cell = cell(&table, 0.3, 3.0, Some(0.4));
         for (n, expected) in [(1, 1.0), (2, 3.0), (3, 4.5), (5, 3.375)] {
             let found = probability(&table, &cell, n);
