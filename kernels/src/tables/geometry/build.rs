@@ -103,7 +103,7 @@ struct Task {
 /// The tree of eight children per node over the binary tree `binary`, whose leaves are ranges of `order`.
 fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
     let Some(root) = binary.first() else {
-        let (nodes, leaves) = (Pages::new(vec![]), Pages::new(vec![]));
+        let (nodes, leaves) = (Pages::new(0, |_| Node::VACANT), Pages::new(0, |_| Leaf::VACANT));
         return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], reach: 0.0 };
     };
     let collapse = Collapse::new(binary);
@@ -111,10 +111,11 @@ fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 
     let mut widening = Widening { binary, collapse, order, triangle, nodes, leaves };
     let root_child = widening.run();
     let Widening { nodes, leaves, order, triangle, .. } = widening;
-    let leaves = leaves.into_par_iter().map(|range| leaf(&order[range], &triangle)).collect();
+    let leaves = Pages::new(leaves.len(), |i| leaf(&order[leaves[i].clone()], &triangle));
+    let nodes = Pages::new(nodes.len(), |i| nodes[i]);
     let bounds = corners_of(root.aabb());
     let reach = bounds.as_flattened().iter().fold(0.0, |reach: f32, coordinate| reach.max(coordinate.abs()));
-    Tree { nodes: Pages::new(nodes), leaves: Pages::new(leaves), root: root_child, bounds, reach }
+    Tree { nodes, leaves, root: root_child, bounds, reach }
 }
 
 struct Widening<'a, F> {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 use memmap2::Mmap;
+use rayon::prelude::*;
 
 /// Size of a large page in bytes.
 const LARGE: usize = 2 << 20;
@@ -22,10 +23,14 @@ enum Memory<T> {
     Mapped(Arc<Mmap>),
 }
 
-impl<T: Pod> Pages<T> {
-    /// Holds `rows`, in large pages where there are any.
-    pub fn new(rows: Vec<T>) -> Self {
-        Self(mapped(&rows).map_or_else(|| Memory::Heap(Arc::new(rows)), |memory| Memory::Mapped(Arc::new(memory))))
+impl<T: Pod + Send> Pages<T> {
+    /// Holds rows `0 .. count`, in large pages where there are any; all threads make rows.
+    pub fn new(count: usize, row: impl Fn(usize) -> T + Sync) -> Self {
+        let memory = match mapped(count, &row) {
+            Some(memory) => Memory::Mapped(Arc::new(memory)),
+            None => Memory::Heap(Arc::new((0..count).into_par_iter().map(&row).collect())),
+        };
+        Self(memory)
     }
 
     /// The rows.
@@ -38,21 +43,22 @@ impl<T: Pod> Pages<T> {
     }
 }
 
-/// A copy of the rows in large pages; `None` where the system has none to give.
+/// The rows in large pages; `None` where the system has none to give.
 #[cfg(target_os = "linux")]
-fn mapped<T: Pod>(rows: &[T]) -> Option<Mmap> {
-    let bytes: &[u8] = bytemuck::cast_slice(rows);
-    if bytes.len() < LARGE {
+fn mapped<T: Pod + Send>(count: usize, row: impl Fn(usize) -> T + Sync) -> Option<Mmap> {
+    let bytes = count * size_of::<T>();
+    if bytes < LARGE {
         return None;
     }
-    let mut memory = memmap2::MmapMut::map_anon(bytes.len()).ok()?;
+    let mut memory = memmap2::MmapMut::map_anon(bytes).ok()?;
     memory.advise(memmap2::Advice::HugePage).ok()?;
-    memory.copy_from_slice(bytes);
+    let rows: &mut [T] = bytemuck::cast_slice_mut(&mut memory);
+    rows.par_iter_mut().enumerate().for_each(|(i, place)| *place = row(i));
     memory.make_read_only().ok()
 }
 
 #[cfg(not(target_os = "linux"))]
-fn mapped<T: Pod>(_rows: &[T]) -> Option<Mmap> {
+fn mapped<T: Pod + Send>(_count: usize, _row: impl Fn(usize) -> T + Sync) -> Option<Mmap> {
     None
 }
 
@@ -64,7 +70,7 @@ mod tests {
     fn rows_are_what_was_put_in() {
         for count in [0, 1, LARGE / 4, LARGE / 2 + 3] {
             let rows: Vec<u32> = (0..count as u32).collect();
-            assert_eq!(Pages::new(rows.clone()).rows(), rows, "{count} rows");
+            assert_eq!(Pages::new(count, |i| rows[i]).rows(), rows, "{count} rows");
         }
     }
 }
