@@ -12,7 +12,7 @@ use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
-use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
+use fogbow_kernels::phase::reference as phase;
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
@@ -107,27 +107,26 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
 
 #[test]
 fn numbers_of_edges_follow_the_defensive_mixture() {
-    let mixed = |defensive: f32| move |bridge: Bridge| Bridge { defensive, ..bridge };
-    let poisson = |bridge: Bridge| {
-        let counts = Arc::new(CountTable::poisson(HenyeyGreenstein { g: 0.7 }));
-        Bridge { defensive: 0.0, counts, ..bridge }
+    let fog = |extinction: f32, longest: u32| thicker(0.7, Roll::Aligned, extinction, longest);
+    let mixed = |frame: Frame, defensive: f32| with(frame, |bridge| Bridge { defensive, ..bridge });
+    let few = |frame: Frame, max_inserted: u32| with(frame, |bridge| Bridge { max_inserted, ..bridge });
+    let poisson = |frame: Frame| {
+        let counts = Arc::new(CountTable::poisson(frame.medium.phase));
+        with(frame, |bridge| Bridge { defensive: 0.0, counts, ..bridge })
     };
-    let few = |max_inserted: u32| move |bridge: Bridge| Bridge { max_inserted, ..bridge };
-    let tests: [(&str, &dyn Fn(Bridge) -> Bridge, f32, u32, usize); 11] = [
-        ("as usual", &|bridge| bridge, 0.5, 60, 1),
-        ("thin", &|bridge| bridge, 0.05, 15, 2),
-        ("little room", &|bridge| bridge, 0.5, 6, 3),
-        ("dense, little room", &|bridge| bridge, 20.0, 15, 2),
-        ("dense, more edges than the table knows", &|bridge| bridge, 20.0, 160, 1),
-        ("two vertices at most", &few(2), 0.5, 60, 1),
-        ("dense, no vertices", &few(0), 2.0, 60, 1),
-        ("table alone", &mixed(0.0), 0.5, 60, 1),
-        ("Poisson", &poisson, 0.5, 60, 2),
-        ("half and half", &mixed(0.5), 1.0, 9, 2),
-        ("uniform", &mixed(1.0), 0.5, 9, 1),
-    ];
-    for (name, change, extinction, longest, events) in tests {
-        let frame = with(thicker(0.7, Roll::Aligned, extinction, longest), change);
+    for (name, frame, events) in [
+        ("as usual", fog(0.5, 60), 1),
+        ("thin", fog(0.05, 15), 2),
+        ("little room", fog(0.5, 6), 3),
+        ("dense, little room", fog(20.0, 15), 2),
+        ("dense, more edges than the table knows", fog(20.0, 160), 1),
+        ("two vertices at most", few(fog(0.5, 60), 2), 1),
+        ("dense, no vertices", few(fog(2.0, 60), 0), 1),
+        ("table alone", mixed(fog(0.5, 60), 0.0), 1),
+        ("Poisson", poisson(fog(0.5, 60)), 2),
+        ("half and half", mixed(fog(1.0, 9), 0.5), 2),
+        ("uniform", mixed(fog(0.5, 9), 1.0), 1),
+    ] {
         let (found, expected) = edges(&frame, events);
         let p = p_of_counts(&found, &expected);
         assert!(p > SUSPICIOUS, "{name}: p = {p}, {found:.0?} instead of {expected:.0?}");
