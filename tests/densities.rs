@@ -124,7 +124,7 @@ fn weights_of_kernel_and_twin_match_recorded_ratios_however_a_path_was_made() {
         for inserted in 0..n - 1 {
             for first_start in 1..=n - 1 - inserted {
                 for (techniques, expected) in recorded(case, first_start) {
-                    let made = Made { vertices: &path, inserted, first_start, light: 0 };
+                    let made = Made { vertices: &path, inserted, first_start, emitter: 0 };
                     for kernel in [mis_weight::simd::run as mis_weight::Kernel, mis_weight::reference::run] {
                         let weigher = Weigher::new(kernel, &medium, &lights, &techniques);
                         let weight = weigher.weight(&made, (index + inserted) % 16);
@@ -220,7 +220,7 @@ proptest! {
         let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
-            let made = Made { vertices: &path, inserted: 0, first_start: 1, light: 0 };
+            let made = Made { vertices: &path, inserted: 0, first_start: 1, emitter: 0 };
             let with = |bits: u32| {
                 let techniques = techniques(&medium, bits, mesc);
                 Weigher::new(kernel, &medium, &lights, &techniques).weight(&made, lane)
@@ -247,7 +247,7 @@ proptest! {
         for bits in EVERY {
             let techniques = techniques(&medium, bits, mesc);
             let weigher = Weigher::new(mis_weight::simd::run, &medium, &lights, &techniques);
-            let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, light: 0 }, 5);
+            let weight = |inserted| weigher.weight(&Made { vertices: &path, inserted, first_start: 1, emitter: 0 }, 5);
             for inserted in 1..path.len() - 2 {
                 prop_assert!((weight(inserted) / weight(0) - 1.0).abs() < 1e-4, "{} inserted", inserted);
             }
@@ -268,7 +268,7 @@ proptest! {
                 let lights = lights_around(path, turn, scale, selection);
                 let techniques = techniques(&medium, bits, mesc);
                 let weigher = Weigher::new(kernel, &medium, &lights, &techniques);
-                weigher.weight(&Made { vertices: path, inserted: path.len() / 2 - 1, first_start: 1, light: 0 }, 2)
+                weigher.weight(&Made { vertices: path, inserted: path.len() / 2 - 1, first_start: 1, emitter: 0 }, 2)
             };
             let (here, there) = (weight(&path, DQuat::IDENTITY, 1.0), weight(&moved, turn, scale));
             // A start right at the limit of reach, or a turn of the projections, may fall to either side.

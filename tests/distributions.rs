@@ -131,7 +131,7 @@ fn light_points(frame: &Frame, reach: Reach, mut visit: impl FnMut(DVec3, usize,
         (SIMD.light_sample)(&frame.lights, reach, *step, columns);
         for row in 0..connections.len {
             let connection = connections.row(row);
-            visit(vector(connection.start), connection.light as usize, vector(connection.point));
+            visit(vector(connection.start), connection.emitter as usize, vector(connection.point));
         }
     });
 }
@@ -377,7 +377,7 @@ fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
             let columns = roulette::Columns { bucket: *bucket, candidates: bridged, paths };
             (SIMD.roulette)(medium, lights, threshold, *step, columns);
             for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {
-                let light = &lights.emitters()[bridged.light.rows()[row] as usize];
+                let light = &lights.emitters()[bridged.emitter.rows()[row] as usize];
                 let channels = contribution(
                     before,
                     light.radiance.map(f64::from),

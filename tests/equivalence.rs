@@ -153,9 +153,9 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
     for queue in [views, light_hits, connections, bridged] {
         queue.visit_mut(&mut fill);
         // One light is all that every frame has.
-        queue.light.rows_mut().fill(0);
+        queue.emitter.rows_mut().fill(0);
     }
-    hits.light.rows_mut().fill(0);
+    hits.emitter.rows_mut().fill(0);
     for vertex in chains.vertices.iter_mut() {
         vertex.channels_mut().into_iter().for_each(|channel| channel.rows_mut().fill(f32::NAN));
     }

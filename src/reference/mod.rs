@@ -25,6 +25,7 @@ use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{bridge, lis, nee, omnee};
+use fogbow_kernels::mis_weight::reference::{Competition, CompletePath};
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
     PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
@@ -181,10 +182,10 @@ impl Walk<'_> {
         let bound = if segment == 0 { f64::INFINITY } else { flight };
         let (light, surface) =
             extend::reference::meet_first(lights, surfaces, self.last(), self.direction, bound, flight);
-        let Some((light, distance)) = light else {
+        let Some((index, distance)) = light else {
             return (false, surface);
         };
-        let emitter = &lights.emitters()[light];
+        let emitter = &lights.emitters()[index];
         let point = self.last() + distance * self.direction;
         if light_sample::cosine(emitter, point, self.direction) > 0.0 {
             let weight = match segment {
@@ -192,9 +193,9 @@ impl Walk<'_> {
                     let profile = mis_weight::reference::profile(emitter, point, self.direction);
                     profile * light_hit::reference::transmittance(self.extinction(), distance)
                 }
-                _ => self.weigh(light, &[point]),
+                _ => self.weigh(index, &[point]),
             };
-            self.add(Technique::Path, light, weight, 0);
+            self.add(Technique::Path, index, weight, 0);
         }
         (light_hit::reference::ends(emitter, flight, distance), surface)
     }
@@ -230,20 +231,20 @@ impl Walk<'_> {
 
     /// Connects the last vertex in a straight line.
     fn connect_straight(&mut self, technique: Technique, reach: Reach) {
-        if let Some((light, point)) = self.light_point(reach) {
+        if let Some((emitter, point)) = self.light_point(reach) {
             let purpose = if technique == Technique::Lis { random::LIS_LIGHT } else { reach.purpose };
-            self.try_connection(technique, purpose, light, &[point]);
+            self.try_connection(technique, purpose, emitter, &[point]);
         }
     }
 
     /// Connects the last vertex by multiple-vertex next event estimation.
     fn connect_through_medium(&mut self, mvnee: &Mvnee) {
-        let Some((light, point)) = self.light_point(mvnee.reach()) else {
+        let Some((emitter, point)) = self.light_point(mvnee.reach()) else {
             return;
         };
         if let Some(mut rest) = self.seeds_to(mvnee, point, self.frame.lengths, self.frame.seed) {
             rest.push(point);
-            self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, light, &rest);
+            self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, emitter, &rest);
         }
     }
 
@@ -260,22 +261,22 @@ impl Walk<'_> {
 
     /// Connects the last vertex through one inserted vertex.
     fn connect_once_more(&mut self) {
-        let Some((light, point)) = self.light_point(omnee::reach(self.frame.lengths)) else {
+        let Some((emitter, point)) = self.light_point(omnee::reach(self.frame.lengths)) else {
             return;
         };
         let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
         let vertex = omnee_sample::place(f64::from(self.frame.medium.phase.g), self.last(), point, u);
-        self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, light, &[vertex, point]);
+        self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, emitter, &[vertex, point]);
     }
 
     /// Connects the last vertex by a bridge.
     fn connect_by_bridge(&mut self, bridge: &Bridge) {
-        let Some((light, point)) = self.light_point(bridge.reach()) else {
+        let Some((emitter, point)) = self.light_point(bridge.reach()) else {
             return;
         };
         if let Some(mut rest) = self.bridge_to(bridge, point, self.frame.lengths, self.frame.seed) {
             rest.push(point);
-            self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, light, &rest);
+            self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, emitter, &rest);
         }
     }
 
@@ -296,11 +297,11 @@ impl Walk<'_> {
     /// Connects the last vertex with one made from a light.
     fn connect_from_light(&mut self, lis: &Lis) {
         let Frame { lights, lengths, seed, .. } = self.frame;
-        let Some((light, point)) = self.light_point(lis::reach(*lengths)) else {
+        let Some((emitter, point)) = self.light_point(lis::reach(*lengths)) else {
             return;
         };
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
-        let vertex = lis_sample::place(&lights.emitters()[light], self.extinction(), point, u);
+        let vertex = lis_sample::place(&lights.emitters()[emitter], self.extinction(), point, u);
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
             return;
         }
@@ -311,7 +312,7 @@ impl Walk<'_> {
         };
         if let Some(mut rest) = inserted {
             rest.extend([vertex, point]);
-            self.try_connection(Technique::Lis, random::LIS_LIGHT, light, &rest);
+            self.try_connection(Technique::Lis, random::LIS_LIGHT, emitter, &rest);
         }
     }
 
@@ -326,9 +327,9 @@ impl Walk<'_> {
 
     /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
     /// the roulette and is free. `purpose` is the random dimension of the technique's light point.
-    fn try_connection(&mut self, technique: Technique, purpose: u32, light: usize, rest: &[DVec3]) {
-        let mut weight = self.weigh(light, rest);
-        let contribution = roulette::reference::largest(&self.contribution(light, weight, rest.len() - 1));
+    fn try_connection(&mut self, technique: Technique, purpose: u32, emitter: usize, rest: &[DVec3]) {
+        let mut weight = self.weigh(emitter, rest);
+        let contribution = roulette::reference::largest(&self.contribution(emitter, weight, rest.len() - 1));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);
         let (pixel, sample, seed) = (self.pixel, self.sample, self.frame.seed);
         if roulette::reference::uniform(pixel, sample, self.depth(), purpose, seed) >= survival {
@@ -338,34 +339,38 @@ impl Walk<'_> {
         let mut chain = vec![self.last()];
         chain.extend_from_slice(rest);
         let Frame { lights, surfaces, .. } = self.frame;
-        let occluded = occlusion::reference::is_occluded(lights, light, &chain);
-        if !occluded && !occlusion::reference::is_hidden(lights, surfaces, light, &chain) {
-            self.add(technique, light, weight, rest.len() - 1);
+        let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
+        if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
+            self.add(technique, emitter, weight, rest.len() - 1);
         }
     }
 
     /// The weight of the path that goes on from the last vertex through `rest`.
-    fn weigh(&self, light: usize, rest: &[DVec3]) -> f64 {
+    fn weigh(&self, emitter: usize, rest: &[DVec3]) -> f64 {
         let Frame { medium, lights, techniques, walk, lengths, .. } = self.frame;
-        let path = [self.path.as_slice(), rest].concat();
-        let (first_start, normal) = (self.first_start() as usize, self.last_surface.map(|(_, normal)| normal));
-        mis_weight::reference::weight(medium, lights, techniques, walk, *lengths, &path, first_start, normal, light)
+        let competition = Competition { medium, lights, techniques, walk, lengths: *lengths };
+        competition.weight(&CompletePath {
+            vertices: &[self.path.as_slice(), rest].concat(),
+            first_start: self.first_start() as usize,
+            surface: self.last_surface.map(|(_, normal)| normal),
+            emitter,
+        })
     }
 
     /// What a candidate of this weight, with `inserted` vertices after the last one, adds to the pixel.
-    fn contribution(&self, light: usize, weight: f64, inserted: usize) -> [f64; 3] {
+    fn contribution(&self, emitter: usize, weight: f64, inserted: usize) -> [f64; 3] {
         let Frame { medium, lights, .. } = self.frame;
-        let emitted = lights.emitters()[light].radiance.map(f64::from);
+        let emitted = lights.emitters()[emitter].radiance.map(f64::from);
         let albedo = medium.albedo.map(f64::from);
         accumulate::reference::contribution(weight, emitted, self.throughput, albedo, inserted)
     }
 
     /// Adds a candidate with `inserted` vertices after the last one.
-    fn add(&mut self, technique: Technique, light: usize, weight: f64, inserted: usize) {
+    fn add(&mut self, technique: Technique, emitter: usize, weight: f64, inserted: usize) {
         if weight == 0.0 || !accumulate::reference::counts(self.frame.lengths, self.depth(), inserted) {
             return;
         }
-        let radiance = self.contribution(light, weight, inserted);
+        let radiance = self.contribution(emitter, weight, inserted);
         if radiance.iter().all(|channel| channel.is_finite()) {
             self.found.push(Contribution { segments: self.depth() + inserted as u32 + 1, technique, radiance });
         }

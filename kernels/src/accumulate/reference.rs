@@ -19,7 +19,7 @@ pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, c
         }
         let contribution = contribution(
             f64::from(candidates.weight.rows()[row]),
-            lights.emitters()[candidates.light.rows()[row] as usize].radiance.map(f64::from),
+            lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
             paths.columns.throughput.row(lane).map(f64::from),
             medium.albedo.map(f64::from),
             bucket.inserted,

@@ -24,7 +24,7 @@ pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, c
     let Columns { bucket, candidates, paths, dropped } = columns;
     let inserted = medium.albedo.map(|albedo| albedo.powi(bucket.inserted as i32));
     for (b, rows) in bucket.batches() {
-        let (lane_of, light_of) = (candidates.lane.batch(b).to_array(), candidates.light.batch(b).to_array());
+        let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
         let weight = candidates.weight.batch(b);
         let mut counts = lanes::bits(!weight.simd_eq(f32x8::ZERO)) & rows;
         if lengths.min > 1 {
@@ -37,7 +37,7 @@ pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, c
             dropped.note(paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
         }
         for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
-            let emitted = lights.gather(&light_of, |disk| disk.radiance[channel]);
+            let emitted = lights.gather(&emitter_of, |disk| disk.radiance[channel]);
             let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
             let contribution = (weight * emitted * throughput * f32x8::splat(inserted)).to_array();
             let radiance = paths.columns.radiance.channels_mut()[channel].rows_mut();

@@ -66,7 +66,7 @@ columns! {
         /// Lane of the path.
         lane: u32,
         /// Index of the emitter.
-        light: u32,
+        emitter: u32,
         /// Distance from the ray's origin `[m]`, > 0.
         distance: f32,
     }
@@ -98,7 +98,7 @@ columns! {
         /// Lane of the path.
         lane: u32,
         /// Index of the emitter.
-        light: u32,
+        emitter: u32,
         /// Position of the start vertex, the path's current vertex `[m]`.
         start: [f32; 3],
         /// Unit direction in which the path arrives at the start.
@@ -138,7 +138,7 @@ impl CandidateQueue<'_> {
     pub fn gather(&self, row_of: &[u32; super::LANES]) -> CandidateBatch {
         CandidateBatch {
             lane: self.lane.gather(row_of),
-            light: self.light.gather(row_of),
+            emitter: self.emitter.gather(row_of),
             start: self.start.gather(row_of),
             arriving: self.arriving.gather(row_of),
             point: self.point.gather(row_of),
@@ -151,7 +151,7 @@ impl CandidateQueue<'_> {
     pub fn batch(&self, b: usize) -> CandidateBatch {
         CandidateBatch {
             lane: self.lane.batch(b),
-            light: self.light.batch(b),
+            emitter: self.emitter.batch(b),
             start: self.start.batch(b),
             arriving: self.arriving.batch(b),
             point: self.point.batch(b),

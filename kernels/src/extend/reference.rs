@@ -36,9 +36,9 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
         let leaves_camera = paths.depth(step.clock, lane) == 0;
         let flight = f64::from(flights.flight.rows()[lane]);
         let bound = if leaves_camera { f64::INFINITY } else { flight };
-        let (light, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
-        if let Some((light, distance)) = light {
-            hits.push(Hit { lane: lane as u32, light: light as u32, distance: distance as f32 });
+        let (emitter, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
+        if let Some((emitter, distance)) = emitter {
+            hits.push(Hit { lane: lane as u32, emitter: emitter as u32, distance: distance as f32 });
         }
         if let Some(hit) = surface {
             paths.on_surface.insert(lane as u32);

@@ -43,7 +43,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
         }
         let mut found = Found {
             bits: lanes::bits(any) & live,
-            light: met.to_array(),
+            emitter: met.to_array(),
             distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
         };
         if !surfaces.is_empty() {
@@ -51,16 +51,16 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
             let on_surface = beams.trace(lights, surfaces, live, &mut found, surface_hits);
             paths.on_surface.insert_batch(b, on_surface);
         }
-        let (light, distance) = (u32x8::new(found.light), f32x8::new(found.distance));
-        hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), light, distance });
+        let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
+        hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });
     }
 }
 
-/// The lights that eight rays meet.
+/// The emitters that eight rays meet.
 struct Found {
     /// Rays that meet one.
     bits: u32,
-    light: [u32; LANES],
+    emitter: [u32; LANES],
     /// How far away, infinite where there is none.
     distance: [f32; LANES],
 }
@@ -101,7 +101,7 @@ impl Beams {
             found.bits &= !(1 << i);
             if let Some(emitter) = lights.of_triangle(hit.triangle) {
                 found.bits |= 1 << i;
-                (found.light[i], found.distance[i]) = (emitter, hit.distance);
+                (found.emitter[i], found.distance[i]) = (emitter, hit.distance);
             }
             if hit.distance < flight[i] {
                 on_surface |= 1 << i;

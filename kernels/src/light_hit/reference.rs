@@ -21,7 +21,7 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
     let Columns { hits, vertices, rays, flights, paths, views, light_hits } = columns;
     for row in 0..hits.len {
         let hit = hits.row(row);
-        let (lane, emitter) = (hit.lane as usize, &lights.emitters()[hit.light as usize]);
+        let (lane, emitter) = (hit.lane as usize, &lights.emitters()[hit.emitter as usize]);
         let start = vertices.at(step.clock).position.row(lane);
         let direction = DVec3::from(rays.at(step.clock).direction.row(lane).map(f64::from));
         let distance = f64::from(hit.distance);
@@ -29,7 +29,7 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
         if cosine(emitter, point, direction) > 0.0 {
             let candidate = Candidate {
                 lane: hit.lane,
-                light: hit.light,
+                emitter: hit.emitter,
                 start,
                 arriving: [0.0; 3],
                 point: point.as_vec3().to_array(),

@@ -26,23 +26,23 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
     let (now, before) = (&rays.at(step.clock).direction, &rays.at(step.clock - 1).direction);
     for b in 0..hits.len.div_ceil(LANES) {
         let rows = lanes::first(hits.len - b * LANES);
-        let (lane, light, distance) = (hits.lane.batch(b), hits.light.batch(b), hits.distance.batch(b));
-        let (lane_of, light_of) = (lane.to_array(), light.to_array());
+        let (lane, emitter, distance) = (hits.lane.batch(b), hits.emitter.batch(b), hits.distance.batch(b));
+        let (lane_of, emitter_of) = (lane.to_array(), emitter.to_array());
         let (start, direction) = (origins.gather(&lane_of), now.gather(&lane_of));
         let arriving = before.gather(&lane_of);
         let birth = paths.columns.birth.gather(&lane_of);
         let at_camera = lanes::bits(lanes::as_mask(birth.simd_eq(u32x8::splat(step.clock))));
         let point = direction.mul_add(distance, start);
-        let cosine = lights.cosine(&light_of, point, direction);
+        let cosine = lights.cosine(&emitter_of, point, direction);
         let front = lanes::bits(cosine.simd_gt(f32x8::ZERO)) & rows;
 
-        let profile = lights.profile(&light_of, cosine);
+        let profile = lights.profile(&emitter_of, cosine);
         let weight = exp(-f32x8::splat(medium.extinction) * distance) * profile;
-        let view = CandidateBatch { lane, light, start, arriving: Vec3x8::ZERO, point, weight };
+        let view = CandidateBatch { lane, emitter, start, arriving: Vec3x8::ZERO, point, weight };
         views.push_batch(front & at_camera, view);
         light_hits.push_batch(front & !at_camera, CandidateBatch { arriving, weight: f32x8::ZERO, ..view });
 
-        let black = lights.gather(&light_of, |emitter| emitter.radius).simd_gt(f32x8::ZERO);
+        let black = lights.gather(&emitter_of, |emitter| emitter.radius).simd_gt(f32x8::ZERO);
         let ends = lanes::bits(distance.simd_le(flights.flight.gather(&lane_of)) & black) & rows;
         for i in lanes::each(ends) {
             paths.live.remove(lane_of[i]);

@@ -46,6 +46,7 @@ pub fn run(
     columns: Columns<'_, '_>,
 ) {
     let Columns { bucket, candidates, chains, paths, vertices, trail, suffix: _ } = columns;
+    let competition = Competition { medium, lights, techniques, walk, lengths };
     let mut path = Vec::new();
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
@@ -58,13 +59,15 @@ pub fn run(
             path.push(DVec3::from(vertex.row(row).map(f64::from)));
         }
         path.push(DVec3::from(candidates.point.row(row).map(f64::from)));
-        let light = candidates.light.rows()[row] as usize;
-        let first_start = paths.first_start(lane) as usize;
         let normal = paths.columns.surface_normal.row(lane).map(f64::from);
         let is_surface = paths.has_surfaces && paths.columns.last_surface.rows()[lane] > 0;
-        let surface = is_surface.then(|| DVec3::from(normal));
-        let weight = weight(medium, lights, techniques, walk, lengths, &path, first_start, surface, light);
-        candidates.weight.rows_mut()[row] = weight as f32;
+        let path = CompletePath {
+            vertices: &path,
+            first_start: paths.first_start(lane) as usize,
+            surface: is_surface.then(|| DVec3::from(normal)),
+            emitter: candidates.emitter.rows()[row] as usize,
+        };
+        candidates.weight.rows_mut()[row] = competition.weight(&path) as f32;
     }
 }
 
@@ -88,40 +91,97 @@ pub fn position_before(
     Some(position.map(f64::from))
 }
 
-/// The weight of `path`, from the camera vertex to a point on `light`, with starts from `first_start` on, which is on a
-/// surface of the normal `surface`, if there is one.
-#[expect(clippy::too_many_arguments, reason = "a weight depends on everything that competes for the path")]
-pub fn weight(
-    medium: &Medium,
-    lights: &Lights,
-    techniques: &Techniques,
-    walk: &Walk,
-    lengths: PathLengths,
-    path: &[DVec3],
-    first_start: usize,
-    surface: Option<DVec3>,
-    light: usize,
-) -> f64 {
-    let [.., before, point] = path else {
-        return 0.0;
-    };
-    let profile = profile(&lights.emitters()[light], *point, *point - *before);
-    if profile == 0.0 {
-        return 0.0;
+/// A complete path x_0 .. x_n.
+#[derive(Clone, Copy, Debug)]
+pub struct CompletePath<'a> {
+    /// Vertices from the camera to the point on the emitter `[m]`.
+    pub vertices: &'a [DVec3],
+    /// First vertex that may start a connection, 1 <= `first_start` < n.
+    pub first_start: usize,
+    /// Normal of the surface that the first start is on, if it is on one.
+    pub surface: Option<DVec3>,
+    /// Index of the emitter on which the path ends.
+    pub emitter: usize,
+}
+
+/// All that competes for a path.
+#[derive(Clone, Copy, Debug)]
+pub struct Competition<'a> {
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The active techniques.
+    pub techniques: &'a Techniques,
+    /// How far walks go, and where they connect from.
+    pub walk: &'a Walk,
+    /// The path lengths that count.
+    pub lengths: PathLengths,
+}
+
+impl Competition<'_> {
+    /// The weight of a path.
+    pub fn weight(&self, path: &CompletePath<'_>) -> f64 {
+        let CompletePath { vertices, first_start, surface, emitter } = *path;
+        let [.., before, point] = vertices else {
+            return 0.0;
+        };
+        let profile = profile(&self.lights.emitters()[emitter], *point, *point - *before);
+        if profile == 0.0 {
+            return 0.0;
+        }
+        let leaving = vertices[first_start + 1] - vertices[first_start];
+        if surface.is_some_and(|normal| leaving.dot(normal) <= 0.0) {
+            return 0.0;
+        }
+        let segments = vertices.len() - 1;
+        let starts = first_start..segments.min(first_start.saturating_add(self.walk.starts as usize));
+        let walked = if segments <= self.walk.segments as usize { reach(self.walk, segments) } else { 0.0 };
+        let connected: f64 = starts.map(|start| reach(self.walk, start) * self.ratios(path, start)).sum();
+        if walked + connected == 0.0 { 0.0 } else { profile / (walked + connected) }
     }
-    let segments = path.len() - 1;
-    if surface.is_some_and(|normal| (path[first_start + 1] - path[first_start]).dot(normal) <= 0.0) {
-        return 0.0;
+
+    /// The sum of all techniques' ratios r_i for the vertex `start` of a path.
+    pub(super) fn ratios(&self, path: &CompletePath<'_>, start: usize) -> f64 {
+        let Self { medium, lights, techniques, walk: _, lengths } = *self;
+        let vertices = path.vertices;
+        let surface = path.surface.filter(|_| start == path.first_start);
+        let constants @ (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
+        let [.., before, point] = vertices else {
+            return 0.0;
+        };
+        let emitter = &lights.emitters()[path.emitter];
+        let normal = normal(emitter, *point, *point - *before);
+        let Some(traced) = path_tracing_density(extinction, g, vertices, start, surface, normal) else {
+            return 0.0;
+        };
+        let (chain, depth, longest) = (&vertices[start..], start as u32, lengths.max);
+        let light_density = light_density(lights, path.emitter, vertices[start]);
+        let arriving = (vertices[start] - vertices[start - 1]).normalize();
+        let from = bridge::reference::Start { depth, arriving, on_surface: surface.is_some() };
+        let mut sum = 0.0;
+        if techniques.nee {
+            sum += nee::reference::density(chain, normal, light_density).over(traced);
+        }
+        if let Some(mvnee) = &techniques.mvnee {
+            sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
+        }
+        if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
+            sum += omnee::reference::density(g, chain, light_density).over(traced);
+        }
+        if let Some(lis) = &techniques.lis {
+            let density = lis::reference::density(lis, constants, emitter, longest, &from, chain, light_density);
+            sum += density.over(traced);
+            if techniques.companion().is_some() {
+                sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
+            }
+        }
+        if let Some(bridge) = &techniques.bridge {
+            let density = bridge::reference::density(bridge, constants, longest, &from, chain, light_density);
+            sum += density.over(traced);
+        }
+        sum
     }
-    let mut sum = if segments <= walk.segments as usize { reach(walk, segments) } else { 0.0 };
-    for start in first_start..segments.min(first_start.saturating_add(walk.starts as usize)) {
-        let surface = surface.filter(|_| start == first_start);
-        sum += reach(walk, start) * ratios(medium, lights, techniques, lengths, path, start, surface, light);
-    }
-    if sum == 0.0 {
-        return 0.0;
-    }
-    profile / sum
 }
 
 /// Radiance of an emitter from `point` towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
@@ -137,57 +197,6 @@ pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
 pub fn reach(walk: &Walk, i: usize) -> f64 {
     f64::from(walk.survival).powi(i as i32 - 1)
-}
-
-/// The sum of all techniques' ratios r_i for the vertex `start` of `path`, on a surface of the normal `surface` if that is
-/// given; the path ends on `light`.
-#[expect(clippy::too_many_arguments, reason = "a ratio depends on everything that may make the path")]
-pub(super) fn ratios(
-    medium: &Medium,
-    lights: &Lights,
-    techniques: &Techniques,
-    lengths: PathLengths,
-    path: &[DVec3],
-    start: usize,
-    surface: Option<DVec3>,
-    light: usize,
-) -> f64 {
-    let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
-    let [.., before, point] = path else {
-        return 0.0;
-    };
-    let emitter = &lights.emitters()[light];
-    let normal = normal(emitter, *point, *point - *before);
-    let Some(traced) = path_tracing_density(extinction, g, path, start, surface, normal) else {
-        return 0.0;
-    };
-    let (chain, depth) = (&path[start..], start as u32);
-    let light_density = light_density(lights, light, path[start]);
-    let mut sum = 0.0;
-    if techniques.nee {
-        sum += nee::reference::density(chain, normal, light_density).over(traced);
-    }
-    if let Some(mvnee) = &techniques.mvnee {
-        sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
-    }
-    if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
-        sum += omnee::reference::density(g, chain, light_density).over(traced);
-    }
-    let longest = lengths.max;
-    let arriving = (path[start] - path[start - 1]).normalize();
-    let from = bridge::reference::Start { depth, arriving, on_surface: surface.is_some() };
-    if let Some(lis) = &techniques.lis {
-        let density = lis::reference::density(lis, (extinction, g), emitter, longest, &from, chain, light_density);
-        sum += density.over(traced);
-        if techniques.companion().is_some() {
-            sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
-        }
-    }
-    if let Some(bridge) = &techniques.bridge {
-        let density = bridge::reference::density(bridge, (extinction, g), longest, &from, chain, light_density);
-        sum += density.over(traced);
-    }
-    sum
 }
 
 /// Density with which path tracing, at vertex `start`, makes the rest of `path`, which ends on a light that faces

@@ -52,7 +52,7 @@ pub fn run(
         let batch = Batch {
             inserted: bucket.inserted,
             lane_of: candidates.lane.batch(b).to_array(),
-            light_of: candidates.light.batch(b).to_array(),
+            emitter_of: candidates.emitter.batch(b).to_array(),
             lights,
             phase,
             densities,
@@ -92,7 +92,7 @@ pub fn run(
             sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, nearest..=needed, lengths);
         }
         let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
-        let profile = lights.profile(&batch.light_of, arrival.cos_light);
+        let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
         candidates.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
 }
@@ -158,7 +158,7 @@ impl Starts {
 struct Batch<'a> {
     inserted: usize,
     lane_of: [u32; LANES],
-    light_of: [u32; LANES],
+    emitter_of: [u32; LANES],
     lights: &'a Lights,
     phase: HenyeyGreensteinX8,
     /// Whether phase functions are asked for.
@@ -198,7 +198,7 @@ impl Batch<'_> {
                 if is_start { candidates.start.batch(b) } else { chains.vertices[self.inserted - a].batch(b) };
             let (length, direction) = segment(position, next);
             if a == 1 {
-                (last, cos_light) = (length, self.lights.cosine(&self.light_of, point, direction));
+                (last, cos_light) = (length, self.lights.cosine(&self.emitter_of, point, direction));
             } else if self.densities || a == 2 && self.last_density {
                 self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
             }
@@ -214,7 +214,7 @@ impl Batch<'_> {
 
         Arrival {
             extinction: f32x8::splat(extinction),
-            inverse_area: self.lights.gather(&self.light_of, |emitter| emitter.density),
+            inverse_area: self.lights.gather(&self.emitter_of, |emitter| emitter.density),
             last_squared: last * last,
             cos_light,
             skipped: f32x8::ZERO,
@@ -252,7 +252,7 @@ impl Batch<'_> {
         if farthest >= nearest.max(2) {
             let (left, most) = (u32x8::splat(lengths.max - 1), f32x8::splat(lis.most_edges()));
             let room = |a: usize| lanes::to_f32(left - starts.depth(a)).fast_min(most);
-            let emission = lis::simd::emission(self.lights, &self.light_of, arrival.cos_light);
+            let emission = lis::simd::emission(self.lights, &self.emitter_of, arrival.cos_light);
             let starts = nearest.max(2)..=farthest;
             sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
         }
@@ -375,6 +375,6 @@ impl Batch<'_> {
         let SuffixVertex { position, light_sum, .. } = suffix.vertices[a];
         let is_inserted = a <= self.inserted && self.lights.selection_depends_on_start();
         let sum = if is_inserted { selection::light_sum(self.lights, position) } else { light_sum };
-        selection::probability(self.lights, &self.light_of, position, sum)
+        selection::probability(self.lights, &self.emitter_of, position, sum)
     }
 }

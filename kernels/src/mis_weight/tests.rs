@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 use wide::f32x8;
 
-use super::reference::{profile, ratios, weight};
+use super::reference::{Competition, CompletePath, profile};
 use crate::connect::bridge::reference::{Start, count_probability};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::mvnee::{Mvnee, Offset};
@@ -28,6 +28,30 @@ fn both(medium: &Medium) -> Techniques {
     Techniques { nee: true, mvnee, ..Techniques::default() }
 }
 
+/// The weight of a path, with starts from `first_start` on, which is on a surface of the normal `surface`.
+fn weigh(
+    (medium, lights, techniques): (&Medium, &Lights, &Techniques),
+    walk: &Walk,
+    vertices: &[DVec3],
+    first_start: usize,
+    surface: Option<DVec3>,
+) -> f64 {
+    let competition = Competition { medium, lights, techniques, walk, lengths: LENGTHS };
+    competition.weight(&CompletePath { vertices, first_start, surface, emitter: 0 })
+}
+
+/// The sum of the ratios of vertex `start` of a path through open space of at most `longest` segments.
+fn ratios(
+    (medium, lights, techniques): (&Medium, &Lights, &Techniques),
+    longest: u32,
+    vertices: &[DVec3],
+    start: usize,
+) -> f64 {
+    let lengths = PathLengths { min: 1, max: longest };
+    let competition = Competition { medium, lights, techniques, walk: &FREE, lengths };
+    competition.ratios(&CompletePath { vertices, first_start: 1, surface: None, emitter: 0 }, start)
+}
+
 const FREE: Walk = Walk { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 const LENGTHS: PathLengths = PathLengths { min: 1, max: 1000 };
 
@@ -37,7 +61,7 @@ fn a_straight_connection_has_the_ratios_of_the_closed_form() {
     let path = [DVec3::ZERO, DVec3::new(0.0, 1.0, 1.0), DVec3::new(0.0, 1.0, 3.0)];
     // p_A s^2 / (p_w cos_light), with and without the probability of a flight past the light.
     let ratio = 1.0 / (0.25 * PI) * 4.0 * 4.0 * PI;
-    let weight = |techniques: &Techniques| weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, None, 0);
+    let weight = |techniques: &Techniques| weigh((&medium, &lights, techniques), &FREE, &path, 1, None);
     assert_eq!(weight(&Techniques::default()), 1.0);
     let nee = weight(&Techniques { nee: true, ..Techniques::default() });
     assert!((nee - 1.0 / (1.0 + ratio * 1.0_f64.exp())).abs() < 1e-12, "{nee}");
@@ -52,7 +76,7 @@ fn backs_and_paths_without_a_last_segment_weigh_nothing() {
     let (medium, lights) = (medium(0.5, 0.3), light(DVec3::ZERO));
     let weight = |before: DVec3| {
         let path = [DVec3::X, before, DVec3::ZERO];
-        weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, None, 0)
+        weigh((&medium, &lights, &both(&medium)), &FREE, &path, 1, None)
     };
     assert!(weight(-DVec3::Z) > 0.0);
     assert_eq!([DVec3::Z, DVec3::Y, DVec3::ZERO].map(weight), [0.0; 3]);
@@ -62,7 +86,7 @@ fn backs_and_paths_without_a_last_segment_weigh_nothing() {
 fn starts_whose_suffix_has_an_empty_segment_have_no_ratio() {
     let (medium, lights) = (medium(0.5, 0.3), light(DVec3::new(0.0, 0.0, 2.0)));
     let path = [-DVec3::Z, DVec3::X, DVec3::X, DVec3::ZERO, DVec3::new(0.0, 0.1, 2.0)];
-    let weight = |first: usize| weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, first, None, 0);
+    let weight = |first: usize| weigh((&medium, &lights, &both(&medium)), &FREE, &path, first, None);
     assert_eq!(weight(1), weight(3));
     assert!(weight(3) < 1.0);
 }
@@ -76,7 +100,7 @@ fn weights_do_not_depend_on_the_unit_of_length() {
         let disk = Emitter::disk(path[200], -DVec3::Z, 20.0 * mfp, [1.0; 3]);
         let lights = Lights::new(vec![disk], Selection::Uniform);
         let medium = medium((1.0 / mfp) as f32, 0.6);
-        weight(&medium, &lights, &both(&medium), &FREE, LENGTHS, &path, 1, None, 0)
+        weigh((&medium, &lights, &both(&medium)), &FREE, &path, 1, None)
     });
     assert!(weights[1] > 0.0 && weights[1] < 1.0, "{weights:?}");
     assert!(weights.iter().all(|weight| (weight / weights[1] - 1.0).abs() < 1e-4), "{weights:?}");
@@ -97,8 +121,7 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
     let direction = |j: usize| (path[j + 1] - path[j]).normalize();
     let area = PI * 0.25;
     let lengths = PathLengths { min: 1, max: 9 };
-    let sum =
-        |techniques: &Techniques, start: usize| ratios(&medium, &lights, techniques, lengths, &path, start, None, 0);
+    let sum = |techniques: &Techniques, start: usize| ratios((&medium, &lights, techniques), lengths.max, &path, start);
     for start in 1..5 {
         let n = 5 - start as i32;
         let length: f64 = (start..5).map(|j| (path[j + 1] - path[j]).length()).sum();
@@ -135,9 +158,8 @@ fn walks_that_end_stop_or_rarely_start_compete_less() {
     let (medium, lights, path) = bent();
     let bridge = Some(Bridge::new(Roll::Aligned, &medium, LENGTHS.max));
     let techniques = Techniques { nee: true, omnee: true, bridge, ..both(&medium) };
-    let ratio = |start: usize| ratios(&medium, &lights, &techniques, LENGTHS, &path, start, None, 0);
-    let weight =
-        |walk: Walk, first: usize| weight(&medium, &lights, &techniques, &walk, LENGTHS, &path, first, None, 0);
+    let ratio = |start: usize| ratios((&medium, &lights, &techniques), LENGTHS.max, &path, start);
+    let weight = |walk: Walk, first: usize| weigh((&medium, &lights, &techniques), &walk, &path, first, None);
     let close = |found: f64, sum: f64| assert!((found * sum - 1.0).abs() < 1e-12, "{found}, expected {}", 1.0 / sum);
     close(weight(FREE, 1), 1.0 + (1..5).map(ratio).sum::<f64>());
     close(weight(FREE, 3), 1.0 + ratio(3) + ratio(4));
@@ -155,7 +177,7 @@ fn a_path_that_nothing_makes_weighs_nothing() {
     let (medium, lights, path) = bent();
     let short = Walk { segments: 4, ..FREE };
     for techniques in [Techniques::default(), Techniques { omnee: true, ..Techniques::default() }] {
-        assert_eq!(weight(&medium, &lights, &techniques, &short, LENGTHS, &path, 4, None, 0), 0.0);
+        assert_eq!(weigh((&medium, &lights, &techniques), &short, &path, 4, None), 0.0);
     }
 }
 
@@ -163,7 +185,7 @@ fn a_path_that_nothing_makes_weighs_nothing() {
 fn the_depth_of_the_start_limits_what_it_can_make() {
     let (medium, lights, path) = bent();
     let sum = |techniques: &Techniques, max: u32, start: usize| {
-        ratios(&medium, &lights, techniques, PathLengths { min: 1, max }, &path, start, None, 0) > 0.0
+        ratios((&medium, &lights, techniques), max, &path, start) > 0.0
     };
     let omnee = Techniques { omnee: true, ..Techniques::default() };
     assert!(sum(&omnee, 5, 3) && !sum(&omnee, 4, 3));
@@ -176,9 +198,8 @@ fn the_depth_of_the_start_limits_what_it_can_make() {
 fn connections_that_lead_into_a_surface_weigh_nothing() {
     let (medium, lights) = (medium(0.5, 0.3), light(DVec3::new(0.0, 0.0, 3.0)));
     let path = [DVec3::new(0.0, -1.0, 1.0), DVec3::ZERO, DVec3::new(0.0, 0.0, 3.0)];
-    let weight = |normal: DVec3, techniques: &Techniques| {
-        weight(&medium, &lights, techniques, &FREE, LENGTHS, &path, 1, Some(normal), 0)
-    };
+    let weight =
+        |normal: DVec3, techniques: &Techniques| weigh((&medium, &lights, techniques), &FREE, &path, 1, Some(normal));
     for techniques in [both(&medium), Techniques::default()] {
         assert!(weight(DVec3::Z, &techniques) > 0.0 && weight(DVec3::new(0.0, 0.9, 0.1), &techniques) > 0.0);
         assert_eq!(weight(DVec3::NEG_Z, &techniques), 0.0);

@@ -29,8 +29,8 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
             chain.push(DVec3::from(vertex.row(row).map(f64::from)));
         }
         chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
-        let light = candidates.light.rows()[row] as usize;
-        if is_occluded(lights, light, &chain) || is_hidden(lights, surfaces, light, &chain) {
+        let emitter = candidates.emitter.rows()[row] as usize;
+        if is_occluded(lights, emitter, &chain) || is_hidden(lights, surfaces, emitter, &chain) {
             candidates.weight.rows_mut()[row] = 0.0;
         }
     }
@@ -38,11 +38,11 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
 
 /// Whether a disk or sphere blocks the chain from a start to a point on the emitter `light`, which does not block the segment
 /// that ends on it.
-pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
+pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
     for (index, ends) in chain.windows(2).enumerate() {
         for (other, solid) in lights.solids().iter().enumerate() {
-            if index == last && other == light {
+            if index == last && other == emitter {
                 continue;
             }
             if blocks(solid, ends[0], ends[1]) {
@@ -54,8 +54,8 @@ pub fn is_occluded(lights: &Lights, light: usize, chain: &[DVec3]) -> bool {
 }
 
 /// Whether a triangle blocks a segment of the chain to a point on the emitter `light`, which does not block the last.
-pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, light: usize, chain: &[DVec3]) -> bool {
-    let (geometry, own) = (surfaces.geometry(), lights.emitters()[light].triangle as usize);
+pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, emitter: usize, chain: &[DVec3]) -> bool {
+    let (geometry, own) = (surfaces.geometry(), lights.emitters()[emitter].triangle as usize);
     let last = chain.len().saturating_sub(2);
     chain.windows(2).enumerate().any(|(index, ends)| {
         let [origin, end] = [ends[0], ends[1]].map(|v| v.as_vec3().to_array());

@@ -35,7 +35,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
             for (index, solid) in lights.solids().iter().enumerate() {
-                let own = lanes::as_mask(candidates.light.batch(b).simd_eq(u32x8::splat(index as u32)));
+                let own = lanes::as_mask(candidates.emitter.batch(b).simd_eq(u32x8::splat(index as u32)));
                 let spared = if last { own } else { f32x8::ZERO };
                 free &= spared | !crosses(solid, from, to);
             }
@@ -59,7 +59,7 @@ fn unhidden(
     candidates: &CandidateQueue<'_>,
     chains: &ChainTable<'_>,
 ) -> u32 {
-    let light_of = candidates.light.batch(b).to_array();
+    let emitter_of = candidates.emitter.batch(b).to_array();
     let mut from = candidates.start.batch(b);
     for segment in 0..=inserted {
         if free == 0 {
@@ -72,7 +72,7 @@ fn unhidden(
         for i in lanes::each(free & near) {
             let origin = origins.map(|component| component[i]);
             let direction = directions.map(|component| component[i]);
-            let spared = if last { lights.emitters()[light_of[i] as usize].triangle } else { u32::MAX };
+            let spared = if last { lights.emitters()[emitter_of[i] as usize].triangle } else { u32::MAX };
             if trace::any_but(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }, spared) {
                 free &= !(1 << i);
             }

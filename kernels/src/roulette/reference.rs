@@ -21,7 +21,7 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
         let weight = f64::from(candidates.weight.rows()[row]);
         let channels = contribution(
             weight,
-            lights.emitters()[candidates.light.rows()[row] as usize].radiance.map(f64::from),
+            lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
             paths.columns.throughput.row(lane).map(f64::from),
             medium.albedo.map(f64::from),
             bucket.inserted,
@@ -98,7 +98,7 @@ mod tests {
             let lane = lane as u32;
             candidates.push(Candidate {
                 lane,
-                light: 0,
+                emitter: 0,
                 start: nowhere,
                 arriving: nowhere,
                 point: nowhere,

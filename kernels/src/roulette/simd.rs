@@ -19,11 +19,11 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
     let inserted = medium.albedo.map(|albedo| albedo.powi(bucket.inserted as i32));
     let inverse_threshold = f32x8::splat(1.0 / threshold.contribution);
     for (b, rows) in bucket.batches() {
-        let (lane_of, light_of) = (candidates.lane.batch(b).to_array(), candidates.light.batch(b).to_array());
+        let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
         let weight = candidates.weight.batch(b);
         let mut brightest = f32x8::ZERO;
         for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
-            let emitted = lights.gather(&light_of, |disk| disk.radiance[channel]);
+            let emitted = lights.gather(&emitter_of, |disk| disk.radiance[channel]);
             let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
             brightest = brightest.fast_max(emitted * throughput * f32x8::splat(inserted));
         }

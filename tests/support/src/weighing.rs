@@ -40,7 +40,7 @@ pub struct Made<'a> {
     /// First eligible start, >= 1.
     pub first_start: usize,
     /// Index of the light on which it ends.
-    pub light: usize,
+    pub emitter: usize,
 }
 
 impl<'a> Weigher<'a> {
@@ -92,7 +92,7 @@ impl<'a> Weigher<'a> {
         }
         candidates.push(Candidate {
             lane: lane as u32,
-            light: made.light as u32,
+            emitter: made.emitter as u32,
             start: f32s(made.vertices[depth]),
             arriving: f32s(direction(made, depth - 1)),
             point: f32s(made.vertices[n]),

@@ -54,10 +54,10 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
         }
         let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
         let u = uniforms(pixel, sample, depth, reach.purpose, step.seed);
-        if let Some((light, point)) = connect(lights, reach, start, u) {
+        if let Some((emitter, point)) = connect(lights, reach, start, u) {
             connections.push(Candidate {
                 lane: lane as u32,
-                light: light as u32,
+                emitter: emitter as u32,
                 start: position,
                 arriving: rays.at(step.clock - 1).direction.row(lane),
                 point: point.as_vec3().to_array(),

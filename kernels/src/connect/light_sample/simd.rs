@@ -62,20 +62,20 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
         if lights.selection_depends_on_start() {
             light_sum[b] = sum;
         }
-        let mut light = selection::choose(lights, start, sum, choice);
+        let mut emitter = selection::choose(lights, start, sum, choice);
         if lights.has_meshes() {
             let block = block + u32x8::splat(random::EMITTER);
             let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
-            light = emitters_of(lights, light, words);
+            emitter = emitters_of(lights, emitter, words);
         }
-        let point = point_on(lights, &light.to_array(), u, v);
+        let point = point_on(lights, &emitter.to_array(), u, v);
         let to_start = start - point;
         let mut keep = to_start.length_squared().simd_le(f32x8::splat(reach.max_distance * reach.max_distance));
         if reach.facing {
-            keep &= lights.cosine(&light.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
+            keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }
         let (lane, arriving) = (lanes::indices(b), arriving.at(b));
-        let batch = CandidateBatch { lane, light, start, arriving, point, weight: f32x8::ONE };
+        let batch = CandidateBatch { lane, emitter, start, arriving, point, weight: f32x8::ONE };
         connections.push_batch(lanes::bits(keep) & live, batch);
     }
 }

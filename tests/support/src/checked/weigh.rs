@@ -102,7 +102,7 @@ impl Sight<'_, '_> {
         let path = self.path(at);
         let distance = path.iter().map(|position| position.length()).fold(0.0, f64::max);
         let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
-        let emitter = &self.lights.emitters()[self.candidates.light.rows()[at] as usize];
+        let emitter = &self.lights.emitters()[self.candidates.emitter.rows()[at] as usize];
         let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
         let cos_light = cosine(emitter, point, point - before);
         tolerances::weight_conditioning(g, distance, shortest, cos_light)

@@ -31,7 +31,7 @@ pub fn vertex(medium: &Medium, lights: &Lights, lis: &Lis, step: Step, columns: 
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth(step.clock, lane), step.seed);
-        let vertex = place(&lights.emitters()[connection.light as usize], f64::from(medium.extinction), end, u);
+        let vertex = place(&lights.emitters()[connection.emitter as usize], f64::from(medium.extinction), end, u);
         if is_within_reach(lis, start, vertex) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
             ends.push(End { lane: connection.lane, point: connection.point });

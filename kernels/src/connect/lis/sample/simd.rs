@@ -32,11 +32,11 @@ pub fn vertex(medium: &Medium, lights: &Lights, lis: &Lis, step: Step, columns: 
     ends.len = 0;
     for b in 0..count.div_ceil(LANES) {
         let connection = connections.batch(b);
-        let CandidateBatch { lane, light, start, point: end, .. } = connection;
+        let CandidateBatch { lane, emitter, start, point: end, .. } = connection;
         let sequence = Sequence::new(step, paths, &lane.to_array());
         let [cosine, azimuth, flight, side] = sequence.uniforms(random::LIS_VERTEX);
-        let normal = outwards(lights, &light.to_array(), end, side);
-        let exponent = lights.gather(&light.to_array(), |emitter| emitter.exponent);
+        let normal = outwards(lights, &emitter.to_array(), end, side);
+        let exponent = lights.gather(&emitter.to_array(), |emitter| emitter.exponent);
         let direction = emit(normal, exponent, cosine, azimuth);
         let flight = neg_ln(f32x8::ONE - flight) * mean_free_path;
         let point = direction.mul_add(flight, end);
