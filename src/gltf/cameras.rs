@@ -27,7 +27,7 @@ pub fn read(cameras: &[schema::Camera], placed: &[Placed<'_>], warnings: &mut Wa
         }
         let name = placed.node.name.as_ref().or(camera.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| label("camera", index, None));
-        found.push(Camera { extras: camera.extras.clone(), ..look(name, placed, perspective) });
+        found.push(Camera { extras: camera.extras.clone(), ..look(name, placed, perspective)? });
     }
     Ok(found)
 }
@@ -56,12 +56,12 @@ fn perspective(camera: &schema::Camera) -> Checked<Option<&Perspective>> {
     Ok(Some(lens))
 }
 
-fn look(name: String, placed: &Placed<'_>, lens: &Perspective) -> Camera {
-    let forward = placed.forward();
-    // Stretched nodes may lean the y axis toward the viewing axis, but never onto it: they are invertible.
+fn look(name: String, placed: &Placed<'_>, lens: &Perspective) -> Checked<Camera> {
+    let forward = placed.forward().at(|| placed.label())?;
+    // Stretched nodes may lean the y axis toward the viewing axis; flattened ones may leave nothing of it.
     let upward = transforms::direction(placed.world.matrix3.y_axis).map(|y| y.reject_from_normalized(forward));
     let up = upward.and_then(transforms::direction).unwrap_or(forward.any_orthonormal_vector());
-    Camera {
+    Ok(Camera {
         name,
         node: placed.index as u32,
         position: placed.world.translation.to_array(),
@@ -71,5 +71,5 @@ fn look(name: String, placed: &Placed<'_>, lens: &Perspective) -> Camera {
         aspect: lens.aspect_ratio,
         near: lens.znear,
         extras: None,
-    }
+    })
 }

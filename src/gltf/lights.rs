@@ -35,14 +35,20 @@ fn place(light: &schema::Light, name: String, placed: &Placed<'_>) -> Checked<Li
     require(ok, || format!("its color is {:?}", light.color), "give finite numbers of 0 or more")?;
     let finding = || format!("its intensity is {:?}", light.intensity);
     require(light.intensity >= 0.0, finding, "give an intensity of 0 or more")?;
+    let kind = kind(light)?;
+    // A point light shines everywhere.
+    let direction = match kind {
+        LightKind::Point => [0.0, 0.0, -1.0],
+        LightKind::Directional | LightKind::Spot { .. } => placed.forward().at(|| placed.label())?.to_array(),
+    };
     Ok(Light {
         name,
         node: placed.index as u32,
-        kind: kind(light)?,
+        kind,
         color,
         intensity: light.intensity,
         position: placed.world.translation.to_array(),
-        direction: placed.forward().to_array(),
+        direction,
         extras: light.extras.clone(),
     })
 }

@@ -18,10 +18,11 @@ pub struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// Where it looks or shines: along its -z axis.
-    pub fn forward(&self) -> DVec3 {
-        // Transforms of nodes are invertible, so their axes have directions.
-        transforms::direction(-self.world.matrix3.z_axis).unwrap_or(DVec3::NEG_Z)
+    /// Where it looks or shines: along its -z axis, unless that is flattened.
+    pub fn forward(&self) -> Checked<DVec3> {
+        let remedy = "give it a scale above 0 along z";
+        transforms::direction(-self.world.matrix3.z_axis)
+            .ok_or_else(|| Fault::new("its transform leaves nothing of its z axis, along which it should look", remedy))
     }
 
     /// What it is called in messages.
@@ -58,7 +59,7 @@ pub fn place<'a>(root: &'a Root, warnings: &mut Warnings) -> Checked<Vec<Placed<
             continue;
         };
         let world = parent * local;
-        transforms::invertible(world).at(label)?;
+        transforms::finite(world).at(label)?;
         placed.push(Placed { index, node, world });
         open.extend(node.children.iter().rev().map(|child| (*child, world)));
     }

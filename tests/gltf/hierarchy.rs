@@ -120,6 +120,42 @@ fn scale_0_hides_a_node_and_its_children() {
 }
 
 #[test]
+fn flattened_nodes_keep_what_is_left_of_them() {
+    let mut file = Builder::new();
+    let mesh = file.triangle(TRIANGLE);
+    let into_the_plane = [2, 0, 0, 0, 0, 3, 0, 0, 0, 1, 0, 0, 0, 0, 5, 1]; // z leans onto y
+    file.json["nodes"] = json!([
+        { "mesh": mesh, "scale": [2, 3, 0], "translation": [0, 0, 5] },
+        { "mesh": mesh, "matrix": into_the_plane },
+        { "mesh": mesh, "scale": [1, 0, 1] },                     // no area is left
+        { "children": [4], "scale": [1e-200, 1e-200, 1e-200] },
+        { "mesh": mesh, "scale": [1e-200, 1e-200, 1e-200] },      // nothing at all
+    ]);
+    let found = corners(&file.model());
+    let expected = [[0.0, 0.0, 5.0], [2.0, 0.0, 5.0], [0.0, 3.0, 5.0]];
+    assert_eq!(found[..2], [expected; 2]);
+    assert_eq!(found[2], [[0.0; 3], [1.0, 0.0, 0.0], [0.0; 3]]);
+    assert_eq!(found[3], [[0.0; 3]; 3]);
+    assert_eq!(normal(found[0]), [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn cameras_and_spots_need_their_z_axis() {
+    let lens = json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } });
+    let camera = |scale: [f64; 3]| {
+        let mut file = Builder::new();
+        file.json["cameras"] = json!([lens]);
+        file.json["nodes"] = json!([{ "camera": 0, "scale": scale, "name": "Eye" }]);
+        file
+    };
+    let upright = camera([0.0, 0.0, 2.0]).model();
+    assert_eq!((upright.cameras[0].forward, upright.cameras[0].up[2]), ([0.0, 0.0, -1.0], 0.0));
+    let error = camera([1.0, 1.0, 0.0]).error();
+    assert!(error.contains("node 0 \"Eye\": its transform leaves nothing of its z axis"), "{error}");
+    assert!(error.contains("give it a scale above 0 along z"), "{error}");
+}
+
+#[test]
 fn extras_of_nodes_are_kept() {
     let mut file = Builder::new();
     file.json["nodes"] = json!([{}, { "name": "fog", "extras": { "g": [0.9] } }]);

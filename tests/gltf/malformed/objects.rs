@@ -41,16 +41,6 @@ fn meshes() {
 
 #[test]
 fn hierarchies() {
-    let tiny = json!([1e-200, 1e-200, 1e-200]);
-    let mut underflow = everything();
-    underflow.json["nodes"][0]["scale"] = tiny.clone();
-    underflow.json["nodes"][1]["scale"] = tiny;
-    assert!(
-        underflow.error().starts_with("error: test.glb: node 1: its transform is singular"),
-        "{}",
-        underflow.error()
-    );
-    let flat = json!([1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     let projective = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 1]);
     let identity = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     refuse(&[
@@ -65,9 +55,7 @@ fn hierarchies() {
         ("/nodes/3/children", json!([3]), "node 3: is above or below itself in the hierarchy\n"),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "node 0 \"Root\": its rotation is [0.0, 0.0, 0.0, 0.0]\n"),
         ("/nodes/0/rotation", json!([1e300, 1e300, 0, 0]), "node 0 \"Root\": its rotation is [1e300, "),
-        ("/nodes/1/scale", json!([1, 0, 1]), "node 1: its transform is singular"),
         ("/nodes/1/scale", json!([1e308, 1e308, 1e308]), "node 1, mesh 0 \"Wall\": puts vertex "),
-        ("/nodes/3/matrix", flat, "node 3: its transform is singular"),
         ("/nodes/3/matrix", projective, "node 3: the last row of its matrix is [0.0, 0.0, -1.0, 1.0]\n"),
         ("/nodes/0/matrix", identity, "node 0 \"Root\": has a matrix and also translation, rotation or scale\n"),
     ]);
