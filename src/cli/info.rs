@@ -78,7 +78,12 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     }
     if !frame.surfaces.is_empty() {
         let (geometry, materials) = (frame.surfaces.geometry(), frame.surfaces.materials().len());
-        say(format!("surfaces: {} triangles, {materials} materials, {} KiB", geometry.len(), geometry.bytes() >> 10))?;
+        say(format!(
+            "surfaces: {}, {}, {} KiB",
+            count(geometry.len(), "triangle"),
+            count(materials, "material"),
+            geometry.bytes() >> 10
+        ))?;
     }
     describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
@@ -88,7 +93,7 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     }
     if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
         let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
-        say(format!("shining meshes: {shining}, of {triangles} triangles"))?;
+        say(format!("shining meshes: {shining}, of {}", count(triangles, "triangle")))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
     say(format!(
@@ -112,10 +117,15 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     ))
 }
 
+/// A number of things that are called `one` where there is one.
+fn count(number: usize, one: &str) -> String {
+    format!("{number} {one}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Meshes and cameras of the scene's glTF file.
 fn describe_contents(contents: &Contents) -> Result<()> {
     for (name, triangles) in contents.meshes.iter().take(MOST_NAMED) {
-        say(format!("mesh {}: {triangles} triangles", quoted(name)))?;
+        say(format!("mesh {}: {}", quoted(name), count(*triangles, "triangle")))?;
     }
     if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_NAMED) {
         say(format!("and {more} more meshes"))?;

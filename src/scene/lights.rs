@@ -57,11 +57,11 @@ fn normal(source: &Source<'_>, light: &Light) -> Result<Option<DVec3>> {
         (LightKind::Sphere, None) => Ok(None),
         (LightKind::Sphere, Some(normal)) => {
             let remedy = "leave the normal out: a sphere shines in all directions";
-            Err(source.wrong("normal", format!("{normal:?}, of a sphere"), remedy))
+            Err(source.wrong("normal", format!("{normal:?}, where the light is a sphere"), remedy))
         }
         (LightKind::Disk | LightKind::Spot, Some(normal)) => source.direction("normal", normal).map(Some),
         (kind @ (LightKind::Disk | LightKind::Spot), None) => {
-            let finding = format!("missing, of a {}", kind.name());
+            let finding = format!("missing, where the light is a {}", kind.name());
             Err(source.wrong("normal", finding, "give the direction that the front faces, [x, y, z]"))
         }
     }
@@ -75,10 +75,10 @@ fn exponent(source: &Source<'_>, light: &Light) -> Result<Option<f64>> {
             let kind = kind.name();
             let remedy =
                 format!("write type = \"spot\", or leave the exponent out: a {kind} shines alike in all directions");
-            Err(source.wrong("exponent", format!("{exponent:?}, of a {kind}"), &remedy))
+            Err(source.wrong("exponent", format!("{exponent:?}, where the light is a {kind}"), &remedy))
         }
         (LightKind::Spot, None) => {
-            Err(source.wrong("exponent", "missing, of a spot", "give an exponent from 0 to 10000"))
+            Err(source.wrong("exponent", "missing, where the light is a spot", "give an exponent from 0 to 10000"))
         }
         (LightKind::Spot, Some(exponent)) => {
             let ok = (0.0..=LARGEST_EXPONENT).contains(&exponent);

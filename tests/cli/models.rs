@@ -360,6 +360,7 @@ fn keys_in_extras_are_checked_like_a_scene_file() {
     refused(json!({ "geometry": "other.glb" }), " has a geometry");
     refused(json!({ "medium": { "scattering": null } }), " has null at \"medium.scattering\"");
     refused(json!("fog"), " is \"fog\", not an object");
+    refused(json!(null), " is null, not an object");
 }
 
 #[test]

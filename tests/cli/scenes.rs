@@ -391,7 +391,7 @@ fn a_spot_has_an_exponent_and_a_disk_has_none() {
     let refused = |change: &str, code: i32, beginning: &str| {
         Folder::with_scene().refused(&["render", "scene.toml", "--set", change], code, beginning);
     };
-    refused("light[0].exponent=3", 2, "--set light[0].exponent=3: light[0].exponent is 3.0, of a disk");
+    refused("light[0].exponent=3", 2, "--set light[0].exponent=3: light[0].exponent is 3.0, where the light is a disk");
     let spot = |exponent: &str| format!("type = \"spot\"\nexponent = {exponent}");
     let folder = Folder::with_edited_scene("type = \"disk\"", &spot("-1"));
     let beginning = format!("{}: light[0].exponent is -1.0", folder.place("exponent"));
@@ -410,15 +410,15 @@ fn a_disk_has_a_normal_and_a_sphere_has_neither_normal_nor_exponent() {
         folder.refused(&["render", "scene.toml"], 1, &format!("{}: light[0].{finding}", folder.place(place)));
     };
     let folder = Folder::with_edited_scene("normal = [0, 0, -1]\n", "");
-    refused_there(&folder, "[[light]]", "normal is missing, of a disk\n");
+    refused_there(&folder, "[[light]]", "normal is missing, where the light is a disk\n");
     let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
-    refused_there(&folder, "normal", "normal is [0.0, 0.0, -1.0], of a sphere\n");
+    refused_there(&folder, "normal", "normal is [0.0, 0.0, -1.0], where the light is a sphere\n");
     let sphere = |line: &str| {
         let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
         let scene = std::fs::read_to_string(folder.path("scene.toml")).expect("a scene");
         folder.write("scene.toml", scene.replace("normal = [0, 0, -1]", line));
         folder
     };
-    refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, of a sphere\n");
+    refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, where the light is a sphere\n");
     sphere("").done(&["render", "scene.toml"]);
 }
