@@ -8,8 +8,14 @@
 //! roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges as it is, and the
 //! mean takes a quarter of the time; where nothing scatters it would only add noise.
 //!
+//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a variance counts with
+//! twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the one which
+//! leaves least to luck, most starts and longest walks, found something else than the image.
+//!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same on
 //! every machine, for every split of the samples, and independent of the samples that are kept.
+
+use core::cmp::Ordering;
 
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::pipeline::SIMD;
@@ -29,8 +35,12 @@ const LONGEST_FOR_ALL: u32 = 128;
 const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
 /// Longest side of the pilot's image in pixels.
 const SIDE: u32 = 32;
-/// Samples per pixel and setting.
+/// Samples per pixel and setting, in parts.
 const SAMPLES: u32 = 32;
+/// Parts whose spread tells how well a variance is known.
+const PARTS: u32 = 4;
+/// Standard errors by which the means of two settings may differ.
+const AGREEMENT: f64 = 5.0;
 /// Share of the best efficiency that is as good as the best.
 const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
@@ -64,17 +74,32 @@ pub struct Trial {
     pub setting: Setting,
     /// Variance of a sample, mean over pixels, sum over channels.
     pub variance: f64,
+    /// Standard error of that variance.
+    pub doubt: f64,
     /// Work of a sample in about nanoseconds of one core.
     pub cost: f64,
     /// Mean radiance, of the brightest channel [W/(m^2 sr)].
     pub mean: f64,
+    /// Standard error of that mean [W/(m^2 sr)].
+    pub error: f64,
 }
 
 impl Trial {
-    /// What a render should maximise: one over variance times cost; a setting that found nothing has none.
+    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has none.
     pub fn efficiency(&self) -> f64 {
-        let work = self.variance * self.cost;
+        let work = (self.variance + 2.0 * self.doubt) * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
+    }
+
+    /// Whether both may have the same mean.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        (self.mean - other.mean).abs() <= AGREEMENT * self.error.hypot(other.error)
+    }
+
+    /// Less to luck first: by starts, then by survival.
+    fn compare_walks(&self, other: &Self) -> Ordering {
+        let [a, b] = [self.setting, other.setting];
+        a.starts.cmp(&b.starts).then(a.survival.total_cmp(&b.survival))
     }
 }
 
@@ -153,16 +178,15 @@ impl<F: Fn() -> bool> Search<'_, F> {
     }
 }
 
-/// The trial to go by: of those nearly as efficient as the most efficient one, the one with most starts, longest walks and
-/// faintest roulette. A look this short knows variances to a tenth or so, and more of everything has fewer surprises.
-fn best(trials: &[Trial]) -> Option<Trial> {
-    let most = trials.iter().map(Trial::efficiency).fold(0.0, f64::max);
-    let good = trials.iter().filter(|trial| trial.efficiency() >= NEARLY * most);
-    good.copied().max_by(|a, b| {
-        let [a, b] = [a.setting, b.setting];
-        let walks = a.starts.cmp(&b.starts).then(a.survival.total_cmp(&b.survival));
-        walks.then(b.roulette.total_cmp(&a.roulette))
-    })
+/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the one with
+/// most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and more of everything
+/// has fewer surprises.
+pub fn best(trials: &[Trial]) -> Option<Trial> {
+    let fullest = trials.iter().max_by(|a, b| a.compare_walks(b))?;
+    let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));
+    let most = sound().map(Trial::efficiency).fold(0.0, f64::max);
+    let good = sound().filter(|trial| trial.efficiency() >= NEARLY * most);
+    good.copied().max_by(|a, b| a.compare_walks(b).then(b.setting.roulette.total_cmp(&a.setting.roulette)))
 }
 
 struct Pilot<'a> {
@@ -186,15 +210,41 @@ impl<'a> Pilot<'a> {
 
     fn attempt(&self, setting: Setting) -> Trial {
         let frame = setting.apply(&self.frame);
-        let film = Film::new(&frame, self.region, tile_size(self.region));
-        let stats = self.renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &Monitor::default());
+        let looks: Vec<Look> = (0..PARTS).map(|part| self.look(&frame, part)).collect();
+        let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / f64::from(PARTS);
+        let variance = mean_of(&|look| look.variance);
+        let spread = mean_of(&|look| (look.variance - variance).powi(2));
+        Trial {
+            setting,
+            variance,
+            doubt: (spread / f64::from(PARTS - 1)).sqrt(),
+            cost: mean_of(&|look| look.cost),
+            mean: mean_of(&|look| look.mean),
+            error: (mean_of(&|look| look.error.powi(2)) / f64::from(PARTS)).sqrt(),
+        }
+    }
+
+    fn look(&self, frame: &Frame, part: u32) -> Look {
+        const SHARE: u32 = SAMPLES / PARTS;
+        let film = Film::new(frame, self.region, tile_size(self.region));
+        let samples = part * SHARE..(part + 1) * SHARE;
+        let stats = self.renderer.render(frame, &SIMD, &film, samples, &Monitor::default());
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
-        let variance = sum / self.region.pixels() as f64 * f64::from(SAMPLES);
-        let mean = film.mean().0.into_iter().fold(0.0, f64::max);
+        let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);
         let cost = cost(&stats, !frame.surfaces.is_empty()) / stats.samples as f64;
-        Trial { setting, variance, cost, mean }
+        let (means, errors) = film.mean();
+        let brightest = (1..3).fold(0, |best, channel| if means[channel] > means[best] { channel } else { best });
+        Look { variance, cost, mean: means[brightest], error: errors[brightest] }
     }
+}
+
+/// What one part of the samples says of a setting; see [`Trial`].
+struct Look {
+    variance: f64,
+    cost: f64,
+    mean: f64,
+    error: f64,
 }
 
 /// Work in units of about a nanosecond on one core: what stages were measured to cost per row.

@@ -147,6 +147,9 @@ fn trial(trial: &Trial) -> Value {
         "survival": trial.setting.survival,
         "roulette": trial.setting.roulette,
         "variance": trial.variance,
+        "variance_error": trial.doubt,
+        "mean": trial.mean,
+        "mean_error": trial.error,
         "cost": trial.cost,
         "efficiency": trial.efficiency(),
     })
