@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
-use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
@@ -48,10 +47,12 @@ impl Frame {
 
     /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
     ///
-    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end with the segment after the last start: it meets
-    /// the light that bridges from that vertex hardly find, the one right in front of it.
+    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end with the
+    /// segment after the last start: it meets the light that bridges from that vertex hardly find, the one right in front of
+    /// it.
     pub fn with_walk(self, starts: u32, survival: f32) -> Self {
-        let reaches_everything = self.techniques.bridge.as_ref().is_some_and(Bridge::reaches_everything);
+        let reaches_everything =
+            self.techniques.bridge.as_ref().is_some_and(|bridge| bridge.reaches_everything(self.lengths.max));
         let suffices = reaches_everything && self.surfaces.is_empty();
         let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
         Self { walk: Walk { segments, starts, survival }, ..self }

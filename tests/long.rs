@@ -107,15 +107,23 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
         "medium.phase.g=0",
         "render.min_segments=6",
     ];
-    let mixed = small_light(&near);
-    let counts = Arc::new(CountTable::poisson(mixed.medium.phase));
-    let bridge = Bridge { defensive: 0.0, ..Bridge::with_counts(Roll::Aligned, counts) };
-    let poisson = Frame { techniques: Techniques { bridge: Some(bridge), ..Techniques::default() }, ..mixed.clone() };
-    let (mixed, poisson) = (variances(&mixed), variances(&poisson));
-    println!("long detours, variances of ten seeds: {mixed:.1?}, of Poisson counts {poisson:.1?}");
-    // A few samples decide the worst run with Poisson counts: by how much it is worse differs, that it is far worse does not.
-    assert!(poisson[9] > 50.0 * mixed[9], "worst runs: {mixed:.1?}, Poisson {poisson:.1?}");
-    assert!(poisson[5] > 5.0 * mixed[5], "medians: {mixed:.1?}, Poisson {poisson:.1?}");
+    let frame = small_light(&near);
+    let tabled = frame.techniques.bridge.clone().expect("a frame with bridges");
+    let poisson = Bridge { counts: Arc::new(CountTable::poisson(frame.medium.phase)), ..tabled.clone() };
+    let [tabled, poisson] = [tabled, poisson].map(|bridge| {
+        [bridge.defensive, 0.0].map(|defensive| {
+            let bridge = Some(Bridge { defensive, ..bridge.clone() });
+            variances(&Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame.clone() })
+        })
+    });
+    println!("long detours, variances of ten seeds, with and without uniform counts:");
+    println!("table {tabled:.1?}\nPoisson {poisson:.1?}");
+    // A few samples decide the worst run with Poisson counts alone: by how much it is worse differs, that it is far worse does not.
+    let [[tabled, _], [mixed, alone]] = &[tabled, poisson];
+    assert!(alone[9] > 50.0 * tabled[9], "worst runs");
+    assert!(alone[5] > 5.0 * tabled[5], "medians");
+    assert!(alone[9] > 5.0 * mixed[9], "worst runs of Poisson counts");
+    assert!(tabled[5] < mixed[5], "medians with uniform counts");
 }
 
 #[test]

@@ -42,7 +42,7 @@ pub const OMNEE_LIGHT: u32 = 4;
 pub const BRIDGE_LIGHT: u32 = 5;
 /// The inserted vertex of once-more next event estimation.
 pub const OMNEE_VERTEX: u32 = 6;
-/// How many edges a bridge has, and how it is rolled.
+/// How many edges a bridge has, by which knots of the table, and how it is rolled.
 pub const BRIDGE_COUNT: u32 = 7;
 /// The light point of light importance sampling.
 pub const LIS_LIGHT: u32 = 8;

@@ -35,6 +35,8 @@ const SMALLEST_SURVIVAL: f64 = 0.01;
 const LARGEST_FILM: u64 = 1 << 27;
 /// Longest path: the random dimensions have room for as many inserted vertices.
 const LONGEST_PATH: u32 = 1024;
+/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
+const SHARPEST: f64 = 0.9999;
 
 /// A check of the values at some paths of a document.
 struct Check<'a> {
@@ -101,8 +103,8 @@ impl Check<'_> {
             ));
         }
         let g = medium.phase.g;
-        let remedy = "give a mean cosine above -1 and below 1, at most 0.9999999 in size";
-        self.require((g as f32).abs() < 1.0, "medium.phase.g", format!("{g:?}"), remedy)?;
+        let remedy = "give a mean cosine from -0.9999 to 0.9999";
+        self.require(g.abs() <= SHARPEST, "medium.phase.g", format!("{g:?}"), remedy)?;
         let albedo = scattering.map(|s| if extinction[0] > 0.0 { (s / extinction[0]) as f32 } else { 0.0 });
         let phase = HenyeyGreenstein { g: g as f32 };
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
@@ -155,20 +157,24 @@ impl Check<'_> {
             schema::Roll::Aligned => Roll::Aligned,
             schema::Roll::Uniform => Roll::Uniform,
         };
+        let active = |technique: Technique| names.contains(&technique);
         let max_inserted = render.bridge_vertices.unwrap_or(u32::MAX);
-        let bridge =
-            Bridge { max_inserted, ..Bridge::new(roll, medium, render.max_segments).with_mesc(medium, bridge_mesc) };
+        let bridge = (active(Technique::Bridge) || active(Technique::Lis)).then(|| {
+            // No bridge is longer than from the first vertex behind the camera to the last.
+            let longest = render.max_segments.min(max_inserted.saturating_add(2));
+            Bridge { max_inserted, ..Bridge::new(roll, medium, longest).with_mesc(medium, bridge_mesc) }
+        });
         let mvnee = Mvnee::new(medium, mesc, offset);
         let shape = match render.lis {
-            LisShape::Bridge => Shape::Bridge(bridge.clone()),
-            LisShape::Mvnee => Shape::Mvnee(mvnee),
+            LisShape::Bridge => bridge.clone().map(Shape::Bridge),
+            LisShape::Mvnee => Some(Shape::Mvnee(mvnee)),
         };
         Ok(Techniques {
-            nee: names.contains(&Technique::Nee),
-            mvnee: names.contains(&Technique::Mvnee).then_some(mvnee),
-            omnee: names.contains(&Technique::Omnee),
-            bridge: names.contains(&Technique::Bridge).then_some(bridge),
-            lis: names.contains(&Technique::Lis).then(|| Lis::new(medium, shape)),
+            nee: active(Technique::Nee),
+            mvnee: active(Technique::Mvnee).then_some(mvnee),
+            omnee: active(Technique::Omnee),
+            bridge: bridge.filter(|_| active(Technique::Bridge)),
+            lis: shape.filter(|_| active(Technique::Lis)).map(|shape| Lis::new(medium, shape)),
         })
     }
 

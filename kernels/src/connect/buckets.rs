@@ -8,9 +8,9 @@ use crate::columns::{Column, LANES};
 
 /// What counting the inserted vertices of connections may touch.
 pub struct CountColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
+    /// Read: pixel, sample, birth, last surface vertex.
     pub paths: &'a PathTable<'q>,
-    /// Read: lane, start and point of the connections.
+    /// Read: lane, start, arriving and point of the connections.
     pub connections: &'a CandidateQueue<'q>,
     /// Filled: `count` of every connection.
     pub buckets: &'a mut BucketTable<'q>,
@@ -18,7 +18,7 @@ pub struct CountColumns<'a, 'q> {
 
 /// What placing the inserted vertices of connections may touch.
 pub struct BuildColumns<'a, 'q> {
-    /// Read: pixel, sample, birth.
+    /// Read: pixel, sample, birth, last surface vertex.
     pub paths: &'a PathTable<'q>,
     /// Read: every column of the connections but the weight.
     pub connections: &'a CandidateQueue<'q>,

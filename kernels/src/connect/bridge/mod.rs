@@ -40,7 +40,7 @@
 //!
 //! (h_- h_+ is the Q of the derivation in the documentation.) A uniform roll, `tan(psi / 2) = tan(pi (u - 1/2))`, serves
 //! any phase function that can be sampled; another phase function gets an aligned roll by a density in psi of its own,
-//! which replaces these two lines.
+//! which replaces these two lines, and a turn of its own by which its [counts] are tabulated.
 //!
 //! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the reflection,
 //! and the table has a row of its own for it.
@@ -101,9 +101,9 @@ impl Bridge {
         Self { max_distance: (mesc / f64::from(medium.extinction)) as f32, ..self }
     }
 
-    /// Whether every path to a light can be made by a bridge from its first vertex.
-    pub fn reaches_everything(&self) -> bool {
-        self.max_distance == f32::INFINITY && self.max_inserted == u32::MAX
+    /// Whether every path of at most `longest` segments can be made by a bridge from its first vertex.
+    pub fn reaches_everything(&self, longest: u32) -> bool {
+        self.max_distance == f32::INFINITY && self.max_inserted.saturating_add(2) >= longest
     }
 
     /// Most edges of a bridge from a start at `depth`, where paths have at most `longest` segments; `depth < longest`.

@@ -4,7 +4,7 @@
 //! that do not depend on N, it is the mean contribution of bridges of N edges,
 //!
 //! ```text
-//! I(N) = albedo^N E[ x^N e^-x / (N-1)! * p_w(c) / p(psi) ],      x = mu_t s L / |y_N|
+//! I(N) = albedo^(N-1) E[ x^N e^-x / (N-1)! * p_w(c) / p(psi) ],      x = mu_t s L / |y_N|
 //! P(N) = I(N) / sum of all I,                                    N = 1 .. edges
 //! ```
 //!
@@ -19,7 +19,12 @@
 //! ```
 //!
 //! and is bilinear in mu_t s and h in between, constant beyond. A bilinear mixture is drawn by choosing one of the four
-//! knots around at random, so that probability and sampler agree to the last digit.
+//! knots around at random, and probabilities are the steps of the rounded distribution: what is drawn is what is weighed, as
+//! far as uniform numbers of 23 bits can tell. Rarer counts than that are left to the uniform part of the counts.
+//!
+//! The law is that of the Henyey-Greenstein function: `h` is its coordinate of turns, the factor `p_w / p(psi)` its own. Another
+//! phase function needs a coordinate of turns that falls with its value, and a mean of any quality: an error of the table costs
+//! efficiency, and nothing else.
 
 pub mod moments;
 pub mod reference;
@@ -38,8 +43,9 @@ pub const MOST_EDGES: u32 = 128;
 
 /// Least optical distance of a knot.
 const NEAREST: f32 = 1.0 / 256.0;
-/// Entries for one number of edges: one per knot, and room for the neighbours of the last, which weigh nothing.
+/// Entries for one number of edges: one per knot, and room for what lies behind the last, which weighs nothing.
 const SLAB: usize = DISTANCES * TURNS + TURNS + 1;
+const _: () = assert!((DISTANCES * TURNS).is_power_of_two(), "kernels mask indices of knots");
 
 /// Probabilities of the numbers of edges 1 .. [`CountTable::edges`].
 #[derive(Clone, PartialEq)]
@@ -93,7 +99,8 @@ impl CountTable {
         table
     }
 
-    /// The counts of the paper: one more than a Poisson number of mean mu_t s, but no more than [`MOST_EDGES`].
+    /// About the counts of the paper: one more than a Poisson number of mean mu_t s, between knots a mixture of two, and no more
+    /// than [`MOST_EDGES`].
     pub fn poisson(phase: HenyeyGreenstein) -> Self {
         let edges = MOST_EDGES as usize;
         Self::from_weights(phase, edges, |_, knot| {

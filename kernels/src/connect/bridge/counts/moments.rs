@@ -3,7 +3,7 @@
 //! ```text
 //! for each of many walks, for N = 1 .. edges, for each knot (mu_t s, gamma):
 //!     x     = mu_t s L / |y_N|,      psi rolled by an even spread of numbers
-//!     I(N) += albedo^N x^N e^-x / (N-1)! * (1 - g^2) / sqrt(h h_- h_+)
+//!     I(N) += albedo^(N-1) x^N e^-x / (N-1)! * (1 - g^2) / sqrt(h h_- h_+)
 //! ```
 //!
 //! 1. The first N edges of a long walk are a walk of N edges: one walk serves all N.

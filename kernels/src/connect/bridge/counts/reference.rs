@@ -71,7 +71,9 @@ mod tests {
     use crate::connect::bridge::counts::{DISTANCES, knots};
     use crate::phase::HenyeyGreenstein;
     use crate::phase::reference as phase;
+    use crate::random;
     use crate::tables::media::Medium;
+    use glam::DVec3;
 
     fn medium(g: f32, albedo: f32) -> Medium {
         Medium { extinction: 1.0, albedo: [albedo; 3], phase: HenyeyGreenstein { g } }
@@ -145,6 +147,39 @@ mod tests {
             }
         }
         sum / distance * PI * TAU / f64::from(turns * shares * azimuths)
+    }
+
+    /// Ends of the N-th flights of random walks from the start are as dense, in volume, as light by N edges is strong.
+    #[test]
+    fn light_by_more_edges_is_in_the_proportion_that_walks_see() {
+        let (g, distance, turns) = (0.5, 2.0, [0.4, 0.8]);
+        let (low, high) = (0.8 * distance, 1.2 * distance);
+        let mut seen = [0.0; 4];
+        for walk in 0..400_000 {
+            let (mut position, mut direction) = (DVec3::ZERO, DVec3::Z);
+            for (n, seen) in seen.iter_mut().enumerate() {
+                let numbers = random::words(walk, n as u32, 0, 1).map(random::uniform);
+                let turned = phase::turn(direction, phase::sample_cosine(g, numbers[1]), numbers[2]);
+                (position, direction) = (position - (1.0 - numbers[0]).ln() * turned, turned);
+                let (length, cosine) = (position.length(), position.z / position.length());
+                *seen += f64::from(u8::from((low..high).contains(&length) && (turns[0]..turns[1]).contains(&cosine)));
+            }
+        }
+        let table = CountTable::new(&medium(g as f32, 1.0), 5);
+        // By one edge that density is phase exp(-s) / s^2, and the volume s^2 ds dcos.
+        let (mut expected, steps) = ([0.0; 4], 24);
+        for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+            let between = |low: f64, high: f64, k: i32| low + (high - low) * (f64::from(k) + 0.5) / f64::from(steps);
+            let (s, cosine) = (between(low, high, i), between(turns[0], turns[1], j));
+            let cell = cell(&table, g, s, Some(cosine));
+            let single = phase::density(g, cosine) * (-s).exp();
+            let scale = single / probability(&table, &cell, 1);
+            (0..4).for_each(|n| expected[n] += scale * probability(&table, &cell, n as u32 + 1));
+        }
+        for n in 1..4 {
+            let (found, expected) = (seen[n] / seen[0], expected[n] / expected[0]);
+            assert!((found / expected - 1.0).abs() < 0.1, "{} edges: {expected}, walks see {found}", n + 1);
+        }
     }
 
     #[test]

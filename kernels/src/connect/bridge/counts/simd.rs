@@ -26,8 +26,8 @@ pub struct CellX8 {
     v: f32x8,
 }
 
-/// The knot of a table with `2^SPLIT` knots per octave from 1 on, and the place between it and the next, of which there are
-/// `knots` in all.
+/// Among `knots` knots, `2^SPLIT` per octave from 1 on: the last that is not above `value`, except the very last, and the place
+/// of `value` between it and the next, [0, 1).
 #[inline(always)]
 fn locate<const SPLIT: u32>(value: f32x8, knots: u32) -> (u32x8, f32x8) {
     const MANTISSA: u32 = f32::MANTISSA_DIGITS - 1;
