@@ -1,20 +1,40 @@
 //! Reflection in f64.
 //!
+//! A path that met a triangle goes on from the point where it did, on the side from which it came. The surface scatters
+//! light as Lambert says, albedo / pi per steradian and cosine. With n the normal on that side, d the direction in which
+//! the path arrived and u_1, u_2 the two random numbers:
+//!
 //! ```text
-//! x' = A + u (B - A) + v (C - A),     n along (B - A) x (C - A), turned to where the ray comes from
-//! d' = cos theta n + sin theta (cos phi tangent + sin phi bitangent),     cos^2 theta = 1 - u_1,  phi = 2 pi u_2
+//! for every listed hit, at the distance r, with weights b1, b2 of the corners B, C of a triangle A B C
+//!     m  = (B - A) x (C - A) / |(B - A) x (C - A)|                    the front's normal
+//!     n  = -m if d . m > 0, m otherwise
+//!     x' = A + b1 (B - A) + b2 (C - A) + D n
+//!     d' = sqrt(1 - u_1) n + sqrt(u_1) (cos(2 pi u_2) s + sin(2 pi u_2) t),    s, t, n a right-handed frame
+//!     T' = T albedo
+//!     Lambda' = 0 if x is the camera, Lambda + r otherwise            the arc
+//!     the last surface is the one at x', its normal n
+//!     the path ends if the albedo is 0, or if n = -m and the back does not reflect
 //! ```
 //!
-//! `cos theta` then has density `2 cos theta`, the direction `cos theta / pi`, and Lambert's reflection `albedo / pi` times
-//! `cos theta` over it is the albedo.
-
-use core::f64::consts::TAU;
+//! **The direction.** Density `cos theta / pi` per steradian means that `cos^2 theta` is uniform, and so is `1 - u_1`.
+//! Reflected light, `albedo / pi cos theta`, over this density is the albedo.
+//!
+//! **The clearance.** D bounds how far the point, were it computed in f32, could be from the plane
+//! ([`trace::surface`](crate::trace::surface)): with u = 2^-24, n = (n_x, n_y, n_z) and `b0 = max(0, 1 - b1 - b2)`
+//!
+//! ```text
+//! e = 9 u / (1 - 9 u) (|b0 A| + |b1 B| + |b2 C|)                      per component
+//! D = (1 + 16 u) (|n_x| e_x + |n_y| e_y + |n_z| e_z)
+//! ```
+//!
+//! The point itself needs none of it in f64. But it is kept in f32, so every component is rounded, and then moved to
+//! the next number in the direction of n: it ends strictly on n's side.
 
 use glam::DVec3;
 
 use super::Columns;
 use crate::columns::queues::SurfaceHit;
-use crate::phase::reference::frame;
+use crate::phase::reference as phase;
 use crate::tables::surfaces::Surfaces;
 use crate::trace::Hit;
 use crate::{Step, random};
@@ -24,27 +44,25 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
     let Columns { surface_hits, flights, paths, vertices, rays } = columns;
     let (vertex, next) = vertices.step(step.clock);
     let (arriving, leaving) = rays.step(step.clock);
-    for row in 0..surface_hits.len {
-        let hit = surface_hits.row(row);
+    for hit in (0..surface_hits.len).map(|row| surface_hits.row(row)) {
         let lane = hit.lane as usize;
         let direction = DVec3::from(arriving.direction.row(lane).map(f64::from));
-        let depth = paths.depth(step.clock, lane);
         let triangle = surfaces.geometry().corners(hit.triangle as usize);
-        let side = side(triangle, direction);
-        let words = [flights.cosine.rows()[lane], flights.azimuth.rows()[lane]];
-        let distance = f64::from(hit.distance);
-        let arc = if depth == 0 { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + distance };
+        let barycentric = [hit.second, hit.third].map(f64::from);
+        let normal = side(triangle, direction);
+        let position = point(triangle, barycentric) + clearance(triangle, barycentric, normal) * normal;
+        let flight = flights.row(lane);
+        let reflected = reflect(normal, [flight.cosine, flight.azimuth].map(random::uniform));
 
-        let position = point(triangle, [hit.second, hit.third].map(f64::from));
-        let position = position + side * margin(triangle, side);
-        next.position.set_row(lane, position.as_vec3().to_array());
+        next.position.set_row(lane, round_along(position, normal));
+        leaving.direction.set_row(lane, reflected.as_vec3().to_array());
+        let depth = paths.depth(step.clock, lane);
+        let arc = if depth == 0 { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + f64::from(hit.distance) };
         next.arc.rows_mut()[lane] = arc as f32;
-        leaving.direction.set_row(lane, reflect(side, words.map(random::uniform)).as_vec3().to_array());
         paths.columns.last_surface.rows_mut()[lane] = depth + 1;
-        paths.columns.surface_normal.set_row(lane, side.as_vec3().to_array());
-        let albedo = albedo(surfaces, hit);
-        for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().take(paths.channels).zip(albedo)
-        {
+        paths.columns.surface_normal.set_row(lane, normal.as_vec3().to_array());
+        let channels = paths.columns.throughput.channels_mut().into_iter().take(paths.channels);
+        for (throughput, albedo) in channels.zip(albedo(surfaces, hit)) {
             let throughput = &mut throughput.rows_mut()[lane];
             *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
         }
@@ -54,41 +72,339 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// The point of a triangle with the weights of its second and third corner.
-pub fn point(triangle: [[f32; 3]; 3], [u, v]: [f64; 2]) -> DVec3 {
-    let [a, b, c] = triangle.map(|corner| DVec3::from(corner.map(f64::from)));
-    a + u * (b - a) + v * (c - a)
-}
-
-/// How far vertices are kept off the triangle along the unit vector `side` `[m]`: some roundings of its coordinates.
-pub fn margin(triangle: [[f32; 3]; 3], side: DVec3) -> f64 {
-    let size = |corner: [f32; 3]| side.abs().dot(DVec3::from(corner.map(f64::from)).abs());
-    let largest = triangle.map(size).into_iter().fold(0.0, f64::max);
-    10.0 * 2.0_f64.powi(-24) * largest
-}
-
-/// The unit normal of a triangle on the side from which `direction` comes.
-pub fn side(triangle: [[f32; 3]; 3], direction: DVec3) -> DVec3 {
-    let [a, b, c] = triangle.map(|corner| DVec3::from(corner.map(f64::from)));
-    let normal = (b - a).cross(c - a).normalize();
-    if direction.dot(normal) < 0.0 { normal } else { -normal }
-}
-
-/// The direction in which a Lambert surface with the unit normal `normal` reflects, for two numbers.
-pub fn reflect(normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
-    let (tangent, bitangent) = frame(normal);
-    let (sin, cos) = (TAU * v).sin_cos();
-    (1.0 - u).sqrt() * normal + u.sqrt() * (cos * tangent + sin * bitangent)
-}
-
-/// Reflected share of the light per channel.
-pub fn albedo(surfaces: &Surfaces, hit: SurfaceHit) -> [f32; 3] {
-    surfaces.albedo(&Hit { triangle: hit.triangle, distance: hit.distance, barycentric: [hit.second, hit.third] })
-}
-
-/// Whether nothing is reflected to where a ray in `direction` comes from.
+/// Whether a path ends where it meets a surface, arriving in `direction`: on the back of a one-sided one, and where nothing
+/// is reflected.
 pub fn is_black(surfaces: &Surfaces, hit: SurfaceHit, direction: DVec3) -> bool {
-    let [a, b, c] = surfaces.geometry().corners(hit.triangle as usize).map(|corner| DVec3::from(corner.map(f64::from)));
-    let from_back = direction.dot((b - a).cross(c - a)) >= 0.0;
-    albedo(surfaces, hit) == [0.0; 3] || (from_back && !surfaces.material(hit.triangle).double_sided)
+    let triangle = surfaces.geometry().corners(hit.triangle as usize);
+    let on_back = direction.dot(front(triangle)) > 0.0;
+    if on_back && !surfaces.material(hit.triangle).double_sided {
+        return true;
+    }
+    albedo(surfaces, hit) == [0.0; 3]
+}
+
+/// Reflected share of the light where a surface was met, per channel, [0, 1].
+pub fn albedo(surfaces: &Surfaces, hit: SurfaceHit) -> [f32; 3] {
+    let SurfaceHit { triangle, distance, second, third, .. } = hit;
+    surfaces.albedo(&Hit { triangle, distance, barycentric: [second, third] })
+}
+
+/// The unit normal of a triangle on its front, from where its corners run counterclockwise.
+fn front(triangle: [[f32; 3]; 3]) -> DVec3 {
+    let [a, b, c] = corners(triangle);
+    (b - a).cross(c - a).normalize()
+}
+
+/// The unit normal of a triangle on the side from which a path comes that arrives in `direction`.
+pub fn side(triangle: [[f32; 3]; 3], direction: DVec3) -> DVec3 {
+    let front = front(triangle);
+    if direction.dot(front) > 0.0 { -front } else { front }
+}
+
+/// The point of a triangle with the weights `barycentric` of its second and third corner `[m]`. Whatever the weights, it
+/// is in the triangle's plane.
+pub fn point(triangle: [[f32; 3]; 3], barycentric: [f64; 2]) -> DVec3 {
+    let [a, b, c] = corners(triangle);
+    a + barycentric[0] * (b - a) + barycentric[1] * (c - a)
+}
+
+/// How far from a triangle's plane, along its unit `normal`, its point with the weights `barycentric` may be where it
+/// is known in f32: D of the bound `[m]`.
+pub fn clearance(triangle: [[f32; 3]; 3], barycentric: [f64; 2], normal: DVec3) -> f64 {
+    let unit = 0.5_f64.powi(24);
+    let [a, b, c] = corners(triangle).map(DVec3::abs);
+    let [b1, b2] = barycentric;
+    let b0 = (1.0 - b1 - b2).max(0.0);
+    let error = 9.0 * unit / (1.0 - 9.0 * unit) * (b0 * a + b1 * b + b2 * c);
+    (1.0 + 16.0 * unit) * normal.abs().dot(error)
+}
+
+/// A clearance that is enough for all points of a triangle `[m]`: it is linear in the weights, so the greatest is that
+/// of a corner.
+pub fn margin(triangle: [[f32; 3]; 3], normal: DVec3) -> f64 {
+    let at_corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|corner| clearance(triangle, corner, normal));
+    at_corners.into_iter().fold(0.0, f64::max)
+}
+
+/// The unit direction in which a path leaves a surface with this unit `normal`; `u` decides on cosine and azimuth.
+pub fn reflect(normal: DVec3, u: [f64; 2]) -> DVec3 {
+    phase::turn(normal, (1.0 - u[0]).sqrt(), u[1])
+}
+
+/// A position in f32, rounded and then moved to the next number wherever `normal` points: strictly on its side.
+fn round_along(position: DVec3, normal: DVec3) -> [f32; 3] {
+    [0, 1, 2].map(|axis| {
+        let rounded = position[axis] as f32;
+        match normal[axis] {
+            component if component > 0.0 => rounded.next_up(),
+            component if component < 0.0 => rounded.next_down(),
+            _ => rounded,
+        }
+    })
+}
+
+fn corners(triangle: [[f32; 3]; 3]) -> [DVec3; 3] {
+    triangle.map(|corner| DVec3::from(corner.map(f64::from)))
+}
+
+#[cfg(test)]
+mod tests {
+    use bumpalo::Bump;
+
+    use super::*;
+    use crate::columns::paths::{Path, PathTable, Ray, RayTable, Vertex, VertexTable};
+    use crate::columns::queues::{Flight, FlightTable, SurfaceHitQueue};
+    use crate::tables::geometry::Geometry;
+    use crate::tables::surfaces::{Material, Paint};
+
+    /// At the height 2, its front above.
+    const LEVEL: [[f32; 3]; 3] = [[0.0, 0.0, 2.0], [4.0, 0.0, 2.0], [0.0, 4.0, 2.0]];
+    const TILTED: [[f32; 3]; 3] = [[1.0, 0.5, -3.0], [-2.0, 7.0, 0.25], [5.0, 1.5, 9.0]];
+
+    const NORMALS: [DVec3; 5] = [
+        DVec3::Z,
+        DVec3::NEG_Z,
+        DVec3::NEG_X,
+        DVec3::new(0.6, 0.0, -0.8),
+        DVec3::new(2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0),
+    ];
+
+    /// Centres of the cells of a grid over both random numbers.
+    fn grid(n: u32) -> impl Iterator<Item = [f64; 2]> {
+        let center = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+        (0..n).flat_map(move |i| (0..n).map(move |j| [center(i), center(j)]))
+    }
+
+    /// The mean of a function of the reflected directions.
+    fn mean(normal: DVec3, of: impl Fn(DVec3) -> DVec3) -> DVec3 {
+        let n = 400;
+        grid(n).map(|u| of(reflect(normal, u))).sum::<DVec3>() / f64::from(n * n)
+    }
+
+    #[test]
+    fn directions_have_the_moments_of_the_cosine() {
+        for normal in NORMALS {
+            // Mean of the cosine: integral of 2 c^2 over (0, 1). Mean of its square: of 2 c^3.
+            let first = mean(normal, |direction| direction);
+            assert!((first - 2.0 / 3.0 * normal).length() < 1e-4, "{first} around {normal}");
+            let second = mean(normal, |direction| direction.dot(normal) * direction);
+            assert!((second - 0.5 * normal).length() < 1e-4, "{second} around {normal}");
+        }
+    }
+
+    #[test]
+    fn a_share_of_the_squared_sine_is_within_every_angle() {
+        let n = 200;
+        for angle in [0.2_f64, 0.7, 1.0, 1.5] {
+            let within = grid(n).filter(|u| reflect(NORMALS[4], *u).dot(NORMALS[4]) > angle.cos()).count();
+            let share = within as f64 / f64::from(n * n);
+            assert!((share - angle.sin().powi(2)).abs() < 1.0 / f64::from(n), "{share} within {angle}");
+        }
+    }
+
+    #[test]
+    fn directions_are_unit_vectors_on_the_side_of_the_normal() {
+        let extremes = [0, 1 << 31, u32::MAX].map(random::uniform);
+        for normal in NORMALS {
+            for u in extremes.into_iter().flat_map(|first| extremes.map(|second| [first, second])) {
+                let direction = reflect(normal, u);
+                assert!((direction.length() - 1.0).abs() < 1e-12 && direction.dot(normal) > 0.0, "{direction}");
+            }
+        }
+    }
+
+    #[test]
+    fn azimuths_count_from_the_tangent_to_the_bitangent() {
+        for normal in NORMALS {
+            let (tangent, bitangent) = phase::frame(normal);
+            for u in grid(8) {
+                let direction = reflect(normal, u);
+                let azimuth = core::f64::consts::TAU * u[1];
+                let expected = u[0].sqrt() * azimuth.cos() * tangent + u[0].sqrt() * azimuth.sin() * bitangent;
+                let cosine = direction.dot(normal);
+                assert!((cosine * cosine - (1.0 - u[0])).abs() < 1e-12);
+                assert!((direction - cosine * normal - expected).length() < 1e-12, "{direction} around {normal}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_point_to_where_the_path_came_from() {
+        assert_eq!(side(LEVEL, DVec3::NEG_Z), DVec3::Z);
+        assert_eq!(side(LEVEL, DVec3::Z), DVec3::NEG_Z);
+        for direction in NORMALS {
+            let [a, b, c] = corners(TILTED);
+            let normal = side(TILTED, direction);
+            assert!((normal.length() - 1.0).abs() < 1e-14 && normal.dot(direction) < 0.0);
+            assert!(normal.dot(b - a).abs() < 1e-12 && normal.dot(c - a).abs() < 1e-12);
+            let turned = [TILTED[0], TILTED[2], TILTED[1]];
+            assert!((side(turned, direction) - normal).length() < 1e-14, "the winding has a say");
+        }
+    }
+
+    #[test]
+    fn points_are_means_of_the_corners() {
+        let [a, b, c] = corners(TILTED);
+        assert_eq!([point(TILTED, [0.0, 0.0]), point(TILTED, [1.0, 0.0]), point(TILTED, [0.0, 1.0])], [a, b, c]);
+        assert!((point(TILTED, [0.25, 0.5]) - (0.25 * a + 0.25 * b + 0.5 * c)).length() < 1e-14);
+    }
+
+    #[test]
+    fn clearances_are_units_of_rounding_of_the_coordinates_along_the_normal() {
+        let nine = 9.0 / (2.0_f64.powi(24) - 9.0) * (1.0 + 2.0_f64.powi(-20));
+        for weights in [[0.0, 0.0], [1.0, 0.0], [0.25, 0.5]] {
+            let level = clearance(LEVEL, weights, DVec3::Z);
+            assert!((level / (2.0 * nine) - 1.0).abs() < 1e-12, "{level:e}");
+            assert_eq!(clearance(LEVEL.map(|[x, y, _]| [x, y, 0.0]), weights, DVec3::Z), 0.0);
+        }
+        // |b0 A| + |b1 B| + |b2 C| = (3, 2.625, 5.3125), whatever the signs.
+        let normal = DVec3::new(2.0, -3.0, 6.0) / 7.0;
+        let expected = nine * (2.0 * 3.25 + 3.0 * 2.625 + 6.0 * 5.3125) / 7.0;
+        assert!((clearance(TILTED, [0.25, 0.5], normal) / expected - 1.0).abs() < 1e-12);
+        // Weights of a sum beyond 1 by rounding leave nothing to the first corner.
+        let beyond = clearance(TILTED, [0.5, 0.5 + 1e-7], normal);
+        assert!((beyond / clearance(TILTED, [0.5, 0.5], normal) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn margins_are_the_greatest_clearance() {
+        let normal = side(TILTED, DVec3::X);
+        let greatest = margin(TILTED, normal);
+        assert_eq!(greatest, clearance(TILTED, [0.0, 1.0], normal));
+        for weights in grid(20).filter(|[b1, b2]| b1 + b2 <= 1.0) {
+            assert!(clearance(TILTED, weights, normal) <= greatest);
+        }
+    }
+
+    #[test]
+    fn what_is_kept_in_f32_is_strictly_on_the_side_of_the_normal() {
+        for triangle in [LEVEL, TILTED, TILTED.map(|corner| corner.map(|x| 1e-3 * x + 1e5))] {
+            let first = corners(triangle)[0];
+            for (direction, weights) in NORMALS.into_iter().flat_map(|d| grid(10).map(move |weights| (d, weights))) {
+                let normal = side(triangle, direction);
+                let position = point(triangle, weights) + clearance(triangle, weights, normal) * normal;
+                let kept = DVec3::from(round_along(position, normal).map(f64::from));
+                assert!((kept - first).dot(normal) > 0.0, "{kept} of {triangle:?}");
+            }
+        }
+        assert_eq!(round_along(DVec3::ONE, DVec3::Z), [1.0, 1.0, 1.0 + f32::EPSILON]);
+        assert_eq!(round_along(DVec3::ONE, DVec3::NEG_X), [1.0 - f32::EPSILON / 2.0, 1.0, 1.0]);
+    }
+
+    /// Triangle 0 reflects on its front, 1 on both sides, 2 nowhere; all lie on [`LEVEL`].
+    fn surfaces() -> Surfaces {
+        let geometry = Geometry::new(LEVEL.to_vec(), vec![[0, 1, 2]; 3]);
+        let albedo = [0.5, 0.25, 0.0];
+        let materials = [(albedo, false), (albedo, true), ([0.0; 3], true)];
+        Surfaces::new(geometry, materials.map(|(albedo, both)| Material::plain(albedo, both)).to_vec(), vec![0, 1, 2])
+    }
+
+    fn hit(lane: u32, triangle: u32) -> SurfaceHit {
+        SurfaceHit { lane, triangle, distance: 1.5, second: 0.25, third: 0.5 }
+    }
+
+    #[test]
+    fn backs_of_one_sided_surfaces_and_zero_albedos_are_black() {
+        let black = |triangle, direction| is_black(&surfaces(), hit(0, triangle), direction);
+        assert_eq!([0, 1, 2].map(|triangle| black(triangle, DVec3::NEG_Z)), [false, false, true], "from the front");
+        assert_eq!([0, 1, 2].map(|triangle| black(triangle, DVec3::Z)), [true, false, true], "from the back");
+    }
+
+    #[test]
+    fn what_is_painted_black_is_black() {
+        let colors = vec![[0.0; 3], [0.0; 3], [1.0; 3]];
+        let painted = surfaces().painted(Paint { colors, ..Paint::default() });
+        assert!(!is_black(&painted, hit(0, 0), DVec3::NEG_Z));
+        assert_eq!(albedo(&painted, hit(0, 0)), [0.25, 0.125, 0.0]);
+        assert!(is_black(&painted, SurfaceHit { second: 0.75, third: 0.0, ..hit(0, 0) }, DVec3::NEG_Z));
+    }
+
+    const CLOCK: u32 = 7;
+    const BEFORE: Path = Path {
+        pixel: 3,
+        sample: 4,
+        birth: CLOCK - 2,
+        last_surface: 1,
+        surface_normal: [1.0, 0.0, 0.0],
+        first_near: 5,
+        throughput: [0.5, 1.0, 1.0],
+        radiance: [6.0; 3],
+    };
+
+    /// What the stage leaves of a path, its next vertex and its next ray, and whether the path goes on.
+    type Left = (Path, Vertex, Ray, bool);
+
+    /// Runs the stage on eight lanes of paths that arrive straight down, or up in odd lanes, from vertices of arc 10.
+    fn after(channels: usize, births: [u32; 8], listed: &[SurfaceHit]) -> [Left; 8] {
+        let arena = Bump::new();
+        let mut paths = PathTable::new_in(&arena, 8, channels);
+        let (mut vertices, mut rays) = (VertexTable::new_in(&arena, 8), RayTable::new_in(&arena, 8));
+        let mut flights = FlightTable::new_in(&arena, 8);
+        let mut surface_hits = SurfaceHitQueue::new_in(&arena, 8);
+        for (lane, birth) in births.into_iter().enumerate() {
+            paths.columns.set_row(lane, Path { birth, ..BEFORE });
+            paths.live.insert(lane as u32);
+            let down = if lane % 2 == 0 { -1.0 } else { 1.0 };
+            let vertex = Vertex { position: [1.0, 2.0, 2.0 - 1.5 * down], arc: 10.0, light_sum: 8.0 };
+            vertices.at_mut(CLOCK).set_row(lane, vertex);
+            rays.at_mut(CLOCK).set_row(lane, Ray { direction: [0.0, 0.0, down] });
+            flights.set_row(lane, Flight { flight: 9.0, cosine: 1 << 30, azimuth: 1 << 29, weight: 0.0 });
+        }
+        listed.iter().for_each(|hit| surface_hits.push(*hit));
+        let columns = Columns {
+            surface_hits: &surface_hits,
+            flights: &flights,
+            paths: &mut paths,
+            vertices: &mut vertices,
+            rays: &mut rays,
+        };
+        run(&surfaces(), Step { seed: 0, clock: CLOCK }, columns);
+        core::array::from_fn(|lane| {
+            let (vertex, ray) = (vertices.at(CLOCK + 1).row(lane), rays.at(CLOCK + 1).row(lane));
+            (paths.columns.row(lane), vertex, ray, paths.live.contains(lane as u32))
+        })
+    }
+
+    #[test]
+    fn listed_paths_go_on_from_the_surface() {
+        let [front, _, _, back, ..] = after(3, [BEFORE.birth; 8], &[hit(0, 0), hit(3, 1)]);
+        for ((path, vertex, ray, live), above) in [(front, 1.0), (back, -1.0)] {
+            assert!(live);
+            let normal = [0.0, 0.0, above];
+            let expected = Path { last_surface: 3, surface_normal: normal, throughput: [0.25, 0.25, 0.0], ..BEFORE };
+            assert_eq!(path, expected);
+            assert_eq!(vertex.arc, 11.5);
+            let off = (vertex.position[2] - 2.0) * above;
+            assert!(vertex.position[..2] == [1.0, 2.0] && off > 0.0 && off < 2e-6, "{vertex:?}");
+            // Words of a quarter and an eighth, but for half a cell: cosine sqrt(3/4), azimuth 45 degrees.
+            let [x, y, z] = ray.direction;
+            assert!((z * above - 0.75_f32.sqrt()).abs() < 1e-6, "{ray:?}");
+            assert!((x - 0.125_f32.sqrt()).abs() < 1e-6 && (y * above - 0.125_f32.sqrt()).abs() < 1e-6, "{ray:?}");
+        }
+    }
+
+    #[test]
+    fn paths_end_on_black_and_others_are_left_alone() {
+        let left = after(3, [BEFORE.birth; 8], &[hit(1, 0), hit(2, 0), hit(4, 2), hit(5, 1)]);
+        let live: [bool; 8] = core::array::from_fn(|lane| left[lane].3);
+        assert_eq!(live, [true, false, true, true, false, true, true, true]);
+        for lane in [0, 3, 6, 7] {
+            let (path, vertex, ray, _) = left[lane];
+            assert_eq!(path, BEFORE);
+            assert_eq!((vertex.position, vertex.arc, ray.direction), ([0.0; 3], 0.0, [0.0; 3]));
+        }
+    }
+
+    #[test]
+    fn arcs_count_from_the_first_vertex_after_the_camera() {
+        let births = core::array::from_fn(|lane| CLOCK - lane as u32);
+        let left = after(3, births, &[0, 1, 2].map(|lane| hit(lane, 1)));
+        let found = [0, 1, 2].map(|lane: usize| (left[lane].1.arc, left[lane].0.last_surface));
+        assert_eq!(found, [(0.0, 1), (11.5, 2), (11.5, 3)]);
+    }
+
+    #[test]
+    fn channels_out_of_use_keep_their_throughput() {
+        assert_eq!(after(1, [BEFORE.birth; 8], &[hit(0, 0)])[0].0.throughput, [0.25, 1.0, 1.0]);
+    }
 }
