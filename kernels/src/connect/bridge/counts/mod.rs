@@ -64,6 +64,8 @@ pub struct CountTable {
 /// One knot of the table, as that which fills it sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
+    /// Its place in the table, turns first.
+    pub index: usize,
     /// mu_t s
     pub distance: f64,
     /// cos gamma; None for starts on a surface.
@@ -79,11 +81,7 @@ impl core::fmt::Debug for CountTable {
 impl CountTable {
     /// The table whose probabilities are, knot by knot, in proportion to `weights(knot)[N - 1]`, >= 0, N = 1 .. `edges`;
     /// `edges >= 1`. Where all are 0 all numbers are alike.
-    pub fn from_weights(
-        phase: HenyeyGreenstein,
-        edges: usize,
-        mut weights: impl FnMut(usize, Knot) -> Vec<f64>,
-    ) -> Self {
+    pub fn from_weights(phase: HenyeyGreenstein, edges: usize, mut weights: impl FnMut(Knot) -> Vec<f64>) -> Self {
         let least = 1.0 - f64::from(phase.g).abs();
         let stride = edges.next_multiple_of(crate::columns::LANES);
         let mut table = Self {
@@ -93,9 +91,7 @@ impl CountTable {
             cumulative: vec![1.0; DISTANCES * TURNS * stride],
             stride,
         };
-        for (index, knot) in knots(phase).enumerate() {
-            table.fill(index, &weights(index, knot));
-        }
+        knots(phase).for_each(|knot| table.fill(knot.index, &weights(knot)));
         table
     }
 
@@ -103,7 +99,7 @@ impl CountTable {
     /// than [`MOST_EDGES`].
     pub fn poisson(phase: HenyeyGreenstein) -> Self {
         let edges = MOST_EDGES as usize;
-        Self::from_weights(phase, edges, |_, knot| {
+        Self::from_weights(phase, edges, |knot| {
             let mut weight = (-knot.distance).exp();
             let next = |n: usize| {
                 let this = weight;
@@ -133,7 +129,7 @@ impl CountTable {
     }
 }
 
-/// The knots in the sequence of the table, turns first.
+/// The knots in the sequence of the table.
 pub fn knots(phase: HenyeyGreenstein) -> impl Iterator<Item = Knot> {
     let g = f64::from(phase.g);
     let cosine = move |turn: usize| {
@@ -142,7 +138,8 @@ pub fn knots(phase: HenyeyGreenstein) -> impl Iterator<Item = Knot> {
         let cosine = if g == 0.0 { 1.0 } else { (1.0 + g * g - h) / (2.0 * g) };
         (turn != SURFACE).then_some(cosine.clamp(-1.0, 1.0))
     };
-    (0..DISTANCES).flat_map(move |i| (0..TURNS).map(move |j| Knot { distance: distance_of(i), cosine: cosine(j) }))
+    let knot = move |index: usize| Knot { index, distance: distance_of(index / TURNS), cosine: cosine(index % TURNS) };
+    (0..DISTANCES * TURNS).map(knot)
 }
 
 /// mu_t s of a knot.

@@ -33,7 +33,7 @@ impl CountTable {
     pub fn new(medium: &Medium, longest: u32) -> Self {
         let edges = longest.saturating_sub(1).clamp(1, MOST_EDGES) as usize;
         let means = means(medium, edges);
-        Self::from_weights(medium.phase, edges, |index, _| means.iter().map(|slab| slab[index]).collect())
+        Self::from_weights(medium.phase, edges, |knot| means.iter().map(|slab| slab[knot.index]).collect())
     }
 }
 

@@ -98,7 +98,7 @@ mod tests {
     fn the_table_is_bilinear_between_its_knots() {
         let g = 0.8;
         let table =
-            CountTable::from_weights(HenyeyGreenstein { g: g as f32 }, 2, |index, _| vec![index as f64 + 1.0, 1.0]);
+            CountTable::from_weights(HenyeyGreenstein { g: g as f32 }, 2, |knot| vec![knot.index as f64 + 1.0, 1.0]);
         let knots: Vec<_> = knots(HenyeyGreenstein { g: g as f32 }).collect();
         let of = |index: usize| (index as f64 + 1.0) / (index as f64 + 2.0);
         let found = |distance: f64, turn: Option<f64>| probability(&table, &cell(&table, g, distance, turn), 1);
