@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 
-use super::super::support::everything;
 use super::{changed, refuse};
 
 #[test]
