@@ -204,8 +204,9 @@ impl Walk<'_> {
     fn reflect(&mut self, hit: SurfaceHit, u: [f64; 2]) {
         let triangle = self.frame.surfaces.geometry().corners(hit.triangle as usize);
         let normal = surface_stage::side(triangle, self.direction);
-        let point = surface_stage::point(triangle, [hit.second, hit.third].map(f64::from));
-        self.path.push(point + surface_stage::margin(triangle, normal) * normal);
+        let barycentric = [hit.second, hit.third].map(f64::from);
+        let clearance = surface_stage::clearance(triangle, barycentric, normal);
+        self.path.push(surface_stage::point(triangle, barycentric) + clearance * normal);
         self.direction = surface_stage::reflect(normal, u);
         self.last_surface = Some((self.depth(), normal));
         for (throughput, albedo) in self.throughput.iter_mut().zip(surface_stage::albedo(&self.frame.surfaces, hit)) {

@@ -1,8 +1,8 @@
 //! Reflection in f64.
 //!
 //! A path that met a triangle goes on from the point where it did, on the side from which it came. The surface scatters
-//! light as Lambert says, albedo / pi per steradian and cosine. With n the normal on that side, d the direction in which
-//! the path arrived and u_1, u_2 the two random numbers:
+//! light as Lambert says, albedo / pi per steradian and cosine. With n the normal on that side, d the direction in
+//! which the path arrived and u_1, u_2 the two random numbers:
 //!
 //! ```text
 //! for every listed hit, at the distance r, with weights b1, b2 of the corners B, C of a triangle A B C
@@ -72,8 +72,8 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// Whether a path ends where it meets a surface, arriving in `direction`: on the back of a one-sided one, and where nothing
-/// is reflected.
+/// Whether a path ends where it meets a surface, arriving in `direction`: on the back of a one-sided one, and where
+/// nothing is reflected.
 pub fn is_black(surfaces: &Surfaces, hit: SurfaceHit, direction: DVec3) -> bool {
     let triangle = surfaces.geometry().corners(hit.triangle as usize);
     let on_back = direction.dot(front(triangle)) > 0.0;
@@ -101,8 +101,8 @@ pub fn side(triangle: [[f32; 3]; 3], direction: DVec3) -> DVec3 {
     if direction.dot(front) > 0.0 { -front } else { front }
 }
 
-/// The point of a triangle with the weights `barycentric` of its second and third corner `[m]`. Whatever the weights, it
-/// is in the triangle's plane.
+/// The point of a triangle with the weights `barycentric` of its second and third corner `[m]`. Whatever the weights,
+/// it is in the triangle's plane.
 pub fn point(triangle: [[f32; 3]; 3], barycentric: [f64; 2]) -> DVec3 {
     let [a, b, c] = corners(triangle);
     a + barycentric[0] * (b - a) + barycentric[1] * (c - a)
@@ -117,13 +117,6 @@ pub fn clearance(triangle: [[f32; 3]; 3], barycentric: [f64; 2], normal: DVec3) 
     let b0 = (1.0 - b1 - b2).max(0.0);
     let error = 9.0 * unit / (1.0 - 9.0 * unit) * (b0 * a + b1 * b + b2 * c);
     (1.0 + 16.0 * unit) * normal.abs().dot(error)
-}
-
-/// A clearance that is enough for all points of a triangle `[m]`: it is linear in the weights, so the greatest is that
-/// of a corner.
-pub fn margin(triangle: [[f32; 3]; 3], normal: DVec3) -> f64 {
-    let at_corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|corner| clearance(triangle, corner, normal));
-    at_corners.into_iter().fold(0.0, f64::max)
 }
 
 /// The unit direction in which a path leaves a surface with this unit `normal`; `u` decides on cosine and azimuth.
@@ -264,16 +257,6 @@ mod tests {
         // Weights of a sum beyond 1 by rounding leave nothing to the first corner.
         let beyond = clearance(TILTED, [0.5, 0.5 + 1e-7], normal);
         assert!((beyond / clearance(TILTED, [0.5, 0.5], normal) - 1.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn margins_are_the_greatest_clearance() {
-        let normal = side(TILTED, DVec3::X);
-        let greatest = margin(TILTED, normal);
-        assert_eq!(greatest, clearance(TILTED, [0.0, 1.0], normal));
-        for weights in grid(20).filter(|[b1, b2]| b1 + b2 <= 1.0) {
-            assert!(clearance(TILTED, weights, normal) <= greatest);
-        }
     }
 
     #[test]

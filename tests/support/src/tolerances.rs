@@ -46,7 +46,7 @@ pub const DISTANCE: Tolerance = tolerance(1e-5, 1e-5);
 pub const BARYCENTRIC: Tolerance = tolerance(2e-5, 0.0);
 
 /// Points of triangles, kept off them by the bound of their rounding, of which kernel and twin have one each.
-pub const SURFACE_POSITION: Tolerance = tolerance(1e-5, 4e-6);
+pub const SURFACE_POSITION: Tolerance = tolerance(2e-6, 1e-6);
 
 /// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
 pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
