@@ -105,11 +105,14 @@ fn the_choice_of_the_pilot_is_told_with_what_it_tried() {
     let trials = statistics["pilot"].as_array().expect("trials").clone();
     assert!(trials.len() >= 5, "{statistics:#}");
     let efficiency = |trial: &Value| number(trial, "/efficiency");
-    let best = trials.iter().max_by(|a, b| efficiency(a).total_cmp(&efficiency(b))).expect("trials");
-    assert_eq!((&best["starts"], &best["survival"]), (&statistics["starts"], &statistics["survival"]));
+    let most = trials.iter().map(efficiency).fold(0.0, f64::max);
+    let is_chosen = |trial: &&Value| ["starts", "survival"].iter().all(|key| trial[key] == statistics[key]);
+    let chosen = trials.iter().find(is_chosen).expect("the choice is among the trials");
+    assert!(efficiency(chosen) >= 0.9 * most, "{statistics:#}");
     for trial in &trials {
-        let expected = 1.0 / (number(trial, "/variance") * number(trial, "/cost"));
-        assert!((efficiency(trial) / expected - 1.0).abs() < 1e-9, "{trial:#}");
+        let worst = number(trial, "/variance") + 2.0 * number(trial, "/variance_error");
+        assert!((efficiency(trial) * worst * number(trial, "/cost") - 1.0).abs() < 1e-9, "{trial:#}");
+        assert!(number(trial, "/mean") > 0.0 && number(trial, "/mean_error") > 0.0, "{trial:#}");
     }
     let auto = Some("auto");
     assert_eq!((settings["starts"].as_str(), settings["survival"].as_str()), (auto, auto), "settings are as written");
