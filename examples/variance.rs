@@ -1,4 +1,5 @@
-//! Variance of one camera sample, by technique, mean cosine and light radius, and by numbers of edges: the tables of docs/bridges.md.
+//! Variance of one camera sample, by technique, mean cosine and light radius, and by the law of the numbers of edges: the
+//! tables of docs/bridges.md.
 //!
 //! ```text
 //! cargo run --release --example variance

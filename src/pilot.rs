@@ -8,9 +8,9 @@
 //! roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges as it is, and the
 //! mean takes a quarter of the time; where nothing scatters it would only add noise.
 //!
-//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a variance counts with
-//! twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the one which
-//! leaves least to luck, most starts and longest walks, found something else than the image.
+//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a variance
+//! counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the
+//! one which leaves least to luck, most starts and longest walks, found something else than the image.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same on
 //! every machine, for every split of the samples, and independent of the samples that are kept.
@@ -75,25 +75,25 @@ pub struct Trial {
     /// Variance of a sample, mean over pixels, sum over channels.
     pub variance: f64,
     /// Standard error of that variance.
-    pub doubt: f64,
+    pub variance_error: f64,
     /// Work of a sample in about nanoseconds of one core.
     pub cost: f64,
     /// Mean radiance, of the brightest channel [W/(m^2 sr)].
     pub mean: f64,
     /// Standard error of that mean [W/(m^2 sr)].
-    pub error: f64,
+    pub mean_error: f64,
 }
 
 impl Trial {
     /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has none.
     pub fn efficiency(&self) -> f64 {
-        let work = (self.variance + 2.0 * self.doubt) * self.cost;
+        let work = (self.variance + 2.0 * self.variance_error) * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
     }
 
     /// Whether both may have the same mean.
     pub fn agrees_with(&self, other: &Self) -> bool {
-        (self.mean - other.mean).abs() <= AGREEMENT * self.error.hypot(other.error)
+        (self.mean - other.mean).abs() <= AGREEMENT * self.mean_error.hypot(other.mean_error)
     }
 
     /// Less to luck first: by starts, then by survival.
@@ -178,9 +178,9 @@ impl<F: Fn() -> bool> Search<'_, F> {
     }
 }
 
-/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the one with
-/// most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and more of everything
-/// has fewer surprises.
+/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the one
+/// with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and more of
+/// everything has fewer surprises.
 pub fn best(trials: &[Trial]) -> Option<Trial> {
     let fullest = trials.iter().max_by(|a, b| a.compare_walks(b))?;
     let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));
@@ -217,10 +217,10 @@ impl<'a> Pilot<'a> {
         Trial {
             setting,
             variance,
-            doubt: (spread / f64::from(PARTS - 1)).sqrt(),
+            variance_error: (spread / f64::from(PARTS - 1)).sqrt(),
             cost: mean_of(&|look| look.cost),
             mean: mean_of(&|look| look.mean),
-            error: (mean_of(&|look| look.error.powi(2)) / f64::from(PARTS)).sqrt(),
+            mean_error: (mean_of(&|look| look.mean_error.powi(2)) / f64::from(PARTS)).sqrt(),
         }
     }
 
@@ -235,7 +235,7 @@ impl<'a> Pilot<'a> {
         let cost = cost(&stats, !frame.surfaces.is_empty()) / stats.samples as f64;
         let (means, errors) = film.mean();
         let brightest = (1..3).fold(0, |best, channel| if means[channel] > means[best] { channel } else { best });
-        Look { variance, cost, mean: means[brightest], error: errors[brightest] }
+        Look { variance, cost, mean: means[brightest], mean_error: errors[brightest] }
     }
 }
 
@@ -244,7 +244,7 @@ struct Look {
     variance: f64,
     cost: f64,
     mean: f64,
-    error: f64,
+    mean_error: f64,
 }
 
 /// Work in units of about a nanosecond on one core: what stages were measured to cost per row.

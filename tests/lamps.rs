@@ -43,7 +43,7 @@ fn assert_even(name: &str, groups: &[(Material, Vec<Face>)], first_shining: u32,
             }
             let (mean, error) = green(&render(&frame, SIZE, 0..64).0);
             let name = format!("{name}, extinction {}, {active:?}", medium.extinction);
-            assert!((mean - 1.0).abs() < 1e-6 + 4.2 * error && error < 0.06, "{name}: {mean} +- {error}");
+            assert!((mean - 1.0).abs() < 1e-6 + 4.2 * error && error < 0.02, "{name}: {mean} +- {error}");
         }
     }
 }

@@ -118,7 +118,8 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
     });
     println!("long detours, variances of ten seeds, with and without uniform counts:");
     println!("table {tabled:.1?}\nPoisson {poisson:.1?}");
-    // A few samples decide the worst run with Poisson counts alone: by how much it is worse differs, that it is far worse does not.
+    // A few samples decide the worst run with Poisson counts alone: by how much it is worse differs, that it is far worse
+    // does not.
     let [[tabled, _], [mixed, alone]] = &[tabled, poisson];
     assert!(alone[9] > 50.0 * tabled[9], "worst runs");
     assert!(alone[5] > 5.0 * tabled[5], "medians");

@@ -122,7 +122,7 @@ fn images_of_extreme_shape_are_tried_too() {
 
 fn trial(starts: u32, variance: f64, cost: f64) -> Trial {
     let setting = Setting { starts, survival: 1.0, roulette: 0.0 };
-    Trial { setting, variance, doubt: 0.0, cost, mean: 1.0, error: 0.01 }
+    Trial { setting, variance, variance_error: 0.0, cost, mean: 1.0, mean_error: 0.01 }
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn efficiency_is_one_over_the_worst_variance_times_cost() {
     assert_eq!(trial(1, 4.0, 0.5).efficiency(), 0.5);
     assert_eq!(trial(1, 0.25, 100.0).efficiency(), 0.04);
     assert_eq!(trial(1, 0.0, 100.0).efficiency(), 0.0, "what found nothing is worth nothing");
-    assert_eq!(Trial { doubt: 2.0, ..trial(1, 4.0, 0.5) }.efficiency(), 0.25);
+    assert_eq!(Trial { variance_error: 2.0, ..trial(1, 4.0, 0.5) }.efficiency(), 0.25);
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn the_best_trial_is_efficient_agrees_and_has_most_starts_of_those_as_good() {
     assert_eq!(chosen(&[]), None);
     assert_eq!(chosen(&[trial(1, 4.0, 1.0), trial(2, 3.0, 2.0), full]), Some(1));
     assert_eq!(chosen(&[trial(1, 4.0, 1.0), trial(2, 2.2, 2.0), full]), Some(2), "nearly as good");
-    let doubtful = Trial { doubt: 4.0, ..trial(1, 4.0, 1.0) };
+    let doubtful = Trial { variance_error: 4.0, ..trial(1, 4.0, 1.0) };
     assert_eq!(chosen(&[doubtful, trial(2, 3.0, 2.0), full]), Some(2));
     let elsewhere = Trial { mean: 0.92, ..trial(1, 4.0, 1.0) };
     assert_eq!(chosen(&[elsewhere, trial(2, 3.0, 2.0), full]), Some(2), "five standard errors off");
@@ -162,10 +162,11 @@ fn what_misses_the_light_is_not_chosen() {
         let (frame, trials) = settled(&scene);
         let fullest = trials.iter().max_by_key(|trial| trial.setting.starts).expect("trials");
         let chosen = trials.iter().find(|trial| trial.setting.starts == frame.walk.starts).expect("the chosen one");
-        let z = (chosen.mean - fullest.mean) / chosen.error.hypot(fullest.error);
+        let z = (chosen.mean - fullest.mean) / chosen.mean_error.hypot(fullest.mean_error);
         assert!(z.abs() < 5.0, "g = {g}, seed {seed}: {chosen:?} is {z} from {fullest:?}");
-        let missing =
-            trials.iter().any(|trial| (trial.mean - fullest.mean).abs() > 5.0 * trial.error.hypot(fullest.error));
+        let missing = trials
+            .iter()
+            .any(|trial| (trial.mean - fullest.mean).abs() > 5.0 * trial.mean_error.hypot(fullest.mean_error));
         assert!(missing, "g = {g}, seed {seed}: every setting finds the light: {trials:#?}");
     }
 }

@@ -73,3 +73,19 @@ fn the_hash_names_what_samples_depend_on_and_nothing_else() {
     assert_ne!(hash(&[geometry[0]]), hash(&[geometry[1]]), "other triangles");
     assert_eq!(hash(&[geometry[0]]), hash(&["geometry=../cornell-fog/../dense-plate/dense-plate.glb"]), "another name");
 }
+
+#[test]
+fn limited_bridges_are_not_drawn_longer_than_they_may_be() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-facing");
+    let counts = |settings: &[&str]| {
+        let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+        let frame = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}")).frame;
+        frame.techniques.bridge.map(|bridge| bridge.counts.edges())
+    };
+    assert_eq!(counts(&[]), Some(14), "15 segments, of which the first is the camera's");
+    assert_eq!(counts(&["render.bridge_vertices=3"]), Some(4));
+    assert_eq!(counts(&["render.bridge_vertices=0"]), Some(1));
+    assert_eq!(counts(&["render.bridge_vertices=100"]), Some(14));
+    assert_eq!(counts(&["render.max_segments=1024"]), Some(128));
+    assert_eq!(counts(&["render.technique=nee"]), None);
+}

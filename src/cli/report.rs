@@ -147,9 +147,9 @@ fn trial(trial: &Trial) -> Value {
         "survival": trial.setting.survival,
         "roulette": trial.setting.roulette,
         "variance": trial.variance,
-        "variance_error": trial.doubt,
+        "variance_error": trial.variance_error,
         "mean": trial.mean,
-        "mean_error": trial.error,
+        "mean_error": trial.mean_error,
         "cost": trial.cost,
         "efficiency": trial.efficiency(),
     })

@@ -19,8 +19,9 @@ pub struct Scene {
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
     /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
-    /// "radius" in the extras of a light (not of its node) is its own. Their intensities are read as W/sr, per channel, where glTF has
-    /// candela; their ranges are not read. A spot's intensity falls to one half midway between its cone angles.
+    /// "radius" in the extras of a light (not of its node) is its own. Their intensities are read as W/sr, per channel,
+    /// where glTF has candela; their ranges are not read. A spot's intensity falls to one half midway between its cone
+    /// angles.
     #[serde(default = "Scene::punctual_radius")]
     pub punctual_radius: f64,
     /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry whose node is called

@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod bare;
 mod compare;
 mod files;
 mod flags;
@@ -11,6 +12,7 @@ mod models;
 mod progress;
 mod render;
 mod scenes;
+mod settings;
 mod stats;
 mod stop;
 mod support;

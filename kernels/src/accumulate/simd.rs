@@ -37,7 +37,7 @@ pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, c
             dropped.note(paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
         }
         for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
-            let emitted = lights.gather(&emitter_of, |disk| disk.radiance[channel]);
+            let emitted = lights.gather(&emitter_of, |emitter| emitter.radiance[channel]);
             let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
             let contribution = (weight * emitted * throughput * f32x8::splat(inserted)).to_array();
             let radiance = paths.columns.radiance.channels_mut()[channel].rows_mut();

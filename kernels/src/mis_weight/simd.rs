@@ -209,8 +209,10 @@ impl Batch<'_> {
         }
         let arriving = candidates.arriving.batch(b);
         suffix.vertices[self.inserted + 2].leaving = arriving;
-        let start = &mut suffix.vertices[self.inserted + 1];
-        start.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
+        if self.densities || self.last_density && self.inserted == 0 {
+            let start = &mut suffix.vertices[self.inserted + 1];
+            start.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
+        }
 
         Arrival {
             extinction: f32x8::splat(extinction),

@@ -56,10 +56,10 @@ pub fn choose(lights: &Lights, position: Vec3x8, sum: f32x8, u: f32x8) -> u32x8 
 /// Probability of choosing the lights of these emitters from `position`, with `sum` from [`light_sum`].
 #[inline(always)]
 pub fn probability(lights: &Lights, emitters: &[u32; LANES], position: Vec3x8, sum: f32x8) -> f32x8 {
-    let share = lights.gather(emitters, |emitter| lights.emitter_of(emitter).share);
+    let share = lights.gather(emitters, |emitter| lights.light_of(emitter).share);
     if !lights.selection_depends_on_start() {
         return share;
     }
-    let center = lights.gather3(emitters, |emitter| lights.emitter_of(emitter).center);
+    let center = lights.gather3(emitters, |emitter| lights.light_of(emitter).center);
     share * inverse_distance(position, center) / sum
 }

@@ -223,6 +223,7 @@ impl<F: Fn(u32) -> [[f32; 3]; 3]> Widening<'_, F> {
     }
 }
 
+/// The leaf that holds `triangles`, up to eight.
 fn leaf(triangles: &[u32], corners: impl Fn(u32) -> [[f32; 3]; 3]) -> Leaf {
     let mut leaf = Leaf::VACANT;
     triangles.iter().enumerate().for_each(|(lane, triangle)| leaf.set(lane, corners(*triangle), *triangle));

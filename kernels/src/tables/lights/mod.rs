@@ -223,7 +223,7 @@ impl Lights {
 
     /// The light of an emitter.
     #[inline(always)]
-    pub fn emitter_of(&self, emitter: &Emitter) -> &Light {
+    pub fn light_of(&self, emitter: &Emitter) -> &Light {
         &self.lights[emitter.light as usize]
     }
 }

@@ -61,7 +61,8 @@ fn means(medium: &Medium, edges: usize) -> Vec<Vec<f64>> {
     means
 }
 
-/// The free walk of number `walk`, edge by edge: length over distance from its origin, and the cosine between its first edge and its end.
+/// The free walk of number `walk`, edge by edge: its length over the distance from its origin, and the cosine between its
+/// first edge and its end.
 fn shapes(g: f64, edges: usize, walk: u32) -> impl Iterator<Item = (f64, f64)> {
     let (mut position, mut direction, mut length) = (DVec3::ZERO, DVec3::Z, 0.0);
     (0..edges).map(move |edge| {

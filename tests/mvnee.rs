@@ -1,0 +1,130 @@
+//! Multiple-vertex next event estimation: what its kernels make against the densities of the twin.
+
+use fogbow::frame::Frame;
+use fogbow::wavefront::Wavefront;
+use fogbow_kernels::PathLengths;
+use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
+use fogbow_testing::frames;
+use fogbow_testing::recorded;
+use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
+use fogbow_testing::walks::{after_walks, vector};
+use glam::DVec3;
+
+/// Samples that a distribution is tested with.
+const SAMPLES: usize = 1 << 18;
+/// P-value below which a distribution is refused.
+const SUSPICIOUS: f64 = 1e-4;
+
+/// MVNEE connections of the first vertices of many walks, built by the kernels: start, inserted vertices, light point.
+fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3])) {
+    let mvnee = frame.techniques.mvnee.expect("an MVNEE frame");
+    after_walks(frame, samples, 1, |wavefront| {
+        recorded::build_mvnee(wavefront, frame, &mvnee);
+        let Wavefront { buckets, bridged, chains, .. } = wavefront;
+        for bucket in buckets.buckets() {
+            for row in bucket.rows() {
+                let inserted = chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
+                let ends = [bridged.start.row(row), bridged.point.row(row)].map(vector);
+                let chain: Vec<_> = [ends[0]].into_iter().chain(inserted).chain([ends[1]]).collect();
+                visit(&chain);
+            }
+        }
+    });
+}
+
+/// A frame whose connections are of moderate length and never too long.
+fn mvnee_frame(g: f32, offset: Offset) -> Frame {
+    let mut frame = frames::fog_facing(0.0, g, [64, 64]);
+    frame.medium.extinction = 0.5;
+    frame.lengths = PathLengths { min: 1, max: 60 };
+    frame.techniques.mvnee = Some(Mvnee::new(&frame.medium, f64::INFINITY, offset));
+    frame
+}
+
+#[test]
+fn numbers_of_seeds_are_poisson_distributed() {
+    let frame = mvnee_frame(0.9, Offset::Ggx);
+    let (mut found, mut expected) = (vec![0.0; 25], vec![0.0; 25]);
+    connections(&frame, SAMPLES, |chain| {
+        found[(chain.len() - 2).min(24)] += 1.0;
+        let mean = chain[0].distance(chain[chain.len() - 1]) * f64::from(frame.medium.extinction);
+        let mut share = (-mean).exp();
+        for (m, expected) in expected.iter_mut().enumerate() {
+            *expected += share;
+            share *= mean / (m + 1) as f64;
+        }
+    });
+    let rest = found.iter().sum::<f64>() - expected.iter().take(24).sum::<f64>();
+    expected[24] = rest.max(1e-3);
+    let p = p_of_counts(&found, &expected);
+    assert!(p > SUSPICIOUS, "p = {p}");
+}
+
+/// The twin's density of the inserted vertices of `chain`, given their number and the light point.
+fn density(frame: &Frame, settings: &mvnee::reference::Settings, chain: &[DVec3]) -> f64 {
+    let extinction = f64::from(frame.medium.extinction);
+    let mean = chain[0].distance(chain[chain.len() - 1]) * extinction;
+    let count: f64 = (1..=chain.len() - 2).map(|m| mean / m as f64).product();
+    mvnee::reference::density(settings, extinction, chain, 1.0).value() / (count * (-mean).exp())
+}
+
+#[test]
+fn one_inserted_vertex_matches_its_density() {
+    for (g, offset) in [(0.9, Offset::Ggx), (0.5, Offset::Gaussian), (-0.5, Offset::Ggx)] {
+        let frame = mvnee_frame(g, offset);
+        let settings = (&frame.techniques.mvnee.expect("an MVNEE frame")).into();
+        // Position along the axis and distance from it, in units that make all chains alike: the density depends on the
+        // distance between start and light only by its scale.
+        let (mut found, mut total) = (vec![0.0; 20 * 10], 0.0);
+        connections(&frame, 4 * SAMPLES, |chain| {
+            if let [start, vertex, point] = chain {
+                let (length, axis) = (start.distance(*point), (*point - *start).normalize());
+                let along = (*vertex - *start).dot(axis) / length;
+                let across = ((*vertex - *start) - along * length * axis).length() / length;
+                let cell = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+                found[10 * cell(along, 20) + cell(across / (across + 0.1), 10)] += 1.0;
+                total += 1.0;
+            }
+        });
+        let steps = 60;
+        let mut expected = vec![0.0; found.len()];
+        for i in 0..20 * steps {
+            let along = (f64::from(i) + 0.5) / f64::from(20 * steps);
+            for j in 0..10 * steps {
+                // across / (across + 0.1) = y, uniform in y; the last cell reaches to infinity.
+                let y = (f64::from(j) + 0.5) / f64::from(10 * steps);
+                let across = 0.1 * y / (1.0 - y);
+                let ring = core::f64::consts::TAU * across * 0.1 / (1.0 - y).powi(2) / f64::from(10 * steps);
+                let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
+                let share = density(&frame, &settings, &chain) * ring / f64::from(20 * steps);
+                expected[(10 * (i / steps) + j / steps) as usize] += share * total;
+            }
+        }
+        let mass = expected.iter().sum::<f64>() / total;
+        assert!((mass - 1.0).abs() < 2e-3, "g = {g}: the density integrates to {mass}");
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS && total > 1e4, "g = {g}: p = {p} of {total} vertices");
+    }
+}
+
+#[test]
+fn any_density_over_the_samplers_has_mean_one() {
+    // E[h / p] = 1 for every density h where the sampler's p is positive. h: MVNEE with narrower, Gaussian offsets.
+    let frame = mvnee_frame(0.6, Offset::Ggx);
+    let settings: mvnee::reference::Settings = (&frame.techniques.mvnee.expect("an MVNEE frame")).into();
+    let other = mvnee::reference::Settings { offset: Offset::Gaussian, slope: 0.8 * settings.slope, ..settings };
+    let mut quotients = vec![Moments::default(); 9];
+    connections(&frame, 4 * SAMPLES, |chain| {
+        if let 3..=8 = chain.len() {
+            let quotient = density(&frame, &other, chain) / density(&frame, &settings, chain);
+            quotients[chain.len() - 2].add(quotient);
+        }
+    });
+    let mut p_values = Vec::new();
+    for (inserted, quotient) in quotients.iter().enumerate().filter(|(_, quotient)| quotient.count > 0.0) {
+        let z = (quotient.mean() - 1.0) / quotient.standard_error();
+        assert!(z.abs() < 4.0, "{inserted} inserted: mean {} +- {}", quotient.mean(), quotient.standard_error());
+        p_values.push(p_of_z(z));
+    }
+    assert!(p_values.len() == 6 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
+}
