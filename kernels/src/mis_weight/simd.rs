@@ -288,6 +288,9 @@ impl Batch<'_> {
         for a in 1..=needed.max(self.inserted + 1) {
             let vertex = &mut suffix.vertices[a];
             vertex.on_surface = starts.surface & lanes::as_mask(starts.farthest.simd_eq(u32x8::splat(a as u32)));
+            if !vertex.on_surface.any() {
+                continue;
+            }
             let cosine = vertex.leaving.dot(normal);
             outside &= !vertex.on_surface | cosine.simd_gt(f32x8::ZERO);
             let inverse_density = f32x8::splat(core::f32::consts::PI) / cosine;

@@ -15,7 +15,7 @@
 //! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows nor
 //!    vanishes; all mu_t^m cancel.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
-//! 6. Starts that no lane has in reach, and starts that every lane refuses, cost only the test.
+//! 6. Starts that no lane has in reach cost only the test; starts that every lane refuses, the projections up to there.
 
 use wide::f32x8;
 
@@ -107,6 +107,9 @@ fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, pos
         let reached = from_start.dot(axis);
         let step = reached - along;
         possible &= step.simd_gt(f32x8::ZERO);
+        if !possible.any() {
+            return None;
+        }
         before = step.mul_add(step, before);
         *projection = Projection {
             step_squared: step * step,
