@@ -20,7 +20,7 @@ pub(super) struct Settle<'a, 'q> {
     pub paths: &'a mut PathTable<'q>,
     pub vertices: &'a VertexTable<'q>,
     pub trail: &'a TrailTable<'q>,
-    pub chains: &'a ChainTable<'q>,
+    pub chains: &'a mut ChainTable<'q>,
     pub suffix: &'a mut Suffix<'q>,
     pub stats: &'a mut Stats,
 }
@@ -35,8 +35,11 @@ impl<'q> Settle<'_, 'q> {
             self.drop_faint(connector, bucket, candidates);
         }
         let kept = self.count(bucket, candidates);
+        let mut bucket = bucket;
         if !self.frame.surfaces.is_empty() {
-            self.stats.work.traced += left(bucket, candidates) * (bucket.inserted as u64 + 1);
+            // Tracing is dear, and few may be left.
+            bucket = bucket.pack(candidates, self.chains);
+            self.stats.work.traced += bucket.len as u64 * (bucket.inserted as u64 + 1);
         }
         if self.may_be_blocked(bucket) {
             self.occlude(bucket, candidates);
@@ -109,11 +112,6 @@ impl<'q> Settle<'_, 'q> {
         if !self.stats.detailed {
             return 0;
         }
-        left(bucket, candidates)
+        candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
     }
-}
-
-/// Rows of the bucket that weigh something.
-fn left(bucket: Bucket, candidates: &CandidateQueue<'_>) -> u64 {
-    candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
 }

@@ -71,13 +71,18 @@ macro_rules! columns {
                 if bits == 0 {
                     return;
                 }
-                let order = $crate::lanes::pack_order(bits);
                 assert!(
                     self.len + bits.count_ones() as usize <= self.capacity,
                     concat!(stringify!($Queue), " overflows its {} rows"), self.capacity
                 );
-                $( <$ty as $crate::columns::Field>::store_packed(&mut self.$field, self.len, order, batch.$field); )*
+                self.store_packed(self.len, $crate::lanes::pack_order(bits), batch);
                 self.len += bits.count_ones() as usize;
+            }
+
+            /// Overwrites eight rows from row `at` on with those of `batch` in the sequence `order`.
+            #[inline(always)]
+            pub fn store_packed(&mut self, at: usize, order: wide::u32x8, batch: $Batch) {
+                $( <$ty as $crate::columns::Field>::store_packed(&mut self.$field, at, order, batch.$field); )*
             }
         }
     };

@@ -13,10 +13,11 @@
 //! Rows that go on stay in their lane; only the exceptions are listed.
 
 use bumpalo::Bump;
+use wide::f32x8;
 
-use super::Column3;
-use crate::columns;
+use super::{Column3, Field, LANES};
 use crate::lanes::LaneSet;
+use crate::{columns, lanes};
 
 columns! {
     /// The sample that a vacant lane takes next.
@@ -126,7 +127,7 @@ columns! {
 pub struct Bucket {
     /// Inserted vertices of each row.
     pub inserted: usize,
-    /// First row, a multiple of [`LANES`](super::LANES).
+    /// First row, a multiple of [`LANES`].
     pub start: usize,
     /// Number of rows.
     pub len: usize,
@@ -135,7 +136,7 @@ pub struct Bucket {
 impl CandidateQueue<'_> {
     /// The rows that `row_of` names, as a batch.
     #[inline(always)]
-    pub fn gather(&self, row_of: &[u32; super::LANES]) -> CandidateBatch {
+    pub fn gather(&self, row_of: &[u32; LANES]) -> CandidateBatch {
         CandidateBatch {
             lane: self.lane.gather(row_of),
             emitter: self.emitter.gather(row_of),
@@ -168,8 +169,28 @@ impl CandidateQueue<'_> {
 impl Bucket {
     /// The batches of the bucket, each with the bits of its rows.
     pub fn batches(self) -> impl Iterator<Item = (usize, u32)> {
-        let first = self.start / super::LANES;
-        (0..self.len.div_ceil(super::LANES)).map(move |b| (first + b, crate::lanes::first(self.len - b * super::LANES)))
+        let first = self.start / LANES;
+        (0..self.len.div_ceil(LANES)).map(move |b| (first + b, lanes::first(self.len - b * LANES)))
+    }
+
+    /// Drops the rows that weigh nothing: the others, with the vertices that they insert, move to the front in their sequence.
+    /// A bucket's batches are full again.
+    pub fn pack(self, candidates: &mut CandidateQueue<'_>, chains: &mut ChainTable<'_>) -> Self {
+        let mut end = self.start;
+        for (b, rows) in self.batches() {
+            let weigh = !candidates.weight.batch(b).simd_eq(f32x8::ZERO);
+            let kept = lanes::bits(weigh) & rows;
+            // Rows are stored no farther than they have been read.
+            if kept != rows || end != b * LANES {
+                let order = lanes::pack_order(kept);
+                candidates.store_packed(end, order, candidates.batch(b));
+                for vertex in &mut chains.vertices[..self.inserted] {
+                    <[f32; 3]>::store_packed(vertex, end, order, vertex.batch(b));
+                }
+            }
+            end += kept.count_ones() as usize;
+        }
+        Self { len: end - self.start, ..self }
     }
 
     /// The rows of the bucket.
@@ -188,5 +209,38 @@ impl<'q> ChainTable<'q> {
     /// Room for `longest` inserted vertices in each of `rows` rows.
     pub fn new_in(arena: &'q Bump, rows: usize, longest: usize) -> Self {
         Self { vertices: arena.alloc_slice_fill_with(longest, |_| Column3::new_in(arena, rows)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_drops_what_weighs_nothing_and_keeps_the_sequence() {
+        let arena = Bump::new();
+        let mut candidates = CandidateQueue::new_in(&arena, 40);
+        let mut chains = ChainTable::new_in(&arena, 40, 2);
+        // Batches that keep all, some, none, some; and a tail whose dead rows weigh something.
+        let weighs = |row: usize| row < 16 || (row.is_multiple_of(3) && !(24..32).contains(&row)) || row >= 38;
+        for row in 0..40 {
+            let vector = [row as f32, 0.5, -1.0];
+            let weight = if weighs(row) { 1.0 + row as f32 } else { 0.0 };
+            let (lane, emitter) = (row as u32, 7 * row as u32);
+            candidates.push(Candidate { lane, emitter, start: vector, arriving: vector, point: vector, weight });
+            chains.vertices.iter_mut().for_each(|vertex| vertex.set_row(row, vector));
+        }
+        let packed = Bucket { inserted: 2, start: 8, len: 30 }.pack(&mut candidates, &mut chains);
+        let expected: Vec<usize> = (8..38).filter(|row| weighs(*row)).collect();
+        assert_eq!(packed, Bucket { inserted: 2, start: 8, len: expected.len() });
+        for (row, from) in packed.rows().zip(expected) {
+            let candidate = candidates.row(row);
+            assert_eq!(
+                (candidate.lane, candidate.emitter, candidate.weight),
+                (from as u32, 7 * from as u32, 1.0 + from as f32)
+            );
+            assert_eq!(candidate.point, [from as f32, 0.5, -1.0]);
+            chains.vertices.iter().for_each(|vertex| assert_eq!(vertex.row(row), candidate.point));
+        }
     }
 }
