@@ -105,8 +105,9 @@ impl Trial {
 
 /// `frame` with the most efficient of the settings that `render` leaves open, and the trials that led to it.
 ///
-/// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks that go on,
-/// then survivals with the best of these, and where an early end is the best, the next numbers of starts with that.
+/// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks
+/// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
+/// with that.
 ///
 /// `size` is that of the whole image. Without bridges there are no starts and survivals to try: techniques that do not reach
 /// every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.

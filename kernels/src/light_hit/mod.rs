@@ -29,9 +29,9 @@ pub struct Columns<'a, 'q> {
 
 /// Turns hits into candidates and ends the paths that cannot go on.
 ///
-/// A light shows its front where the ray runs against its normal, or where both of its sides shine. At depth 0 a front counts by expectation: it becomes a
-/// view of weight `exp(-mu_t distance)` times the profile of the light, whether or not the flight reaches it, and the analog hit counts nothing. At
-/// greater depth a front is a light hit. Backs are black. Either way the path ends where its flight reaches a disk or sphere; on
-/// a triangle it is reflected.
-/// `arriving` of a view is zero: nothing arrives at the camera.
+/// A light shows its front where the ray runs against its normal, or where both of its sides shine. At depth 0 a front
+/// counts by expectation: it becomes a view of weight `exp(-mu_t distance)` times the profile of the light, whether or
+/// not the flight reaches it, and the analog hit counts nothing. At greater depth a front is a light hit. Backs are
+/// black. Either way the path ends where its flight reaches a disk or sphere; on a triangle it is reflected. `arriving`
+/// of a view is zero: nothing arrives at the camera.
 pub type Kernel = fn(&Medium, &Lights, Step, Columns<'_, '_>);

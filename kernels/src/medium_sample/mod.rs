@@ -17,6 +17,6 @@ pub struct Columns<'a, 'q> {
 }
 
 /// Draws the random block of the current segment; turns its first word into a free flight, `-ln(1 - u) / mu_t`, or an
-/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A path that has left the
-/// camera ends unless the fourth uniform is below `survival`.
+/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A
+/// path that has left the camera ends unless the fourth uniform is below `survival`.
 pub type Kernel = fn(&Medium, &Walk, Step, Columns<'_, '_>);

@@ -10,8 +10,8 @@
 //! so, and `reach(i) = survival^(i - 1)` the probability that a walk gets to vertex `i` if it does not stop by itself;
 //! `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible vertex, over at
 //! most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
-//! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0 where none
-//! does.
+//! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
+//! where none does.
 
 pub mod density;
 pub mod reference;

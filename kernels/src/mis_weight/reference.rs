@@ -200,7 +200,8 @@ pub fn reach(walk: &Walk, i: usize) -> f64 {
 }
 
 /// Density with which path tracing, at vertex `start`, makes the rest of `path`, which ends on a light that faces
-/// `normal`; the start is on a surface of the normal `surface`, or in the medium. None if it cannot: in vacuum, or where a segment has no length and so no direction.
+/// `normal`; the start is on a surface of the normal `surface`, or in the medium. None if it cannot: in vacuum, or
+/// where a segment has no length and so no direction.
 pub fn path_tracing_density(
     extinction: f64,
     g: f64,

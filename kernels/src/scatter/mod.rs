@@ -21,7 +21,8 @@ pub struct Columns<'a, 'q> {
     pub rays: &'a mut RayTable<'q>,
 }
 
-/// Moves every live path that does not end on a surface to the end of its flight and draws a new direction from the phase function.
+/// Moves every live path that does not end on a surface to the end of its flight and draws a new direction from the
+/// phase function.
 ///
 /// The cosine follows from inverting the phase function's distribution, `cosine` rising with its word; the azimuth
 /// `2 pi u` counts in the [frame](crate::vec3x8::Vec3x8::frame) of the old direction. Direction and phase function

@@ -26,8 +26,9 @@ pub struct Columns<'a, 'q> {
 /// Moves every listed path to the surface it met and draws a new direction on the side from which it came, whether or not it
 /// ends there.
 ///
-/// The front of a triangle is the side from which its corners A, B, C run counterclockwise; n is `(B - A) x (C - A)`, normalised,
-/// or its negation for paths that come from the back. A path in the very plane may count as coming from either side.
+/// The front of a triangle is the side from which its corners A, B, C run counterclockwise; n is `(B - A) x (C - A)`,
+/// normalised, or its negation for paths that come from the back. A path in the very plane may count as coming from
+/// either side.
 ///
 /// The surface reflects as Lambert's law says: with n the unit normal on that side, the direction has density
 /// `cos theta / pi`, `cos^2 theta = 1 - u` for the word `cosine`, at azimuth `2 pi u` in the

@@ -38,7 +38,8 @@ impl Reach {
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: pixel, sample, birth and last surface vertex of live lanes. Filled where the reach is limited: the first vertex near a light.
+    /// Read: pixel, sample, birth and last surface vertex of live lanes. Filled where the reach is limited: the first
+    /// vertex near a light.
     pub paths: &'a mut PathTable<'q>,
     /// Read: position of the vertex of the clock. Filled where the selection depends on the start: its light sum.
     pub vertices: &'a mut VertexTable<'q>,
@@ -53,8 +54,8 @@ pub struct Columns<'a, 'q> {
 /// vertex, or 1.
 ///
 /// The first word of the block picks the light, the first of the EMITTER block one of its emitters. The second and third of
-/// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent towards the bitangent; on a sphere
-/// the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle the corners' weights
-/// `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`. The light sum, where it is defined, is filled for every live lane that
-/// is near a light.
+/// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent
+/// towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle
+/// the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`. The light sum, where it is defined, is filled
+/// for every live lane that is near a light.
 pub type Kernel = fn(&Lights, Reach, Step, Columns<'_, '_>);

@@ -78,7 +78,8 @@ pub(super) fn check_mvnee_build(
     check_chains("mvnee_build", buckets, 0, (kernel.0, twin.0), (&kernel.1, &twin.1), |_, _| tolerances::CHAIN);
 }
 
-/// Compares connections that were built in buckets, with `appended` more vertices than these say; `tolerance` is that of the inserted vertices of a row.
+/// Compares connections that were built in buckets, with `appended` more vertices than these say; `tolerance` is that
+/// of the inserted vertices of a row.
 fn check_chains(
     stage: &str,
     buckets: &BucketTable<'_>,
