@@ -96,6 +96,13 @@ fn all_techniques_have_equal_means_per_path_length_with_spotlights() {
 }
 
 #[test]
+fn all_techniques_have_equal_means_per_path_length_with_cones() {
+    let base = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let base = frames::with_cones(&frames::focused(&base, &[8.0, 2.0, 1.0]), &[[0.2, 0.7], [0.9, 0.9], [0.3, 1.5]]);
+    assert_equal_means("cones", &base, 3.0, 1..=6, 1500);
+}
+
+#[test]
 fn all_techniques_have_equal_means_per_path_length_among_surfaces() {
     let base = frames::room(0.7, Selection::IntensityDistance, SMALL);
     assert_equal_means("room", &base, 2.0, 1..=6, 1500);

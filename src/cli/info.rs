@@ -143,9 +143,13 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     let depth = number(distance * f64::from(loaded.frame.medium.extinction), 3);
     let (distance, radius) = (number(distance, 4), values.radius);
     let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
-    let kind = match (values.kind, values.exponent) {
-        (LightKind::Spot, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
-        (kind, _) => format!("{} of", kind.name()),
+    let kind = match (values.kind, values.cone, values.exponent) {
+        (LightKind::Spot, Some(cone), _) => {
+            let [inner, outer] = cone.map(|angle| number(angle.to_degrees(), 4));
+            format!("spot with a cone of {inner} to {outer} degrees and")
+        }
+        (LightKind::Spot, None, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
+        (kind, ..) => format!("{} of", kind.name()),
     };
     say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))
 }

@@ -48,7 +48,11 @@ pub fn emitter(source: &Source<'_>, light: &Light) -> Result<Emitter> {
     let (normal, exponent) = (normal(source, light)?, exponent(source, light)?);
     let Some(normal) = normal else { return Ok(Emitter::sphere(center, radius, radiance)) };
     let disk = Emitter::disk(center, normal, radius, radiance);
-    Ok(exponent.map_or(disk, |exponent| disk.focused(exponent)))
+    Ok(match (exponent, light.cone) {
+        (None, _) => disk,
+        (Some(exponent), None) => disk.focused(exponent),
+        (Some(exponent), Some(cone)) => disk.with_cone(cone, exponent),
+    })
 }
 
 /// The normal of a disk or spot; none of a sphere.

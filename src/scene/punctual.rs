@@ -1,8 +1,8 @@
 //! Punctual lights of a model as lights with an extent, of the same intensity.
 //!
-//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a disk
-//! with Le(theta) = radiance (n + 1) / (2 pi) cos^n theta, whose intensity is pi r^2 cos theta Le(theta): r^2 radiance
-//! (n + 1) / 2 along the axis, and falling as cos^(n + 1).
+//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a disk,
+//! whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so that it falls as
+//! `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a power of the cosine.
 
 use core::f64::consts::PI;
 
@@ -28,24 +28,30 @@ pub fn lights(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
     loaded.model.lights.iter().filter_map(placed).collect()
 }
 
+/// Narrowest cone whose edge single precision can place [rad], about a degree.
+const NARROWEST: f64 = 0.02;
+
 /// What stands for `light`, with this radius.
 fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
-    let (kind, exponent) = match light.kind {
-        gltf::LightKind::Point => (LightKind::Sphere, None),
-        gltf::LightKind::Spot { inner, outer } => (LightKind::Spot, Some(exponent(inner, outer))),
+    let (kind, exponent, cone) = match light.kind {
+        gltf::LightKind::Point => (LightKind::Sphere, None, None),
+        gltf::LightKind::Spot { inner, outer } => {
+            (LightKind::Spot, Some(exponent(inner, outer)), (outer >= NARROWEST).then_some([inner, outer]))
+        }
         gltf::LightKind::Directional => return None,
     };
-    // What makes a radiance of 1 an intensity.
-    let area = match exponent {
-        None => PI * radius * radius,
-        Some(exponent) => 0.5 * (exponent + 1.0) * radius * radius,
+    // What makes a radiance of 1 an intensity, of a power of the cosine r^2 (n + 1) / 2.
+    let area = match (exponent, cone) {
+        (Some(exponent), None) => 0.5 * (exponent + 1.0) * radius * radius,
+        _ => PI * radius * radius,
     };
     let radiance = light.color.map(|channel| f64::from(channel) * light.intensity / area);
     let normal = exponent.map(|_| light.direction);
-    Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent })
+    Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent, cone })
 }
 
-/// The n with which the intensity of a spot, cos^(n + 1), is one half midway between its cone angles; 0, a plain disk with
+/// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its cone
+/// angles; 0, a plain disk with
 /// one half at 60 degrees, is the widest there is.
 fn exponent(inner: f64, outer: f64) -> f64 {
     let sine = (0.5 * (inner + outer)).sin();
@@ -57,6 +63,10 @@ fn exponent(inner: f64, outer: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+    use fogbow_kernels::mis_weight::reference::profile;
+    use fogbow_kernels::tables::lights::Emitter;
+    use glam::DVec3;
 
     use super::super::lights::emitter;
     use super::super::source::Source;
@@ -105,7 +115,31 @@ mod tests {
     }
 
     #[test]
-    fn the_intensity_of_a_spot_halves_midway_between_its_angles() {
+    fn a_disk_has_the_cone_of_its_spot() {
+        let spot = |inner, outer| {
+            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
+            emitter(&Source::Object("spot".into()), &disk).expect("valid")
+        };
+        let intensity = |disk: &Emitter, angle: f64| {
+            let cosine = angle.cos();
+            let towards = DVec3::new(angle.sin(), 0.0, cosine);
+            disk.area() * cosine * profile(disk, DVec3::new(1.0, 2.0, 3.0), towards) * f64::from(disk.radiance[0])
+        };
+        let disk = spot(0.3, 0.6);
+        let fall =
+            |angle: f64| ((angle.cos() - 0.6_f64.cos()) / (0.3_f64.cos() - 0.6_f64.cos())).clamp(0.0, 1.0).powi(2);
+        for angle in [0.0, 0.25, 0.31, 0.45, 0.59, 0.61, 1.0, 1.5] {
+            let found = intensity(&disk, angle);
+            assert!((found - 8.0 * fall(angle)).abs() < 1e-4, "{found} W/sr at {angle}");
+        }
+        // A hard edge, and a cone that is too narrow for one.
+        let (hard, narrow) = (spot(0.6, 0.6), spot(0.01, 0.015));
+        assert_eq!([0.59, 0.61].map(|angle| intensity(&hard, angle).round()), [8.0, 0.0]);
+        assert!(narrow.window[0] == 0.0 && (intensity(&narrow, 0.0) - 8.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_power_of_the_cosine_halves_midway_between_the_angles_of_a_cone() {
         for (inner, outer) in CONES {
             let n = exponent(inner, outer);
             let half = (0.5 * (inner + outer)).cos().powf(n + 1.0);

@@ -20,8 +20,8 @@ pub struct Scene {
     pub geometry: Option<String>,
     /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
     /// "radius" in the extras of a light (not of its node) is its own. Their intensities are read as W/sr, per channel,
-    /// where glTF has candela; their ranges are not read. A spot's intensity falls to one half midway between its cone
-    /// angles.
+    /// where glTF has candela; their ranges are not read. A spot's intensity falls between its cone angles as glTF
+    /// recommends.
     #[serde(default = "Scene::punctual_radius")]
     pub punctual_radius: f64,
     /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry whose node is called
@@ -159,6 +159,9 @@ pub struct Light {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub exponent: Option<f64>,
+    /// Inner and outer angle of a spot of a model [rad], which has the intensity of its cone instead of a power of the cosine.
+    #[serde(skip)]
+    pub cone: Option<[f64; 2]>,
 }
 
 /// Light shapes.

@@ -14,7 +14,7 @@ fn a_bare_model_is_rendered_as_a_scene_that_names_it() {
     let [bare, named] = ["a.exr", "b.exr"].map(|name| folder.image(name));
     assert_eq!(bare.channels, named.channels);
     assert_eq!(header(&bare, "scene_hash"), header(&named, "scene_hash"));
-    assert!(plane(&bare, "R").iter().all(|value| *value > 0.0));
+    assert!(plane(&bare, "R").iter().any(|value| *value > 0.0));
     folder.write("settings.toml", header(&bare, "settings"));
     folder.done(&["render", "settings.toml", "-o", "c.exr"]);
     assert_eq!(folder.image("c.exr").channels, bare.channels, "settings are a scene that gives the same image");
@@ -135,7 +135,7 @@ fn a_bare_model_is_described_with_its_contents() {
         "mesh \"Wall\": 2 triangles",
         "camera \"Eye\", which renders",
         "camera \"Lamp\"",
-        "light \"Lamp\": spot of exponent 20.95 and radius 0.05 m at 2 m from the camera, 0 mean free paths",
+        "light \"Lamp\": spot with a cone of 0 to 28.65 degrees and radius 0.05 m at 2 m from the camera, 0 mean free paths",
         "shining meshes: 1, of 2 triangles",
     ];
     for line in lines {

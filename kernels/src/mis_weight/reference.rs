@@ -15,7 +15,8 @@
 //! reach(i) = survival^{i-1};      reach(n) = 0 if walks end before they have n segments
 //! ```
 //!
-//! times the profile of the light: 1, or `(k + 1) / (2 pi) cos^k theta` of a spotlight with exponent k.
+//! times the profile of the light: 1, or `(k + 1) / (2 pi) cos^k theta` of a spotlight with exponent k, or
+//! `clamp(a cos theta + b, 0, 1)^2 / cos theta` of one with a cone.
 //!
 //! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
 //! makes weighs nothing.
@@ -190,7 +191,10 @@ pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
     if cosine <= 0.0 {
         return 0.0;
     }
-    let exponent = f64::from(emitter.exponent);
+    let ([a, b], exponent) = (emitter.window.map(f64::from), f64::from(emitter.exponent));
+    if a > 0.0 {
+        return (a * cosine + b).clamp(0.0, 1.0).powi(2) / cosine;
+    }
     if emitter.focused { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
 }
 

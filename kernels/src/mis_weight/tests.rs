@@ -229,3 +229,22 @@ fn spots_of_any_exponent_have_their_profile() {
         }
     }
 }
+
+#[test]
+fn the_intensity_of_a_spot_with_a_cone_falls_between_its_angles() {
+    for [inner, outer] in [[0.0, 0.5], [0.3, 0.6], [0.6, 0.6], [0.5, 0.5 * PI]] {
+        let spot = Emitter::disk(DVec3::ZERO, DVec3::Z, 0.5, [1.0; 3]).with_cone([inner, outer], 3.0);
+        // One without a cone beside it keeps its profile.
+        let lights = Lights::new(vec![spot, Emitter { window: [0.0; 2], ..spot }], Selection::Uniform);
+        for angle in [0.0, 0.1, 0.29, 0.45, 0.59, 0.61, 1.2_f64] {
+            let cosine = angle.cos();
+            let fall = ((cosine - outer.cos()) / (inner.cos() - outer.cos()).max(1e-4)).clamp(0.0, 1.0);
+            let expected = fall * fall / cosine;
+            let twin = profile(&spot, DVec3::ZERO, DVec3::new(angle.sin(), 0.0, -cosine));
+            let kernel = lights.profile(&[0, 1, 0, 1, 0, 1, 0, 1], f32x8::splat(cosine as f32)).to_array();
+            assert!((twin - expected).abs() < 1e-5, "{inner} to {outer} at {angle}: {twin} instead of {expected}");
+            assert!((f64::from(kernel[4]) - expected).abs() < 1e-5, "{inner} to {outer} at {angle}: {}", kernel[4]);
+            assert!((f64::from(kernel[5]) - cosine.powi(3)).abs() < 1e-5, "without a cone at {angle}: {}", kernel[5]);
+        }
+    }
+}

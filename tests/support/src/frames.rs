@@ -147,6 +147,13 @@ pub fn focused(frame: &Frame, exponents: &[f64]) -> Frame {
     Frame { lights: Lights::new(disks, frame.lights.selection()), ..frame.clone() }
 }
 
+/// `frame` with its spotlights as such with these cones [rad].
+pub fn with_cones(frame: &Frame, cones: &[[f64; 2]]) -> Frame {
+    let cone = |(spot, cone): (&Emitter, &[f64; 2])| spot.with_cone(*cone, f64::from(spot.exponent));
+    let disks = frame.lights.emitters().iter().zip(cones).map(cone).collect();
+    Frame { lights: Lights::new(disks, frame.lights.selection()), ..frame.clone() }
+}
+
 /// A quadrilateral as two triangles whose front sees its corners counterclockwise.
 fn quad(corners: [[f32; 3]; 4]) -> [[[f32; 3]; 3]; 2] {
     let [a, b, c, d] = corners;
@@ -319,6 +326,10 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     let spots = focused(&three_lights(0.8, Selection::IntensityDistance, size), &[0.0, 3.0, 30.0]);
     for active in [Active::Lis, Active::LisMvnee, Active::Every] {
         add(format!("spotlights, {active:?}"), with_techniques(&spots, active, 2.0));
+    }
+    let cones = with_cones(&spots, &[[0.2, 0.7], [0.9, 0.9], [0.3, 1.5]]);
+    for active in [Active::Both, Active::Every] {
+        add(format!("cones, {active:?}"), with_techniques(&cones, active, 2.0));
     }
     let shape = Shape::Bridge(bridge);
     let lis = Some(Lis { near: 0.7, ..Lis::new(&spots.medium, shape) });

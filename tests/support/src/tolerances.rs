@@ -77,6 +77,17 @@ pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64)
     3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))
 }
 
+/// The same of the profile of a light with the `window` of a cone, `clamp(a cos_light + b, 0, 1)^2`: rounding of positions and
+/// of the cosine counts with its slope over what is left at the edge.
+pub fn cone_conditioning([a, b]: [f32; 2], distance: f64, shortest: f64, cos_light: f64) -> f64 {
+    let fall = f64::from(a) * cos_light + f64::from(b);
+    if a == 0.0 || fall >= 1.01 {
+        return 0.0;
+    }
+    let cosine = 3.0 * 6e-8 * (1.0 + distance / shortest.max(1e-12));
+    2.0 * (f64::from(a) * cosine + 6e-8 * f64::from(b.abs())) / fall.abs().max(1e-12)
+}
+
 /// Where a ray passes the outline of a triangle: 12 units of rounding of the largest coordinates, as derived in
 /// `trace::ray`, along each of two axes.
 pub const EDGE: Tolerance = tolerance(0.0, 2.0 * 12.0 * 6e-8);

@@ -44,6 +44,9 @@ pub struct Emitter {
     pub scale: f32,
     /// Whether it is a spotlight.
     pub focused: bool,
+    /// a and b of a spotlight with a cone, whose radiance at the cosine c to the normal is `clamp(a c + b, 0, 1)^2 / c` times
+    /// `radiance`, so that its intensity is the square; its exponent only says where light is likely. `[0, 0]` without a cone.
+    pub window: [f32; 2],
     /// Whether the back shines as the front does.
     pub double_sided: bool,
     /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2]; 0 for what is dark in a mesh that
@@ -54,6 +57,9 @@ pub struct Emitter {
     /// Index of the triangle that shines; `u32::MAX` for disks and spheres.
     pub triangle: u32,
 }
+
+/// Least difference of cosines over which a cone's intensity falls: single precision knows cosines to 10^-7.
+const SHARPEST_EDGE: f64 = 1e-4;
 
 fn f32s(v: DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
@@ -76,6 +82,7 @@ impl Emitter {
             exponent: 0.0,
             scale: 1.0,
             focused: false,
+            window: [0.0; 2],
             double_sided: false,
             density: (1.0 / (PI * radius * radius)) as f32,
             light: 0,
@@ -123,11 +130,21 @@ impl Emitter {
         Self { exponent: exponent as f32, scale, focused: true, ..self }
     }
 
+    /// The same disk as a spotlight with a cone: its intensity is the same up to the angle `inner` from the normal and falls to
+    /// 0 at `outer`, as `KHR_lights_punctual` recommends; `0 <= inner <= outer <= pi / 2` [rad]. Light importance sampling
+    /// samples it like one of `exponent`.
+    pub fn with_cone(self, [inner, outer]: [f64; 2], exponent: f64) -> Self {
+        let slope = 1.0 / (inner.cos() - outer.cos()).max(SHARPEST_EDGE);
+        let window = [slope as f32, (-outer.cos() * slope) as f32];
+        Self { exponent: exponent as f32, scale: 1.0, focused: true, window, ..self }
+    }
+
     /// Shows all that makes it up to `digest`, in pieces.
     pub(super) fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         let vectors = [self.origin, self.normal, self.tangent, self.bitangent, self.radiance];
         digest(bytemuck::cast_slice(&vectors));
         digest(bytemuck::cast_slice(&[self.radius, self.exponent, self.scale, self.density]));
+        digest(bytemuck::cast_slice(&self.window));
         digest(bytemuck::cast_slice(&[self.light, self.triangle, u32::from(self.double_sided)]));
     }
 

@@ -60,6 +60,7 @@ pub struct Lights {
     selection: Selection,
     /// What there is among the emitters: code for the rest is passed by.
     focused: bool,
+    cones: bool,
     spheres: bool,
     double_sided: bool,
 }
@@ -111,6 +112,7 @@ impl Lights {
             of_triangle: of_triangle(&emitters),
             selection,
             focused: emitters.iter().any(|emitter| emitter.focused),
+            cones: emitters.iter().any(|emitter| emitter.window[0] > 0.0),
             spheres: emitters.iter().any(|emitter| emitter.shape == Shape::Sphere),
             double_sided: emitters.iter().any(|emitter| emitter.double_sided),
             emitters,
@@ -202,7 +204,14 @@ impl Lights {
         }
         let exponent = self.gather(emitters, |emitter| emitter.exponent);
         let scale = self.gather(emitters, |emitter| emitter.scale);
-        scale * exp(-exponent * neg_ln(cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE))))
+        let cosine = cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+        let power = scale * exp(-exponent * neg_ln(cosine));
+        if !self.cones {
+            return power;
+        }
+        let [a, b] = [0, 1].map(|i| self.gather(emitters, |emitter| emitter.window[i]));
+        let window = a.mul_add(cosine, b).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        a.simd_gt(f32x8::ZERO).select(window * window / cosine, power)
     }
 
     /// One value of eight emitters.

@@ -106,6 +106,7 @@ impl Sight<'_, '_> {
         let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
         let cos_light = cosine(emitter, point, point - before);
         tolerances::weight_conditioning(g, distance, shortest, cos_light)
+            + tolerances::cone_conditioning(emitter.window, distance, shortest, cos_light)
     }
 }
 
