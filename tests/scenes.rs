@@ -49,6 +49,29 @@ fn every_scene_has_the_mean_that_its_readme_promises() {
 }
 
 #[test]
+fn the_place_of_a_scene_does_not_show() {
+    let text = |shift: f64| {
+        format!(
+            "[camera]\nposition = [{shift:?}, 0, {:?}]\nlook_at = [{shift:?}, 0, {:?}]\nvertical_fov_deg = 50\n\
+             [film]\nsize = [8, 8]\n[medium]\nscattering = 0.5\nphase = {{ type = \"henyey_greenstein\", g = 0.8 }}\n\
+             [[light]]\ntype = \"sphere\"\ncenter = [{shift:?}, 0.5, {:?}]\nradius = 0.01\nradiance = 1000\n",
+            shift - 3.25,
+            shift,
+            shift + 0.5
+        )
+    };
+    let mean = |shift: f64| {
+        let scene = scene::parse("scene.toml", &text(shift)).unwrap_or_else(|error| panic!("{error}"));
+        green(&render(&scene.frame, [8, 8], 0..64).0).0
+    };
+    let here = mean(0.0);
+    for shift in [2e3, 1e6, 3e7] {
+        let there = mean(shift);
+        assert!((there / here - 1.0).abs() < 1e-3, "{there} at {shift} m, {here} at 0");
+    }
+}
+
+#[test]
 fn scenes_are_called_after_their_folders() {
     for folder in folders() {
         let name = folder.file_name().expect("a folder").to_string_lossy().into_owned();

@@ -1,6 +1,6 @@
 //! Vertices and triangles: of a mesh in its own space, or of all in world space.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::fault::{Checked, Fault};
 use super::model::Triangle;
@@ -37,8 +37,9 @@ impl Geometry {
         extend(&mut self.colors, colors, before, after, WHITE);
     }
 
-    /// Adds `mesh` transformed by `world`. Mirrors turn the winding round, so that the front stays the front.
-    pub fn add_instance(&mut self, mesh: &Self, world: DAffine3) -> Checked<()> {
+    /// Adds `mesh` transformed by `world` and counted from `origin`. Mirrors turn the winding round, so that the front stays the front.
+    pub fn add_instance(&mut self, mesh: &Self, world: DAffine3, origin: DVec3) -> Checked<()> {
+        let world = DAffine3 { translation: world.translation - origin, ..world };
         let first = self.positions.len();
         let texcoords = [0, 1].map(|set| some(&mesh.texcoords[set]));
         self.add_vertices(&mesh.positions, texcoords, some(&mesh.colors));

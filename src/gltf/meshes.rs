@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use glam::DVec3;
+
 use super::fault::{At, Checked, entry, label};
 use super::geometry::Geometry;
 use super::limits::Limits;
@@ -49,10 +51,11 @@ fn mesh_label(index: usize, mesh: &Mesh) -> String {
     label("mesh", index, mesh.name.as_deref())
 }
 
-/// The triangles of all `placed` nodes in world space, mesh by mesh.
+/// The triangles of all `placed` nodes in world space, counted from `origin`, mesh by mesh.
 pub fn flatten(
     meshes: &[Mesh],
     placed: &[Placed<'_>],
+    origin: DVec3,
     planner: &Planner<'_>,
     limits: Limits,
     warnings: &mut Warnings,
@@ -66,7 +69,7 @@ pub fn flatten(
         reserve(&mut all, &mesh, planned.nodes.len());
         for placed in &planned.nodes {
             let first = all.triangles.len() as u32;
-            all.add_instance(&mesh, placed.world).at(|| planned.label()).at(|| placed.label())?;
+            all.add_instance(&mesh, placed.world, origin).at(|| planned.label()).at(|| placed.label())?;
             let triangles = first..all.triangles.len() as u32;
             if !triangles.is_empty() {
                 instances.push(Instance { node: placed.index as u32, name: name(placed, planned), triangles });

@@ -37,6 +37,8 @@ mod warnings;
 
 use std::path::Path;
 
+use glam::DVec3;
+
 pub(crate) use fault::quoted;
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
@@ -61,10 +63,19 @@ use warnings::Warnings;
 /// # Errors
 /// If the file or one that it refers to cannot be read, is malformed, or needs what is not supported.
 pub fn load(path: &Path) -> Result<Model> {
+    load_from(path, |_| DVec3::ZERO)
+}
+
+/// The same with vertices counted from `origin`, a function of where the first camera is, if there is one: single precision
+/// is finest around 0.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from(path: &Path, origin: impl Fn(Option<DVec3>) -> DVec3) -> Result<Model> {
     let bytes = std::fs::read(path).map_err(|error| {
         Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
     })?;
-    parse(&path.display().to_string(), &bytes, path.parent())
+    parse_from(&path.display().to_string(), &bytes, path.parent(), &origin)
 }
 
 /// Reads a model from memory; `file` is what errors call it, and files that it refers to are in `folder`.
@@ -72,13 +83,20 @@ pub fn load(path: &Path) -> Result<Model> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
+    parse_from(file, bytes, folder, &|_| DVec3::ZERO)
+}
+
+fn parse_from(file: &str, bytes: &[u8], folder: Option<&Path>, origin: Origin<'_>) -> Result<Model> {
     let mut warnings = Warnings::default();
     let container = container::open(bytes, &mut warnings).in_file(file)?;
     let root = document::read(file, &container)?;
-    let mut model = model(&root, &container, Files::new(folder), bytes.len(), &mut warnings).in_file(file)?;
+    let mut model = model(&root, &container, Files::new(folder), bytes.len(), origin, &mut warnings).in_file(file)?;
     model.warnings = warnings.into_lines();
     Ok(model)
 }
+
+/// What vertices are counted from, by the place of the first camera.
+type Origin<'a> = &'a dyn Fn(Option<DVec3>) -> DVec3;
 
 /// The model that `root` describes; `bytes` is the size of the file.
 fn model(
@@ -86,6 +104,7 @@ fn model(
     container: &Container<'_>,
     mut files: Files<'_>,
     bytes: usize,
+    origin: Origin<'_>,
     warnings: &mut Warnings,
 ) -> Checked<Model> {
     document::check(root, warnings)?;
@@ -101,7 +120,9 @@ fn model(
     let reader = Reader { accessors, quantized: document::is_quantized(root) };
     let used_sets = materials.iter().map(materials::used_sets).collect();
     let planner = Planner { reader, materials: &root.materials, used_sets };
-    let (geometry, instances) = meshes::flatten(&root.meshes, &placed, &planner, limits, warnings)?;
+    let origin =
+        origin(placed.iter().find(|placed| placed.node.camera.is_some()).map(|placed| placed.world.translation));
+    let (geometry, instances) = meshes::flatten(&root.meshes, &placed, origin, &planner, limits, warnings)?;
     let cameras = cameras::read(&root.cameras, &placed, warnings)?;
     let lights = lights::read(root, &placed, warnings)?;
     let (images, which) = images::decode(&images, &buffers, &files, limits)?;
@@ -115,6 +136,7 @@ fn model(
     let Geometry { positions, texcoords, colors, triangles } = geometry;
     let warnings = Vec::new();
     Ok(Model {
+        origin: origin.to_array(),
         positions,
         texcoords,
         colors,

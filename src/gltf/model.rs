@@ -12,6 +12,8 @@ use fogbow_kernels::tables::textures::{Image, Texture, TextureRef};
 /// [`Self::positions`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
+    /// What the positions are counted from `[m]`; cameras and lights are where they are.
+    pub origin: [f64; 3],
     /// Positions of the vertices `[m]`; finite.
     pub positions: Vec<[f32; 3]>,
     /// Texture coordinates of set 0 and set 1, u to the right and v downward in the image; (0, 0) where a mesh has none.

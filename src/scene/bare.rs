@@ -3,10 +3,12 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
 use super::document::Document;
+use super::origin;
 use super::places::EXTRAS;
 use crate::error::{Error, Result};
 use crate::gltf::{self, Model};
@@ -21,7 +23,7 @@ pub fn is_model(path: &Path) -> bool {
 
 /// The keys of the scene that the file at `path` is, and what it holds.
 pub fn read(path: &Path) -> Result<(Document, Model)> {
-    let model = gltf::load(path)?;
+    let model = gltf::load_from(path, |camera| camera.map_or(DVec3::ZERO, origin::around))?;
     let own = model.extras.scene.as_ref().and_then(|extras| extras.get("fogbow"));
     let keys = own.map_or(Ok(Table::new()), keys).map_err(|finding| {
         let remedy = "write in it what a scene.toml would say; fogbow render --help-scene lists every key";

@@ -1,6 +1,7 @@
 //! The camera of a scene: that of its table, or one of its model.
 
 use fogbow_kernels::tables::camera::Camera as Pinhole;
+use glam::DVec3;
 
 use super::document::Document;
 use super::model::{self, Loaded};
@@ -94,8 +95,8 @@ fn table(camera: &gltf::Camera, near: f64) -> Camera {
 }
 
 impl Chosen<'_> {
-    /// The pinhole in front of `film`, of valid size.
-    pub fn pinhole(&self, film: &Film) -> Result<Pinhole> {
+    /// The pinhole in front of `film`, of valid size, counted from `origin`.
+    pub fn pinhole(&self, film: &Film, origin: DVec3) -> Result<Pinhole> {
         let at = &self.source;
         let Camera { position, look_at, up, vertical_fov_deg, near } = self.camera;
         let [position, look_at] = [at.position("position", position)?, at.position("look_at", look_at)?];
@@ -110,7 +111,7 @@ impl Chosen<'_> {
         at.require(ok, "vertical_fov_deg", finding, "give an angle between 0 and 180 degrees")?;
         let ok = (0.0..=LARGEST).contains(&near);
         at.require(ok, "near", format!("{near:?}"), "give a distance from 0 m to 1e9 m")?;
-        Ok(Pinhole::new(position, forward, upward, vertical_fov_deg.to_radians(), near, film.size))
+        Ok(Pinhole::new(position - origin, forward, upward, vertical_fov_deg.to_radians(), near, film.size))
     }
 }
 

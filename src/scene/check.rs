@@ -11,6 +11,7 @@ use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
+use glam::DVec3;
 
 use super::cameras::Chosen;
 use super::document::Document;
@@ -43,23 +44,25 @@ struct Check<'a> {
     document: &'a Document,
 }
 
-/// The frame of `scene`, whose values stand in `document`, with this camera, these lights, and the surfaces of `model`.
+/// The frame of `scene`, whose values stand in `document`, with this camera, these lights, and the surfaces of `model`;
+/// positions are counted from `origin`.
 pub fn frame(
     scene: &Scene,
     document: &Document,
     camera: &Chosen<'_>,
     lights: &[Placed<'_>],
     model: Option<Model>,
+    origin: DVec3,
 ) -> Result<Frame> {
     let check = Check { document };
     check.film_size(scene.film.size)?;
-    let camera = camera.pinhole(&scene.film)?;
+    let camera = camera.pinhole(&scene.film, origin)?;
     let medium = check.medium(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
-    let lights = check.lights(lights, meshes, scene.render.light_selection)?;
+    let lights = check.lights(lights, meshes, scene.render.light_selection, origin)?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
@@ -110,7 +113,13 @@ impl Check<'_> {
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 
-    fn lights(&self, lights: &[Placed<'_>], meshes: Vec<Vec<Emitter>>, selection: LightSelection) -> Result<Lights> {
+    fn lights(
+        &self,
+        lights: &[Placed<'_>],
+        meshes: Vec<Vec<Emitter>>,
+        selection: LightSelection,
+        origin: DVec3,
+    ) -> Result<Lights> {
         if lights.is_empty() && meshes.is_empty() {
             let remedy = match self.document.is_model() {
                 true => {
@@ -122,8 +131,8 @@ impl Check<'_> {
             };
             return Err(self.document.error("light", "the scene has no light", remedy));
         }
-        let solids =
-            lights.iter().map(|placed| lights::emitter(&placed.source, &placed.light)).collect::<Result<_>>()?;
+        let solid = |placed: &Placed<'_>| lights::emitter(&placed.source, &placed.light, origin);
+        let solids = lights.iter().map(solid).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,

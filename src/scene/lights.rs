@@ -37,9 +37,9 @@ pub fn all<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -
     Ok(own.chain(of_model).collect())
 }
 
-/// What connections connect with, of a light with valid values.
-pub fn emitter(source: &Source<'_>, light: &Light) -> Result<Emitter> {
-    let center = source.position("center", light.center)?;
+/// What connections connect with, of a light with valid values, counted from `origin`.
+pub fn emitter(source: &Source<'_>, light: &Light, origin: DVec3) -> Result<Emitter> {
+    let center = source.position("center", light.center)? - origin;
     let radius = source.radius("radius", light.radius)?;
     let Spectrum(radiance) = light.radiance;
     let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));

@@ -8,6 +8,7 @@ pub mod document;
 pub mod help;
 mod lights;
 mod model;
+mod origin;
 mod places;
 mod plain;
 mod punctual;
@@ -17,6 +18,7 @@ mod surfaces;
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use serde::de::IntoDeserializer;
 
 use crate::error::{Error, Result};
@@ -43,6 +45,8 @@ pub struct LoadedScene {
     pub frame: Frame,
     /// What its geometry holds that is not rendered, a line each.
     pub warnings: Vec<String>,
+    /// What positions in `frame` are counted from `[m]`: 0, unless the camera is far away from there.
+    pub origin: [f64; 3],
 }
 
 /// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in order.
@@ -80,9 +84,12 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let placed = lights::all(&scene, document, loaded.as_ref())?;
     let warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
     let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
-    let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model))?;
+    let camera = DVec3::from(chosen.camera.position);
+    let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
+    let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
-    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, contents, frame, warnings })
+    let origin = origin.to_array();
+    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
 }
 
 /// The scene file that `path` means.
@@ -137,6 +144,7 @@ impl LoadedScene {
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
         let mut hasher = blake3::Hasher::new();
         hasher.update(&canonical);
+        hasher.update(self.origin.map(f64::to_le_bytes).as_flattened());
         let mut digest = |bytes: &[u8]| {
             hasher.update(bytes);
         };

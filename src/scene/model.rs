@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::document::Document;
 use super::lights::LARGEST_RADIANCE;
+use super::origin;
 use super::schema::Scene;
 use super::source::{LARGEST, Source};
 use crate::error::Result;
@@ -26,7 +27,7 @@ pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Res
     let Some(geometry) = &scene.geometry else { return Ok(None) };
     let loaded = match given {
         Some(model) if !document.is_set_by_flag("geometry") => Loaded { file: document.file().into(), model },
-        _ => load(geometry, document)?,
+        _ => load(geometry, scene, document)?,
     };
     check_emission(&loaded)?;
     let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
@@ -48,7 +49,7 @@ fn check_emission(loaded: &Loaded) -> Result<()> {
     Ok(())
 }
 
-fn load(geometry: &str, document: &Document) -> Result<Loaded> {
+fn load(geometry: &str, scene: &Scene, document: &Document) -> Result<Loaded> {
     let path = document.folder().join(geometry);
     let file = path.display().to_string();
     if !path.is_file() {
@@ -56,7 +57,7 @@ fn load(geometry: &str, document: &Document) -> Result<Loaded> {
         let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
         return Err(document.error("geometry", finding, remedy));
     }
-    Ok(Loaded { model: gltf::load(&path)?, file })
+    Ok(Loaded { model: gltf::load_from(&path, |camera| origin::of_scene(scene, camera))?, file })
 }
 
 impl Loaded {

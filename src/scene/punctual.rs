@@ -93,7 +93,7 @@ mod tests {
             let sphere = extended(&light(gltf::LightKind::Point), radius).expect("a sphere");
             assert_eq!((sphere.kind, sphere.center, sphere.radius), (LightKind::Sphere, [1.0, 2.0, 3.0], radius));
             assert_eq!((sphere.normal, sphere.exponent), (None, None));
-            let sphere = emitter(&Source::Object("bulb".into()), &sphere).expect("valid");
+            let sphere = emitter(&Source::Object("bulb".into()), &sphere, DVec3::ZERO).expect("valid");
             assert!((sphere.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {radius} m", sphere.intensity());
             // Seen from afar it is a disk of its radius.
             let intensity = sphere.radiance.map(|channel| f64::from(channel) * PI * radius * radius);
@@ -108,7 +108,7 @@ mod tests {
         for (inner, outer) in CONES {
             let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
             let source = Source::Object("spot".into());
-            let disk = emitter(&source, &disk).expect("valid");
+            let disk = emitter(&source, &disk, DVec3::ZERO).expect("valid");
             assert!((disk.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {inner} to {outer}", disk.intensity());
             assert_eq!((disk.origin, disk.normal), ([1.0, 2.0, 3.0], [0.0, 0.0, -1.0]));
         }
@@ -118,7 +118,7 @@ mod tests {
     fn a_disk_has_the_cone_of_its_spot() {
         let spot = |inner, outer| {
             let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
-            emitter(&Source::Object("spot".into()), &disk).expect("valid")
+            emitter(&Source::Object("spot".into()), &disk, DVec3::ZERO).expect("valid")
         };
         let intensity = |disk: &Emitter, angle: f64| {
             let cosine = angle.cos();

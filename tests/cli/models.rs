@@ -94,6 +94,35 @@ fn a_named_camera_is_the_same_as_its_table() {
 }
 
 #[test]
+fn the_place_of_a_model_does_not_show() {
+    let at = |place: [f64; 3], scene: &str| {
+        let folder = with_model(|model| {
+            for node in model["nodes"].as_array_mut().expect("nodes") {
+                let own = |axis: usize| node["translation"].get(axis).and_then(Value::as_f64).unwrap_or(0.0);
+                node["translation"] = json!([own(0) + place[0], own(1) + place[1], own(2) + place[2]]);
+            }
+        });
+        folder.write("scene.toml", scene);
+        folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", "medium.scattering=0.3"]);
+        folder.image("a.exr")
+    };
+    let here = at([0.0; 3], AROUND);
+    let far = [1_234_567.0, -7_654_321.0, 250_000.0];
+    let table = format!(
+        "[camera]\nposition = {far:?}\nlook_at = [{:?}, {:?}, {:?}]\nvertical_fov_deg = {}\n",
+        far[0],
+        far[1],
+        far[2] - 1.0,
+        0.5_f64.to_degrees()
+    );
+    for scene in [AROUND.to_string(), AROUND.replace("camera = \"Eye\"\n", &table)] {
+        let there = at(far, &scene);
+        assert_eq!(here.channels, there.channels, "{scene}");
+        assert_ne!(header(&here, "scene_hash"), header(&there, "scene_hash"));
+    }
+}
+
+#[test]
 fn cameras_look_along_minus_z_of_their_node() {
     // At first the wall fills the image; turned by half a turn about y, the camera sees nothing.
     let seen = |rotation: [f64; 4]| {
