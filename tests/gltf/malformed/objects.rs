@@ -149,7 +149,8 @@ fn lights() {
         (&format!("{light}/color"), json!([1e39, 0, 0]), "light 0 \"Lamp\": its color is [1e39, 0.0, 0.0]\n"),
         (&format!("{light}/intensity"), json!(-1), "light 0 \"Lamp\": its intensity is -1.0\n"),
         (&format!("{light}/spot/innerConeAngle"), json!(-0.1), &format!("{cone}-0.1 to 0.5\n")),
-        (&format!("{light}/spot/innerConeAngle"), json!(0.5), &format!("{cone}0.5 to 0.5\n")),
+        (&format!("{light}/spot/innerConeAngle"), json!(0.6), &format!("{cone}0.6 to 0.5\n")),
+        (&format!("{light}/spot"), json!({ "innerConeAngle": 0, "outerConeAngle": 0 }), &format!("{cone}0.0 to 0.0\n")),
         (&format!("{light}/spot/outerConeAngle"), json!(1.6), &format!("{cone}0.1 to 1.6\n")),
     ]);
 }
