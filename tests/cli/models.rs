@@ -224,6 +224,18 @@ fn a_model_without_lights_is_refused() {
 }
 
 #[test]
+fn a_model_whose_lights_are_all_directional_is_refused_with_the_reason() {
+    let folder =
+        with_model(|model| model["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!("directional"));
+    let finding = "the scene has no light: directional lights (suns) shine from nowhere and are left out: \"Lamp\"\n";
+    let run = folder.refused(&["render", "room.gltf"], 1, &format!("room.gltf: {finding}"));
+    assert!(run.stderr.contains("help: put a point light, a spot light or an emissive material into"), "{run}");
+    folder.write("scene.toml", AROUND);
+    let run = folder.refused(&["render", "scene.toml"], 1, &format!("scene.toml: {finding}"));
+    assert!(run.stderr.contains("help: add a [[light]] table, or geometry with a point light"), "{run}");
+}
+
+#[test]
 fn the_hash_follows_the_camera_and_the_lights_of_the_model_but_not_their_names() {
     let hash = |edit: fn(&mut Value)| {
         let folder = with_model(edit);
