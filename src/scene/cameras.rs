@@ -1,6 +1,7 @@
 //! The camera of a scene: that of its table, or one of its model.
 
 use fogbow_kernels::tables::camera::Camera as Pinhole;
+use glam::DVec3;
 
 use super::document::Document;
 use super::model::{self, Loaded};
@@ -94,6 +95,12 @@ fn table(camera: &gltf::Camera, near: f64) -> Camera {
 }
 
 impl Chosen<'_> {
+    /// Where the ray in the middle of the film starts, if the values are valid.
+    pub fn start(&self) -> DVec3 {
+        let [position, look_at] = [self.camera.position, self.camera.look_at].map(DVec3::from);
+        position + self.camera.near * (look_at - position).normalize()
+    }
+
     /// The pinhole in front of `film`, of valid size.
     pub fn pinhole(&self, film: &Film) -> Result<Pinhole> {
         let at = &self.source;

@@ -11,6 +11,7 @@ use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
+use glam::DVec3;
 
 use super::cameras::Chosen;
 use super::document::Document;
@@ -54,6 +55,7 @@ pub fn frame(
 ) -> Result<Frame> {
     let check = Check { document };
     check.film_size(scene.film.size)?;
+    let start = camera.start();
     let camera = camera.pinhole(&scene.film)?;
     let medium = check.medium(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
@@ -61,10 +63,24 @@ pub fn frame(
     let suns = model.as_ref().map_or_else(Vec::new, suns);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
-    let lights = check.lights(lights, meshes, &suns, scene.render.light_selection)?;
+    let placed = lights;
+    let lights = check.lights(placed, meshes, &suns, scene.render.light_selection)?;
+    placed.iter().try_for_each(|light| outside(light, start))?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
+}
+
+/// An error if `start`, where the camera's rays start, is inside a sphere: black within, it would hide all else.
+fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
+    let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
+    let distance = start.distance(DVec3::from(center));
+    let finding = format!(
+        "{center:?}, and the camera is inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
+    );
+    let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; inside \
+                  a sphere all is black";
+    light.source.require(distance >= radius, "center", finding, remedy)
 }
 
 /// Names of the lights that shine from nowhere, which are left out.

@@ -139,6 +139,41 @@ fn spots_shine_along_minus_z_of_their_node_with_their_intensity() {
 }
 
 #[test]
+fn a_camera_inside_a_light_is_refused() {
+    // The light hangs on the camera's node.
+    let folder = |kind: &str, radius: f64, near: f64| {
+        with_model(|model| {
+            let light = &mut model["extensions"]["KHR_lights_punctual"]["lights"][0];
+            (light["type"], light["extras"]["radius"]) = (json!(kind), json!(radius));
+            model["cameras"][0]["extras"] = json!({ "near": near });
+            let lamp = model["nodes"][2]["extensions"].take();
+            model["nodes"][1]["extensions"] = lamp;
+            model["nodes"][2] = json!({ "name": "Nothing" });
+        })
+    };
+    let inside = |near: &str| {
+        format!(
+            "room.gltf: light \"Eye\": center is [0.0, 0.0, 0.0], and the camera is inside: its rays start {near} m from \
+             there, and the radius is 0.05 m\n"
+        )
+    };
+    for (near, says) in [(0.0, "0.0"), (0.04, "0.04")] {
+        let run = folder("point", 0.05, near).refused(&["render", "room.gltf"], 1, &inside(says));
+        assert!(run.stderr.contains("smaller radius, or set the camera's near beyond it"), "{run}");
+    }
+    for (kind, radius, near) in [("point", 0.05, 0.06), ("point", 0.03, 0.04), ("spot", 0.05, 0.0)] {
+        render(&folder(kind, radius, near), &["--samples", "1"]);
+    }
+    let scene = Folder::with_edited_scene(
+        "type = \"disk\"\ncenter = [0, 0, 3]\nnormal = [0, 0, -1]",
+        "type = \"sphere\"\ncenter = [0, 0, 1]",
+    );
+    let beginning =
+        format!("{}: light[0].center is [0.0, 0.0, 1.0], and the camera is inside: ", scene.place("center"));
+    scene.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
 fn the_near_plane_of_a_camera_is_that_of_its_extras() {
     let wall_behind_near = |extras: Value| {
         let folder = with_model(|model| {
