@@ -39,6 +39,7 @@ use std::path::Path;
 
 pub(crate) use fault::quoted;
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
+pub(crate) use geometry::LARGEST_COORDINATE;
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
 
 use crate::error::{Error, Result};

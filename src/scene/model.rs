@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::document::Document;
 use super::lights::LARGEST_RADIANCE;
 use super::schema::Scene;
-use super::source::{LARGEST, Source};
+use super::source::Source;
 use crate::error::Result;
 use crate::gltf::{self, Model, quoted};
 
@@ -29,12 +29,7 @@ pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Res
         _ => load(geometry, document)?,
     };
     check_emission(&loaded)?;
-    let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
-    if far <= LARGEST {
-        return Ok(Some(loaded));
-    }
-    let finding = format!("geometry is {geometry:?}, with a vertex at {far:e} m");
-    Err(document.error("geometry", finding, "scale the model: coordinates may be 1e9 m at most"))
+    Ok(Some(loaded))
 }
 
 /// Emission of materials, within the limits of other lights.

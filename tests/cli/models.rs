@@ -225,6 +225,18 @@ fn a_flag_chooses_among_the_cameras() {
 }
 
 #[test]
+fn a_model_too_large_is_refused_with_its_node_and_mesh() {
+    let folder = with_model(|model| model["nodes"][0]["scale"] = json!([1e9, 1, 1]));
+    folder.write("scene.toml", AROUND);
+    for scene in ["room.gltf", "scene.toml"] {
+        let beginning =
+            "room.gltf: node 0 \"Wall\", mesh 0: puts vertex [-2.0, -2.0, -3.0] at [-2000000000.0, -2.0, -3.0]\n";
+        let run = folder.refused(&["render", scene], 1, beginning);
+        assert!(run.stderr.contains("coordinates may be 1e9 m at most"), "{run}");
+    }
+}
+
+#[test]
 fn an_ambiguous_name_is_refused_but_the_first_camera_is_not() {
     let folder = with_model(|model| model["nodes"][0] = json!({ "name": "Eye", "camera": 0 }));
     let beginning = "--set camera=Eye: camera is \"Eye\", but room.gltf has 2 cameras of that name\n";
