@@ -37,7 +37,7 @@ mod warnings;
 
 use std::path::Path;
 
-pub(crate) use fault::quoted;
+pub(crate) use fault::{label, quoted};
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 pub(crate) use geometry::LARGEST_COORDINATE;
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
