@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::super::support::POSITIONS;
 use super::{changed, refuse};
 
 #[test]
@@ -36,6 +37,19 @@ fn meshes() {
         let finding = format!("node 1, mesh 0 \"Wall\": puts vertex [1.0, 0.0, 0.0] at [{x}, 0.0, 0.0]\n");
         assert!(error.starts_with(&format!("error: test.glb: {finding}")), "{error}");
     }
+}
+
+#[test]
+fn compressed_meshes() {
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
+    let mut file = changed("/meshes/0/primitives/0/extensions", draco);
+    file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    // What is compressed may also be there as it is.
+    assert_eq!(file.model().triangles.len(), 8);
+    file.json["accessors"][POSITIONS].as_object_mut().expect("an accessor").remove("bufferView");
+    let expected = "error: test.glb: mesh 0 \"Wall\", primitive 0: its positions are only in \
+                    \"KHR_draco_mesh_compression\", which is not read\n  help: export the model without compression";
+    assert!(file.error().starts_with(expected), "{}", file.error());
 }
 
 #[test]
