@@ -172,6 +172,22 @@ fn colors_are_linear_fractions() {
 }
 
 #[test]
+fn colors_are_clamped() {
+    let with_color = |color: [f32; 3]| {
+        let mut file = Builder::new();
+        let [positions, colors] = [file.floats(&TRIANGLE), file.floats(&[color, [0.5; 3], [0.5; 3]])];
+        let mesh = file.mesh(json!({ "attributes": { "POSITION": positions, "COLOR_0": colors } }));
+        file.place(mesh);
+        let model = file.model();
+        (model.colors[0], model.warnings)
+    };
+    let warning = vec!["mesh 0, primitive 0: colours of vertices that are not from 0 to 1 are clamped".to_string()];
+    assert_eq!(with_color([1.1, 0.25, 1e30]), ([1.0, 0.25, 1.0], warning.clone()));
+    assert_eq!(with_color([-0.1, 0.25, 1.0]), ([0.0, 0.25, 1.0], warning));
+    assert_eq!(with_color([1.0001, 0.25, -0.0001]), ([1.0, 0.25, 0.0], Vec::new()), "rounding");
+}
+
+#[test]
 fn models_without_colors_have_no_list_of_them() {
     let mut file = Builder::new();
     let mesh = file.triangle(TRIANGLE);
