@@ -62,9 +62,8 @@ use warnings::Warnings;
 /// # Errors
 /// If the file or one that it refers to cannot be read, is malformed, or needs what is not supported.
 pub fn load(path: &Path) -> Result<Model> {
-    let bytes = std::fs::read(path).map_err(|error| {
-        Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
-    })?;
+    let remedy = "give the path of a .gltf or .glb file that may be read";
+    let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
     parse(&path.display().to_string(), &bytes, path.parent())
 }
 
