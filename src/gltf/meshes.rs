@@ -95,7 +95,9 @@ fn plan<'a>(
         };
         entry(meshes, "mesh", mesh).at(|| placed.label())?;
         if placed.node.skin.is_some() {
-            warnings.note("skins are not read; the mesh keeps its basic pose", || placed.label());
+            let finding =
+                "skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores";
+            warnings.note(finding, || placed.label());
         }
         nodes.entry(mesh).or_default().push(placed);
     }

@@ -230,7 +230,7 @@ fn what_moves_stands_still() {
     let warnings = [
         "extensionsUsed: \"KHR_materials_ior\", \"VENDOR_x\": not read",
         "animation 0: animations are not read; nodes stand as the file places them",
-        "node 0 \"dancer\": skins are not read; the mesh keeps its basic pose",
+        "node 0 \"dancer\": skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores",
         "mesh 0, primitive 0: morph targets are not read; the mesh keeps its basic shape",
     ];
     assert_eq!(model.warnings, warnings);
