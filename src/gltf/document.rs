@@ -12,6 +12,8 @@ const SUPPORTED: [&str; 4] = [LIGHTS, "KHR_materials_emissive_strength", "KHR_te
 const MOST_NAMED: usize = 10;
 /// Lights of the scene.
 const LIGHTS: &str = "KHR_lights_punctual";
+/// Compressed attributes and indices.
+pub const DRACO: &str = "KHR_draco_mesh_compression";
 /// Positions and texture coordinates of small integers.
 const MESH_QUANTIZATION: &str = "KHR_mesh_quantization";
 
@@ -81,9 +83,9 @@ fn version(root: &Root) -> Checked<()> {
 }
 
 /// What to do about a file that requires the extension `name`.
-fn remedy(name: &str) -> &'static str {
+pub fn remedy(name: &str) -> &'static str {
     match name {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+        DRACO | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "export the model without compression of meshes"
         }
         "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {

@@ -76,7 +76,8 @@ pub fn entry<'a, T>(list: &'a [T], kind: &str, index: usize) -> Checked<&'a T> {
             0 => format!("refers to {kind} {index}, but the file has none"),
             len => format!("refers to {kind} {index}, but the last one is {}", len - 1),
         };
-        Fault::new(finding, format!("refer to a {kind} of the file; indices begin with 0"))
+        let article = if kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+        Fault::new(finding, format!("refer to {article} {kind} of the file; indices begin with 0"))
     })
 }
 

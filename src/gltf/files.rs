@@ -60,12 +60,15 @@ impl<'a> Files<'a> {
         let Some(folder) = self.folder else {
             return Err(Fault::new(format!("its file {} has no folder to be in", quoted(&name)), remedy));
         };
-        let full = folder.join(path);
-        // Pipes and devices would keep the reader waiting.
-        if full.exists() && !full.is_file() {
-            return Err(Fault::new(format!("its file {} is no regular file", quoted(&name)), remedy));
-        }
-        std::fs::read(&full)
-            .map_err(|error| Fault::new(format!("its file {} cannot be read: {error}", quoted(&name)), remedy))
+        content(&folder.join(path))
+            .map_err(|finding| Fault::new(format!("its file {} {finding}", quoted(&name)), remedy))
     }
+}
+
+/// The bytes of the file at `path`, or why there are none. Pipes and devices would keep the reader waiting.
+pub fn content(path: &Path) -> core::result::Result<Vec<u8>, String> {
+    if path.exists() && !path.is_file() {
+        return Err("is no regular file".into());
+    }
+    std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
 }

@@ -15,6 +15,8 @@ pub struct Geometry {
     pub triangles: Vec<Triangle>,
 }
 
+/// Largest coordinate in world space `[m]`: squares of distances stay far inside f32.
+pub const LARGEST_COORDINATE: f64 = 1e9;
 /// Texture coordinates of vertices that have none.
 const NO_TEXCOORDS: [f32; 2] = [0.0; 2];
 /// Colour of vertices that have none.
@@ -37,7 +39,8 @@ impl Geometry {
         extend(&mut self.colors, colors, before, after, WHITE);
     }
 
-    /// Adds `mesh` transformed by `world` and counted from `origin`. Mirrors turn the winding round, so that the front stays the front.
+    /// Adds `mesh` transformed by `world` and counted from `origin`. Mirrors turn the winding round, so that the front stays
+    /// the front.
     pub fn add_instance(&mut self, mesh: &Self, world: DAffine3, origin: DVec3) -> Checked<()> {
         let world = DAffine3 { translation: world.translation - origin, ..world };
         let first = self.positions.len();
@@ -47,9 +50,10 @@ impl Geometry {
             *position = world.transform_point3(Vec3::from(*position).as_dvec3()).as_vec3().to_array();
         }
         let moved = &self.positions[first..];
-        if let Some(vertex) = moved.iter().position(|position| !Vec3::from(*position).is_finite()) {
+        let near = |position: &[f32; 3]| position.iter().all(|x| f64::from(x.abs()) <= LARGEST_COORDINATE);
+        if let Some(vertex) = moved.iter().position(|position| !near(position)) {
             let finding = format!("puts vertex {:?} at {:?}", mesh.positions[vertex], moved[vertex]);
-            return Err(Fault::new(finding, "give smaller positions or transforms"));
+            return Err(Fault::new(finding, "give smaller positions or transforms: coordinates may be 1e9 m at most"));
         }
         let mirrored = transforms::mirrors(world);
         self.triangles.extend(mesh.triangles.iter().map(|triangle| {

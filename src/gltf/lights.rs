@@ -62,9 +62,10 @@ fn kind(light: &schema::Light) -> Checked<LightKind> {
             let spot = light.spot.as_ref().ok_or_else(|| Fault::new("has no spot", remedy))?;
             let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
             let finding = || format!("its cone is from {inner:?} to {outer:?}");
-            let ok = 0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-6;
-            require(ok, finding, "give angles with 0 <= inner < outer <= pi / 2, in radians")?;
-            Ok(LightKind::Spot { inner, outer: outer.min(FRAC_PI_2) })
+            // Equal angles are a hard edge.
+            let ok = 0.0 <= inner && inner <= outer && 0.0 < outer && outer <= FRAC_PI_2 + 1e-6;
+            require(ok, finding, "give angles with 0 <= inner <= outer <= pi / 2 and 0 < outer, in radians")?;
+            Ok(LightKind::Spot { inner: inner.min(FRAC_PI_2), outer: outer.min(FRAC_PI_2) })
         }
         other => {
             Err(Fault::new(format!("is of type {}", quoted(other)), "give \"point\", \"spot\" or \"directional\""))

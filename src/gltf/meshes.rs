@@ -65,7 +65,7 @@ pub fn flatten(
     let planned = plan(meshes, placed, planner, warnings)?;
     check_size(&planned, limits)?;
     for planned in &planned {
-        let mesh = read(planned, planner).at(|| planned.label())?;
+        let mesh = read(planned, planner, warnings).at(|| planned.label())?;
         reserve(&mut all, &mesh, planned.nodes.len());
         for placed in &planned.nodes {
             let first = all.triangles.len() as u32;
@@ -98,7 +98,9 @@ fn plan<'a>(
         };
         entry(meshes, "mesh", mesh).at(|| placed.label())?;
         if placed.node.skin.is_some() {
-            warnings.note("skins are not read; the mesh keeps its basic pose", || placed.label());
+            let finding =
+                "skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores";
+            warnings.note(finding, || placed.label());
         }
         nodes.entry(mesh).or_default().push(placed);
     }
@@ -143,11 +145,16 @@ fn reserve(all: &mut Geometry, mesh: &Geometry, count: usize) {
 type FirstVertices = HashMap<Attributes, u32>;
 
 /// The mesh in its own space.
-fn read(planned: &Planned<'_>, planner: &Planner<'_>) -> Checked<Geometry> {
+fn read(planned: &Planned<'_>, planner: &Planner<'_>, warnings: &mut Warnings) -> Checked<Geometry> {
     let mut mesh = Geometry::default();
     let mut first_vertices = FirstVertices::new();
     for plan in &planned.plans {
-        read_primitive(&mut mesh, &mut first_vertices, plan, planner).at(|| label("primitive", plan.index, None))?;
+        let place = || label("primitive", plan.index, None);
+        let warn = || {
+            let finding = "colours of vertices that are not from 0 to 1 are clamped";
+            warnings.note(finding, || format!("{}, {}", planned.label(), place()));
+        };
+        read_primitive(&mut mesh, &mut first_vertices, plan, planner, warn).at(place)?;
     }
     Ok(mesh)
 }
@@ -157,10 +164,11 @@ fn read_primitive(
     first_vertices: &mut FirstVertices,
     plan: &Plan<'_>,
     planner: &Planner<'_>,
+    warn: impl FnOnce(),
 ) -> Checked<()> {
     let first = match first_vertices.get(&plan.attributes) {
         Some(first) => *first,
-        None => read_vertices(mesh, plan, planner)?,
+        None => read_vertices(mesh, plan, planner, warn)?,
     };
     first_vertices.insert(plan.attributes, first);
     let indices = planner.reader.indices(plan.primitive, plan.vertices)?;
@@ -172,13 +180,13 @@ fn read_primitive(
     Ok(())
 }
 
-/// Adds the vertices of `plan` to `mesh`; the index of the first of them.
-fn read_vertices(mesh: &mut Geometry, plan: &Plan<'_>, planner: &Planner<'_>) -> Checked<u32> {
+/// Adds the vertices of `plan` to `mesh`; the index of the first of them. `warn` is called if colours are clamped.
+fn read_vertices(mesh: &mut Geometry, plan: &Plan<'_>, planner: &Planner<'_>, warn: impl FnOnce()) -> Checked<u32> {
     let Planner { reader, .. } = planner;
     let (attributes, count) = (&plan.attributes, plan.vertices);
     let first = mesh.positions.len() as u32;
     let texcoords = [reader.texcoords(attributes, 0, count)?, reader.texcoords(attributes, 1, count)?];
-    let colors = reader.colors(attributes, count)?;
+    let colors = reader.colors(attributes, count, warn)?;
     let texcoords = texcoords.each_ref().map(Option::as_deref);
     mesh.add_vertices(&reader.positions(attributes)?, texcoords, colors.as_deref());
     Ok(first)

@@ -39,8 +39,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
-pub(crate) use fault::quoted;
+pub(crate) use fault::{label, quoted};
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
+pub(crate) use geometry::LARGEST_COORDINATE;
 pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
 
 use crate::error::{Error, Result};
@@ -72,9 +73,8 @@ pub fn load(path: &Path) -> Result<Model> {
 /// # Errors
 /// As [`load`].
 pub fn load_from(path: &Path, origin: impl Fn(Option<DVec3>) -> DVec3) -> Result<Model> {
-    let bytes = std::fs::read(path).map_err(|error| {
-        Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
-    })?;
+    let remedy = "give the path of a .gltf or .glb file that may be read";
+    let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
     parse_from(&path.display().to_string(), &bytes, path.parent(), &origin)
 }
 

@@ -1,6 +1,7 @@
 //! Primitives: what they are made of, and how lists, strips and fans become triangles.
 
-use super::fault::{At, Checked, Fault, entry, require};
+use super::document::{DRACO, remedy};
+use super::fault::{At, Checked, Fault, entry, quoted, require};
 use super::schema::{self, Primitive};
 use super::vertices::{Attributes, Reader};
 use super::warnings::Warnings;
@@ -59,6 +60,7 @@ impl<'a> Planner<'a> {
         }
         let (material, used) = self.material(primitive)?;
         let attributes = attributes(primitive, used)?;
+        self.require_data(primitive, &attributes)?;
         if used.iter().zip(&attributes.texcoords).any(|(used, texcoords)| *used && texcoords.is_none()) {
             let finding = "its material has a texture, but it has no texture coordinates for it; they are (0, 0)";
             warnings.note(finding, &place);
@@ -70,6 +72,14 @@ impl<'a> Planner<'a> {
             warnings.note("vertices that do not make a whole triangle are left out", place);
         }
         Ok(Some(Plan { index, primitive, mode, attributes, material, vertices, triangles }))
+    }
+
+    /// Whether positions stand in the file as they are: those of accessors without data, otherwise zeros, may be compressed.
+    fn require_data(&self, primitive: &Primitive, attributes: &Attributes) -> Checked<()> {
+        let positions = self.reader.accessors.accessors.get(attributes.positions);
+        let absent = positions.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none());
+        let finding = || format!("its positions are only in {}, which is not read", quoted(DRACO));
+        require(!absent || !primitive.extensions.contains_key(DRACO), finding, remedy(DRACO))
     }
 
     /// The index of the material and the sets of texture coordinates that it uses.

@@ -95,6 +95,8 @@ pub struct Primitive {
     pub mode: Option<u64>,
     #[serde(default)]
     pub targets: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub extensions: Unread,
 }
 
 #[derive(Debug, Deserialize)]

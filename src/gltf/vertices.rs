@@ -71,8 +71,9 @@ impl<'a> Reader<'a> {
         read().at(|| format!("TEXCOORD_{set}"))
     }
 
-    /// Colours, `count` of them and all in [0, 1]; none if the primitive has none.
-    pub fn colors(&self, attributes: &Attributes, count: usize) -> Checked<Option<Vec<[f32; 3]>>> {
+    /// Colours, `count` of them and clamped to [0, 1]; none if the primitive has none. `warn` is called if some were
+    /// outside by more than rounding.
+    pub fn colors(&self, attributes: &Attributes, count: usize, warn: impl FnOnce()) -> Checked<Option<Vec<[f32; 3]>>> {
         let Some(index) = attributes.colors else {
             return Ok(None);
         };
@@ -84,13 +85,11 @@ impl<'a> Reader<'a> {
             let elements = self.accessors.elements(index, accepts, expected)?;
             same_count(&elements, count).at(|| label("accessor", index, None))?;
             let mut colors = values(&elements, index)?;
-            for (vertex, color) in colors.iter_mut().enumerate() {
-                let finding = || format!("its element {vertex} is {color:?}");
-                let ok = color.iter().all(|channel| is_reflectance(f64::from(*channel)));
-                let remedy = "give colours from 0 to 1: brighter ones would reflect more light than arrives";
-                require(ok, finding, remedy).at(|| label("accessor", index, None))?;
-                *color = color.map(|channel| channel.clamp(0.0, 1.0));
+            finite(&colors).at(|| label("accessor", index, None))?;
+            if !colors.iter().flatten().all(|channel| is_reflectance(f64::from(*channel))) {
+                warn();
             }
+            colors.iter_mut().flatten().for_each(|channel| *channel = channel.clamp(0.0, 1.0));
             Ok(Some(colors))
         };
         read().at(|| "COLOR_0")

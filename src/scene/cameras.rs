@@ -95,6 +95,12 @@ fn table(camera: &gltf::Camera, near: f64) -> Camera {
 }
 
 impl Chosen<'_> {
+    /// Where the ray in the middle of the film starts, if the values are valid.
+    pub fn start(&self) -> DVec3 {
+        let [position, look_at] = [self.camera.position, self.camera.look_at].map(DVec3::from);
+        position + self.camera.near * (look_at - position).normalize()
+    }
+
     /// The pinhole in front of `film`, of valid size, counted from `origin`.
     pub fn pinhole(&self, film: &Film, origin: DVec3) -> Result<Pinhole> {
         let at = &self.source;

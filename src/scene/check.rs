@@ -16,12 +16,13 @@ use glam::DVec3;
 use super::cameras::Chosen;
 use super::document::Document;
 use super::lights::{self, LARGEST_RADIANCE, Placed};
+use super::model;
 use super::schema::{self, LightSelection, LisShape, Perturbation, Scene, Spectrum, Starts, Technique};
 use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gltf::Model;
+use crate::gltf::{LightKind, Model};
 
 /// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike, 0
 /// has fireflies, 0.3 costs a third.
@@ -56,16 +57,38 @@ pub fn frame(
 ) -> Result<Frame> {
     let check = Check { document };
     check.film_size(scene.film.size)?;
+    let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
     let medium = check.medium(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
+    let suns = model.as_ref().map_or_else(Vec::new, suns);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
-    let lights = check.lights(lights, meshes, scene.render.light_selection, origin)?;
+    let placed = lights;
+    let lights = check.lights(placed, meshes, &suns, scene.render.light_selection, origin)?;
+    placed.iter().try_for_each(|light| outside(light, start))?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
+}
+
+/// An error if `start`, where the camera's rays start, is inside a sphere: black within, it would hide all else.
+fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
+    let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
+    let distance = start.distance(DVec3::from(center));
+    let finding = format!(
+        "{center:?}, and the camera is inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
+    );
+    let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; inside \
+                  a sphere all is black";
+    light.source.require(distance >= radius, "center", finding, remedy)
+}
+
+/// Names of the lights that shine from nowhere, which are left out.
+fn suns(model: &Model) -> Vec<String> {
+    let directional = model.lights.iter().filter(|light| light.kind == LightKind::Directional);
+    directional.map(|light| light.name.clone()).collect()
 }
 
 impl Check<'_> {
@@ -113,23 +136,41 @@ impl Check<'_> {
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 
+    /// The error that nothing shines; `suns` are names of directional lights.
+    fn no_light(&self, suns: &[String]) -> Error {
+        let remedy = match self.document.is_model() {
+            true => {
+                "put a point light, a spot light or an emissive material into the file, write a scene.toml with [[light]] \
+                 and this file as geometry, or give one with --set 'light=[{ type = \"sphere\", center = [0, 3, 0], \
+                 radius = 0.1, radiance = 100 }]'"
+            }
+            false => {
+                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without any \
+                 the image is black"
+            }
+        };
+        let finding = match suns {
+            [] => "the scene has no light".into(),
+            suns => {
+                let names = model::list(suns.iter().map(String::as_str));
+                format!(
+                    "the scene has no light: directional lights (suns) shine from nowhere and are left out: {names}"
+                )
+            }
+        };
+        self.document.error("light", finding, remedy)
+    }
+
     fn lights(
         &self,
         lights: &[Placed<'_>],
         meshes: Vec<Vec<Emitter>>,
+        suns: &[String],
         selection: LightSelection,
         origin: DVec3,
     ) -> Result<Lights> {
         if lights.is_empty() && meshes.is_empty() {
-            let remedy = match self.document.is_model() {
-                true => {
-                    "put a light or an emissive material into the file, write a scene.toml with [[light]] and this file as \
-                     geometry, or give one with --set 'light=[{ type = \"sphere\", center = [0, 3, 0], radius = 0.1, \
-                     radiance = 100 }]'"
-                }
-                false => "add a [[light]] table, or geometry that shines; without any the image is black",
-            };
-            return Err(self.document.error("light", "the scene has no light", remedy));
+            return Err(self.no_light(suns));
         }
         let solid = |placed: &Placed<'_>| lights::emitter(&placed.source, &placed.light, origin);
         let solids = lights.iter().map(solid).collect::<Result<_>>()?;

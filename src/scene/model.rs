@@ -6,9 +6,9 @@ use super::document::Document;
 use super::lights::LARGEST_RADIANCE;
 use super::origin;
 use super::schema::Scene;
-use super::source::{LARGEST, Source};
+use super::source::Source;
 use crate::error::Result;
-use crate::gltf::{self, Model, quoted};
+use crate::gltf::{self, Model, label, quoted};
 
 /// Names that an error lists.
 const MOST_LISTED: usize = 10;
@@ -30,21 +30,17 @@ pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Res
         _ => load(geometry, scene, document)?,
     };
     check_emission(&loaded)?;
-    let far = loaded.model.positions.iter().flatten().map(|x| f64::from(x.abs())).fold(0.0, f64::max);
-    if far <= LARGEST {
-        return Ok(Some(loaded));
-    }
-    let finding = format!("geometry is {geometry:?}, with a vertex at {far:e} m");
-    Err(document.error("geometry", finding, "scale the model: coordinates may be 1e9 m at most"))
+    Ok(Some(loaded))
 }
 
 /// Emission of materials, within the limits of other lights.
 fn check_emission(loaded: &Loaded) -> Result<()> {
     for (index, material) in loaded.model.materials.iter().enumerate() {
-        let ok = material.emission.iter().all(|x| f64::from(*x) <= LARGEST_RADIANCE);
-        let name = material.name.clone().unwrap_or_else(|| format!("{index}"));
+        // In the model's precision: the 32-bit number nearest to the limit is above it.
+        let ok = material.emission.iter().all(|x| *x <= LARGEST_RADIANCE as f32);
+        let source = Source::Object(format!("{}: {}", loaded.file, label("material", index, material.name.as_deref())));
         let finding = format!("{:?}", material.emission);
-        loaded.source("material", &name).require(ok, "emission", finding, "scale it down: at most 1e30 W/(m^2 sr)")?;
+        source.require(ok, "emission", finding, "scale it down: at most 1e30 W/(m^2 sr)")?;
     }
     Ok(())
 }

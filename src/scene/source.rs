@@ -6,10 +6,11 @@ use glam::DVec3;
 
 use super::document::Document;
 use crate::error::{Error, Result};
+use crate::gltf::LARGEST_COORDINATE;
 
 /// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
 /// thinnest medium, are still f32.
-pub const LARGEST: f64 = 1e9;
+pub const LARGEST: f64 = LARGEST_COORDINATE;
 /// Smallest radius: one over its area is still f32, and so is that times the square of the largest distance.
 const SMALLEST_RADIUS: f64 = 1e-9;
 

@@ -66,7 +66,9 @@ fn a_mesh_that_shines_is_a_light() {
 #[test]
 fn emission_is_bounded_as_radiance_is() {
     let folder = lamp([1.0, 0.5, 0.0], 3e38);
-    folder.refused(&["render", "scene.toml"], 1, "lamp.gltf: material \"0\": emission is [3e38, 1.5e38, 0.0]\n");
+    folder.refused(&["render", "scene.toml"], 1, "lamp.gltf: material 0: emission is [3e38, 1.5e38, 0.0]\n");
+    lamp([1.0, 0.5, 0.0], 1.1e30).refused(&["render", "scene.toml"], 1, "lamp.gltf: material 0: emission is [1.1e30, ");
+    lamp([1.0, 0.5, 0.0], 1e30).done(&["info", "scene.toml"]);
 }
 
 /// The lamp whose material has this texture but whose mesh has no texture coordinates.

@@ -168,6 +168,41 @@ fn spots_shine_along_minus_z_of_their_node_with_their_intensity() {
 }
 
 #[test]
+fn a_camera_inside_a_light_is_refused() {
+    // The light hangs on the camera's node.
+    let folder = |kind: &str, radius: f64, near: f64| {
+        with_model(|model| {
+            let light = &mut model["extensions"]["KHR_lights_punctual"]["lights"][0];
+            (light["type"], light["extras"]["radius"]) = (json!(kind), json!(radius));
+            model["cameras"][0]["extras"] = json!({ "near": near });
+            let lamp = model["nodes"][2]["extensions"].take();
+            model["nodes"][1]["extensions"] = lamp;
+            model["nodes"][2] = json!({ "name": "Nothing" });
+        })
+    };
+    let inside = |near: &str| {
+        format!(
+            "room.gltf: light \"Eye\": center is [0.0, 0.0, 0.0], and the camera is inside: its rays start {near} m from \
+             there, and the radius is 0.05 m\n"
+        )
+    };
+    for (near, says) in [(0.0, "0.0"), (0.04, "0.04")] {
+        let run = folder("point", 0.05, near).refused(&["render", "room.gltf"], 1, &inside(says));
+        assert!(run.stderr.contains("smaller radius, or set the camera's near beyond it"), "{run}");
+    }
+    for (kind, radius, near) in [("point", 0.05, 0.06), ("point", 0.03, 0.04), ("spot", 0.05, 0.0)] {
+        render(&folder(kind, radius, near), &["--samples", "1"]);
+    }
+    let scene = Folder::with_edited_scene(
+        "type = \"disk\"\ncenter = [0, 0, 3]\nnormal = [0, 0, -1]",
+        "type = \"sphere\"\ncenter = [0, 0, 1]",
+    );
+    let beginning =
+        format!("{}: light[0].center is [0.0, 0.0, 1.0], and the camera is inside: ", scene.place("center"));
+    scene.refused(&["render", "scene.toml"], 1, &beginning);
+}
+
+#[test]
 fn the_near_plane_of_a_camera_is_that_of_its_extras() {
     let wall_behind_near = |extras: Value| {
         let folder = with_model(|model| {
@@ -219,6 +254,18 @@ fn a_flag_chooses_among_the_cameras() {
 }
 
 #[test]
+fn a_model_too_large_is_refused_with_its_node_and_mesh() {
+    let folder = with_model(|model| model["nodes"][0]["scale"] = json!([1e9, 1, 1]));
+    folder.write("scene.toml", AROUND);
+    for scene in ["room.gltf", "scene.toml"] {
+        let beginning =
+            "room.gltf: node 0 \"Wall\", mesh 0: puts vertex [-2.0, -2.0, -3.0] at [-2000000000.0, -2.0, -3.0]\n";
+        let run = folder.refused(&["render", scene], 1, beginning);
+        assert!(run.stderr.contains("coordinates may be 1e9 m at most"), "{run}");
+    }
+}
+
+#[test]
 fn an_ambiguous_name_is_refused_but_the_first_camera_is_not() {
     let folder = with_model(|model| model["nodes"][0] = json!({ "name": "Eye", "camera": 0 }));
     let beginning = "--set camera=Eye: camera is \"Eye\", but room.gltf has 2 cameras of that name\n";
@@ -250,6 +297,18 @@ fn a_model_without_lights_is_refused() {
     assert!(run.stderr.contains("--set 'light=[{"), "{run}");
     let light = "light=[{ type = \"disk\", center = [0, 0, 1], normal = [0, 0, -1], radius = 1, radiance = 1 }]";
     render(&folder, &["--set", light]);
+}
+
+#[test]
+fn a_model_whose_lights_are_all_directional_is_refused_with_the_reason() {
+    let folder =
+        with_model(|model| model["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!("directional"));
+    let finding = "the scene has no light: directional lights (suns) shine from nowhere and are left out: \"Lamp\"\n";
+    let run = folder.refused(&["render", "room.gltf"], 1, &format!("room.gltf: {finding}"));
+    assert!(run.stderr.contains("help: put a point light, a spot light or an emissive material into"), "{run}");
+    folder.write("scene.toml", AROUND);
+    let run = folder.refused(&["render", "scene.toml"], 1, &format!("scene.toml: {finding}"));
+    assert!(run.stderr.contains("help: add a [[light]] table, or geometry with a point light"), "{run}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fogbow::gltf::LightKind;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::support::Builder;
 
@@ -96,9 +96,22 @@ fn lights_shine_along_minus_z() {
 
 #[test]
 fn a_cone_may_be_half_a_sphere() {
-    let mut file = Builder::new();
     let spot = json!({ "outerConeAngle": 1.570_796_4 }); // pi / 2 as exporters round it
+    assert_eq!(cone(spot), LightKind::Spot { inner: 0.0, outer: FRAC_PI_2 });
+}
+
+#[test]
+fn a_cone_may_have_a_hard_edge() {
+    for (angle, read) in [(0.3, 0.3), (1.570_796_4, FRAC_PI_2)] {
+        let spot = json!({ "innerConeAngle": angle, "outerConeAngle": angle });
+        assert_eq!(cone(spot), LightKind::Spot { inner: read, outer: read });
+    }
+}
+
+/// What a light with this spot is.
+fn cone(spot: Value) -> LightKind {
+    let mut file = Builder::new();
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "spot": spot }] } });
     file.json["nodes"] = json!([{ "extensions": { "KHR_lights_punctual": { "light": 0 } } }]);
-    assert_eq!(file.model().lights[0].kind, LightKind::Spot { inner: 0.0, outer: FRAC_PI_2 });
+    file.model().lights[0].kind
 }

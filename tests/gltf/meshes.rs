@@ -172,6 +172,22 @@ fn colors_are_linear_fractions() {
 }
 
 #[test]
+fn colors_are_clamped() {
+    let with_color = |color: [f32; 3]| {
+        let mut file = Builder::new();
+        let [positions, colors] = [file.floats(&TRIANGLE), file.floats(&[color, [0.5; 3], [0.5; 3]])];
+        let mesh = file.mesh(json!({ "attributes": { "POSITION": positions, "COLOR_0": colors } }));
+        file.place(mesh);
+        let model = file.model();
+        (model.colors[0], model.warnings)
+    };
+    let warning = vec!["mesh 0, primitive 0: colours of vertices that are not from 0 to 1 are clamped".to_string()];
+    assert_eq!(with_color([1.1, 0.25, 1e30]), ([1.0, 0.25, 1.0], warning.clone()));
+    assert_eq!(with_color([-0.1, 0.25, 1.0]), ([0.0, 0.25, 1.0], warning));
+    assert_eq!(with_color([1.0001, 0.25, -0.0001]), ([1.0, 0.25, 0.0], Vec::new()), "rounding");
+}
+
+#[test]
 fn models_without_colors_have_no_list_of_them() {
     let mut file = Builder::new();
     let mesh = file.triangle(TRIANGLE);
@@ -214,7 +230,7 @@ fn what_moves_stands_still() {
     let warnings = [
         "extensionsUsed: \"KHR_materials_ior\", \"VENDOR_x\": not read",
         "animation 0: animations are not read; nodes stand as the file places them",
-        "node 0 \"dancer\": skins are not read; the mesh keeps its basic pose",
+        "node 0 \"dancer\": skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores",
         "mesh 0, primitive 0: morph targets are not read; the mesh keeps its basic shape",
     ];
     assert_eq!(model.warnings, warnings);

@@ -132,6 +132,10 @@ fn pipes_are_refused_rather_than_waited_for() {
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
     if made.is_ok_and(|status| status.success()) {
         assert!(refused(&folder, "pipe", 1).contains("its file \"pipe\" is no regular file"));
+        let path = folder.path().join("pipe");
+        let error = gltf::load(&path).expect_err("a pipe").to_string();
+        let says = format!("error: {}: is no regular file\n  help: give the path of a ", path.display());
+        assert!(error.starts_with(&says), "{error}");
     }
 }
 

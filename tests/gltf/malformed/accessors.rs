@@ -168,7 +168,7 @@ fn values_of_accessors() {
     for (error, expected) in cases {
         assert!(error.starts_with(&format!("{place}{expected}")), "{error}\nexpected {expected}");
     }
-    for value in [1.1, -0.1, f32::NAN, f32::INFINITY] {
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut file = everything();
         let colors = file.floats(&[[0.5; 3], [0.5; 3], [0.5, value, 0.5], [0.5; 3]]);
         file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);

@@ -30,6 +30,7 @@ fn refuse(cases: &[(&str, Value, &str)]) {
         assert!(error.starts_with(&says), "{pointer} = {value}\n{error}\nexpected\n{says}");
         let (_, remedy) = error.split_once("\n  help: ").expect("a remedy");
         assert!(remedy.len() > 10, "{error}");
+        assert!(["a accessor", "a image", "an mesh"].iter().all(|wrong| !remedy.contains(wrong)), "{error}");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::super::support::POSITIONS;
 use super::{changed, refuse};
 
 #[test]
@@ -31,11 +32,24 @@ fn meshes() {
         ("/meshes/0/primitives/0/mode", json!(4_294_967_300u64), &format!("{primitive}: its mode is 4294967300\n")),
         ("/nodes/1/mesh", json!(1), "node 1: refers to mesh 1, but the last one is 0\n"),
     ]);
-    let error = changed("/nodes/1/scale", json!([3e38, 3e38, 3e38])).error();
-    assert!(
-        error.starts_with("error: test.glb: node 1, mesh 0 \"Wall\": puts vertex [2.0, 0.0, 0.0] at [inf, "),
-        "{error}"
-    );
+    for (scale, x) in [(3e38, "3e38"), (1.001e9, "1001000000.0")] {
+        let error = changed("/nodes/1/scale", json!([scale, scale, scale])).error();
+        let finding = format!("node 1, mesh 0 \"Wall\": puts vertex [1.0, 0.0, 0.0] at [{x}, 0.0, 0.0]\n");
+        assert!(error.starts_with(&format!("error: test.glb: {finding}")), "{error}");
+    }
+}
+
+#[test]
+fn compressed_meshes() {
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": { "POSITION": 0 } } });
+    let mut file = changed("/meshes/0/primitives/0/extensions", draco);
+    file.json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    // What is compressed may also be there as it is.
+    assert_eq!(file.model().triangles.len(), 8);
+    file.json["accessors"][POSITIONS].as_object_mut().expect("an accessor").remove("bufferView");
+    let expected = "error: test.glb: mesh 0 \"Wall\", primitive 0: its positions are only in \
+                    \"KHR_draco_mesh_compression\", which is not read\n  help: export the model without compression";
+    assert!(file.error().starts_with(expected), "{}", file.error());
 }
 
 #[test]
@@ -149,7 +163,8 @@ fn lights() {
         (&format!("{light}/color"), json!([1e39, 0, 0]), "light 0 \"Lamp\": its color is [1e39, 0.0, 0.0]\n"),
         (&format!("{light}/intensity"), json!(-1), "light 0 \"Lamp\": its intensity is -1.0\n"),
         (&format!("{light}/spot/innerConeAngle"), json!(-0.1), &format!("{cone}-0.1 to 0.5\n")),
-        (&format!("{light}/spot/innerConeAngle"), json!(0.5), &format!("{cone}0.5 to 0.5\n")),
+        (&format!("{light}/spot/innerConeAngle"), json!(0.6), &format!("{cone}0.6 to 0.5\n")),
+        (&format!("{light}/spot"), json!({ "innerConeAngle": 0, "outerConeAngle": 0 }), &format!("{cone}0.0 to 0.0\n")),
         (&format!("{light}/spot/outerConeAngle"), json!(1.6), &format!("{cone}0.1 to 1.6\n")),
     ]);
 }
