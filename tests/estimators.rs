@@ -125,14 +125,14 @@ fn the_length_limit_counts_camera_and_light_segment() {
     assert!((mean - 0.1847).abs() < 0.0002 + 3.5 * error, "{mean} +- {error}");
 }
 
-/// Compares a render with an independent image: per pixel, per block of 4 x 4 pixels, and in the mean.
-fn assert_matches(name: &str, film: &Film) {
+/// Compares a render with an independent image: per pixel, per block of `side` x `side` pixels, and in the mean.
+fn assert_matches_by(side: usize, name: &str, film: &Film) {
     let truth = truths::image(name);
     let (green, errors) = (truth.channel("G").expect("green"), truth.channel("SE.G").expect("errors"));
     let pixels: Vec<_> = film.pixels().collect();
     assert_eq!(pixels.len(), green.len(), "{name}: sizes differ");
     let mut p_values = Vec::new();
-    for block in [1, 4, truth.width] {
+    for block in [1, side, truth.width] {
         let (mut chi_square, mut blocks) = (0.0, 0);
         for y in (0..truth.height).step_by(block) {
             for x in (0..truth.width).step_by(block) {
@@ -149,6 +149,11 @@ fn assert_matches(name: &str, film: &Film) {
     }
     // Heavy tails make single pixels lie further out than their errors say; blocks and means must not.
     assert!(p_values[1].1 > 1e-3 && p_values[2].1 > 1e-3, "{name}: p-values per block size {p_values:?}");
+}
+
+/// The same with blocks of 4 x 4 pixels.
+fn assert_matches(name: &str, film: &Film) {
+    assert_matches_by(4, name, film);
 }
 
 fn size(name: &str) -> [u32; 2] {
@@ -207,6 +212,16 @@ fn fog_in_a_box_matches_an_independent_program() {
     let name = "cornell-fog-thin";
     let film = render(&frames::shipped(name, size(name), Active::Bridge), size(name), 0..128).0;
     assert_matches(name, &film);
+}
+
+#[test]
+fn a_spotlight_on_a_sphere_matches_an_independent_program() {
+    // The truth knows half of its pixels to a fifth or worse.
+    let name = "spotlight";
+    let film = render(&frames::shipped(name, size(name), Active::Lis), size(name), 0..128).0;
+    let (mean, error) = green(&film);
+    assert!(error < 0.0006, "{mean} +- {error}");
+    assert_matches_by(16, name, &film);
 }
 
 #[test]

@@ -18,6 +18,7 @@ use fogbow_testing::meshes;
 use fogbow_testing::rays::{Departures, depart, leaks};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::statistics::{p_of_counts, p_of_uniformity, p_of_z, z_of_means};
+use fogbow_testing::truths;
 use glam::DVec3;
 
 /// Mean of a scene to a standard error of `goal`, against a published one of error `known`.
@@ -262,6 +263,32 @@ fn every_technique_has_the_mean_that_every_scene_promises_among_surfaces() {
             assert!(z.abs() < 4.0, "{name}, {active:?}: {mean} +- {error}, expected {expected}, z = {z}");
             assert!(error < certainty * expected, "{name}, {active:?}: {mean} +- {error} says little");
         }
+    }
+}
+
+#[test]
+fn every_technique_has_the_mean_of_an_independent_program_behind_a_perforated_plate() {
+    let (name, size) = ("dense-plate", [64, 64]);
+    let (expected, known) = truths::mean(name);
+    assert!((expected[1] - 0.1864).abs() < 0.000_05 && known[1] < 0.000_065, "{name}: {expected:?} +- {known:?}");
+    let shipped = |active: Active| frames::shipped(name, size, active);
+    // Most connections are blocked by the plate: roulette before they are traced pays with many starts.
+    let all_starts = Frame { roulette: 0.1, ..shipped(Active::Bridge) };
+    let one_start = Frame { seed: 20, ..shipped(Active::Bridge) }.with_walk(1, 1.0);
+    for (technique, frame, samples, goal) in [
+        ("path", shipped(Active::Path), 18_000, 0.0006),
+        ("mvnee", shipped(Active::Mvnee), 8000, 0.0004),
+        ("bridge, one start", one_start, 9000, 0.00012),
+        ("bridge, all starts", all_starts, 3000, 0.00012),
+        ("lis", shipped(Active::Lis), 1600, 0.0005),
+        ("omnee and nee", shipped(Active::Omnee), 5000, 0.0006),
+        ("nee", shipped(Active::Nee), 9000, 0.0007),
+    ] {
+        let (mean, error) = render(&frame, size, 0..samples).0.mean();
+        let z = [0, 1, 2].map(|i| (mean[i] - expected[i]) / error[i].hypot(known[i]));
+        println!("{name}, {technique}: {mean:.5?} +- {error:.5?}, z = {z:.2?}");
+        assert!(z.iter().all(|z| z.abs() < 3.5), "{name}, {technique}: {mean:?} +- {error:?}, z = {z:?}");
+        assert!(error[1] < goal, "{name}, {technique}: {error:?} is too uncertain");
     }
 }
 

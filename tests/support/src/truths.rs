@@ -15,6 +15,16 @@ pub fn image(name: &str) -> Image {
     exr::read_image(&data(&format!("{name}.exr"))).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The mean of the image called `name` and its standard error, red, green and blue.
+pub fn mean(name: &str) -> ([f64; 3], [f64; 3]) {
+    let image = image(name);
+    let plane = |channel: &str| image.channel(channel).expect("a plane").iter().map(|x| f64::from(*x));
+    let pixels = (image.width * image.height) as f64;
+    let mean = ["R", "G", "B"].map(|channel| plane(channel).sum::<f64>() / pixels);
+    let error = ["SE.R", "SE.G", "SE.B"].map(|channel| plane(channel).map(|x| x * x).sum::<f64>().sqrt() / pixels);
+    (mean, error)
+}
+
 /// Complete paths with density ratios.
 #[derive(Debug, Deserialize)]
 pub struct DensityRatios {
