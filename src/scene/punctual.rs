@@ -28,7 +28,7 @@ pub fn lights(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
     loaded.model.lights.iter().filter_map(placed).collect()
 }
 
-/// Narrowest cone whose edge single precision can place [rad], about a degree.
+/// Narrowest cone whose edge single precision can place `[rad]`, about a degree.
 const NARROWEST: f64 = 0.02;
 
 /// What stands for `light`, with this radius.

@@ -159,7 +159,7 @@ pub struct Light {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub exponent: Option<f64>,
-    /// Inner and outer angle of a spot of a model [rad], which has the intensity of its cone instead of a power of the cosine.
+    /// Inner and outer angle of a spot of a model `[rad]`, which has the intensity of its cone instead of a power of the cosine.
     #[serde(skip)]
     pub cone: Option<[f64; 2]>,
 }

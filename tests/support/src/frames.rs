@@ -147,7 +147,7 @@ pub fn focused(frame: &Frame, exponents: &[f64]) -> Frame {
     Frame { lights: Lights::new(disks, frame.lights.selection()), ..frame.clone() }
 }
 
-/// `frame` with its spotlights as such with these cones [rad].
+/// `frame` with its spotlights as such with these cones `[rad]`.
 pub fn with_cones(frame: &Frame, cones: &[[f64; 2]]) -> Frame {
     let cone = |(spot, cone): (&Emitter, &[f64; 2])| spot.with_cone(*cone, f64::from(spot.exponent));
     let disks = frame.lights.emitters().iter().zip(cones).map(cone).collect();

@@ -131,7 +131,7 @@ impl Emitter {
     }
 
     /// The same disk as a spotlight with a cone: its intensity is the same up to the angle `inner` from the normal and falls to
-    /// 0 at `outer`, as `KHR_lights_punctual` recommends; `0 <= inner <= outer <= pi / 2` [rad]. Light importance sampling
+    /// 0 at `outer`, as `KHR_lights_punctual` recommends; `0 <= inner <= outer <= pi / 2` `[rad]`. Light importance sampling
     /// samples it like one of `exponent`.
     pub fn with_cone(self, [inner, outer]: [f64; 2], exponent: f64) -> Self {
         let slope = 1.0 / (inner.cos() - outer.cos()).max(SHARPEST_EDGE);
