@@ -51,8 +51,7 @@ fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
 }
 
 /// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its cone
-/// angles; 0, a plain disk with
-/// one half at 60 degrees, is the widest there is.
+/// angles; 0, a plain disk with one half at 60 degrees, is the widest there is.
 fn exponent(inner: f64, outer: f64) -> f64 {
     let sine = (0.5 * (inner + outer)).sin();
     // ln cos as half the logarithm of 1 - sin^2, for narrow cones.

@@ -27,7 +27,7 @@ pub(super) struct Settle<'a, 'q> {
 
 impl<'q> Settle<'_, 'q> {
     /// All of them, for candidates that nothing has traced yet.
-    pub fn connection(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+    pub fn connection(&mut self, connector: Connector, mut bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
         self.count_work(bucket, candidates);
         self.weigh(bucket, candidates);
         let weighted = self.count(bucket, candidates);
@@ -35,7 +35,6 @@ impl<'q> Settle<'_, 'q> {
             self.drop_faint(connector, bucket, candidates);
         }
         let kept = self.count(bucket, candidates);
-        let mut bucket = bucket;
         if !self.frame.surfaces.is_empty() {
             // Tracing is dear, and few may be left.
             bucket = bucket.pack(candidates, self.chains);
