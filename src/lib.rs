@@ -8,6 +8,7 @@ pub mod film;
 pub mod frame;
 pub mod gltf;
 pub mod image;
+pub mod output;
 pub mod pilot;
 pub mod reference;
 pub mod render;

@@ -4,15 +4,16 @@ use super::figures::number;
 use super::{CompareArgs, say, tell};
 use crate::compare::{ChannelComparison, compare, difference_picture};
 use crate::error::{Error, Result};
-use crate::image::{self, check_writable, write_whole};
+use crate::image::{self, Format};
+use crate::output;
 
 pub fn run(args: &CompareArgs) -> Result<()> {
     if let Some(path) = &args.png {
-        if !image::is_png(path) {
+        if Format::of(path) != Some(Format::Png) {
             let flag = format!("--png {}", path.display());
             return Err(Error::usage(flag, "does not name a PNG image", "end the name in .png"));
         }
-        check_writable(path)?;
+        output::check(path)?;
     }
     let (a, b) = (image::exr::read_image(&args.a)?, image::exr::read_image(&args.b)?);
     let channels = compare(&a, &b)
@@ -28,7 +29,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let (bytes, meaning) = difference_picture(&a, &b)?;
         let rows = bytes.chunks(3 * a.width).map(|row| row.iter().copied());
         let size = [a.width as u32, a.height as u32];
-        write_whole(path, |writer| image::png::write_rows(writer, size, rows, &[("scale", meaning.clone())]))?;
+        output::write(path, |file| image::png::write_rows(file, size, rows, &[("scale", meaning.clone())]))?;
         tell(format!("{}: full colour is {meaning}", path.display()));
     }
     Ok(())

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
 use crate::gltf::quoted;
-use crate::image;
+use crate::image::{self, Format};
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::LightKind;
@@ -27,11 +27,16 @@ const MOST_NAMED: usize = 20;
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     let path = args.path.as_path();
-    if image::is_png(path) {
+    let format = Format::of(path);
+    if format == Some(Format::Png) {
         let remedy = "give a scene, or the EXR image of the same render";
         return Err(Error::failure(path.display(), "PNG images are for the eye and hold no data", remedy));
     }
-    if image::is_exr(path) { describe_image(path) } else { describe_scene(&scene::load(path, args.set.clone())?) }
+    if format == Some(Format::Exr) {
+        describe_image(path)
+    } else {
+        describe_scene(&scene::load(path, args.set.clone())?)
+    }
 }
 
 fn describe_image(path: &Path) -> Result<()> {

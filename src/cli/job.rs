@@ -1,7 +1,7 @@
 //! A render from its first round to the files it leaves.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -13,9 +13,11 @@ use fogbow_kernels::pipeline::Pipeline;
 use super::progress::{Reporter, State};
 use super::report::Report;
 use super::tell;
+use super::values::ImageOutput;
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::image::{self, write_whole};
+use crate::image::{self, Format};
+use crate::output;
 use crate::pilot::Trial;
 use crate::render::{Monitor, Renderer};
 use crate::scene::LoadedScene;
@@ -167,7 +169,7 @@ impl Job<'_> {
     pub fn finish(
         &self,
         outcome: &Outcome,
-        outputs: &[PathBuf],
+        outputs: &[ImageOutput],
         stats: Option<&Path>,
         reporter: &Reporter,
     ) -> Result<ExitCode> {
@@ -184,7 +186,7 @@ impl Job<'_> {
             reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));
         }
         // What can be written is, also if something else cannot.
-        let images: Vec<_> = outputs.iter().map(|path| self.write_image(path, &report)).collect();
+        let images: Vec<_> = outputs.iter().map(|image| self.write_image(image, &report)).collect();
         let statistics = stats.map_or(Ok(()), |path| report.write_statistics(path));
         images.into_iter().chain([statistics]).collect::<Result<()>>()?;
         reporter.line(report.summary(outputs));
@@ -192,10 +194,10 @@ impl Job<'_> {
         Ok(if outcome.stopped { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
     }
 
-    fn write_image(&self, path: &Path, report: &Report<'_>) -> Result<()> {
-        write_whole(path, |writer| match image::is_png(path) {
-            true => image::png::write_film(writer, &self.film),
-            false => image::exr::write_film(writer, &self.film, self.scene.scene.film.size, &report.header()),
+    fn write_image(&self, image: &ImageOutput, report: &Report<'_>) -> Result<()> {
+        output::write(&image.path, |file| match image.format {
+            Format::Png => image::png::write_film(file, &self.film),
+            Format::Exr => image::exr::write_film(file, &self.film, self.scene.scene.film.size, &report.header()),
         })
     }
 

@@ -19,7 +19,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
-use values::Reference;
+use values::{ImageOutput, Reference};
 
 /// Renders light in dense, forward-scattering media: fog, clouds, milk, skin, deep water.
 #[derive(Debug, Parser)]
@@ -61,9 +61,10 @@ struct RenderArgs {
     /// The scene: a TOML file, a folder with a scene.toml, or a glTF file with a camera.
     #[arg(required_unless_present = "help_scene")]
     scene: Option<PathBuf>,
-    /// Where to write the image; .exr or .png; may be repeated. Default: the scene's name with .exr.
-    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png")]
-    output: Vec<PathBuf>,
+    /// Where to write the image; .exr or .png, or exr:PATH or png:PATH for any other name; may be repeated. Default: the
+    /// scene's name with .exr.
+    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", value_parser = values::image())]
+    output: Vec<ImageOutput>,
     /// Connection technique, or several with commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
     technique: Option<String>,

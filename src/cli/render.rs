@@ -1,6 +1,6 @@
 //! `fogbow render`
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -9,11 +9,12 @@ use fogbow_kernels::pipeline::{self, Pipeline};
 
 use super::job::{self, Job, Target};
 use super::progress::Reporter;
-use super::values::Reference;
+use super::values::{ImageOutput, Reference};
 use super::{RenderArgs, say, tell};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
-use crate::image::{self, check_writable};
+use crate::image::Format;
+use crate::output;
 use crate::pilot;
 use crate::render::{Renderer, Workers};
 use crate::scene::document::Override;
@@ -32,7 +33,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     scene.warnings.iter().for_each(|warning| tell(format!("warning: {warning}")));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
-    check_stats(args, &outputs)?;
+    check_stats(args, &scene, &outputs)?;
     let target = match (args.time, args.noise) {
         (Some(time), _) => Target::Time(time),
         (_, Some(noise)) => Target::Noise(noise),
@@ -93,30 +94,29 @@ fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
     Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
 }
 
-/// The images to write, each once.
-fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<PathBuf>> {
-    let default = [PathBuf::from(format!("{}.exr", scene.name))];
-    let mut outputs: Vec<PathBuf> = Vec::new();
-    for path in if args.output.is_empty() { &default } else { args.output.as_slice() } {
-        if !image::is_exr(path) && !image::is_png(path) {
+/// The images to write.
+fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<ImageOutput>> {
+    let default = [ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
+    let outputs = if args.output.is_empty() { &default } else { args.output.as_slice() };
+    for (index, ImageOutput { path, .. }) in outputs.iter().enumerate() {
+        output::check(path)?;
+        if outputs[..index].iter().any(|before| output::are_same(&before.path, path)) {
             let flag = format!("--output {}", path.display());
-            return Err(Error::usage(flag, "does not name an image format", "end the name in .exr or .png"));
-        }
-        check_writable(path)?;
-        if !outputs.contains(path) {
-            outputs.push(path.clone());
+            return Err(Error::usage(flag, "names the same file as another output", "name every file once"));
         }
     }
-    Ok(outputs)
+    Ok(outputs.to_vec())
 }
 
-fn check_stats(args: &RenderArgs, outputs: &[PathBuf]) -> Result<()> {
+fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
     let Some(path) = &args.stats else { return Ok(()) };
-    if outputs.contains(path) || args.scene.as_ref() == Some(path) {
+    output::check(path)?;
+    let images = outputs.iter().map(|image| &image.path);
+    if images.chain(&scene.files).any(|other| output::are_same(other, path)) {
         let flag = format!("--stats {}", path.display());
         return Err(Error::usage(flag, "names the scene or an image", "give the statistics a file of their own"));
     }
-    check_writable(path)
+    Ok(())
 }
 
 /// The stages, and which of them are twins.

@@ -1,16 +1,16 @@
 //! What a render leaves behind besides pixels: header entries, statistics and a last line.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use fogbow_kernels::pipeline::Stage;
 use serde_json::{Value, json};
 
 use super::figures::{duration, number, rate, starts};
+use super::values::ImageOutput;
 use crate::error::Result;
 use crate::film::Film;
-use crate::image::write_whole;
+use crate::output;
 use crate::pilot::Trial;
 use crate::scene::LoadedScene;
 use crate::stats::{ConnectionStats, Connector, Stats};
@@ -68,9 +68,9 @@ impl Report<'_> {
     }
 
     /// What was rendered, in one line.
-    pub fn summary(&self, outputs: &[PathBuf]) -> String {
+    pub fn summary(&self, outputs: &[ImageOutput]) -> String {
         let (samples, seconds) = (self.stats.samples as f64, self.elapsed.as_secs_f64());
-        let names: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
+        let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
         let per_pixel = match samples / self.film.region().pixels() as f64 {
             1.0 => "1 sample per pixel".into(),
             count => format!("{} samples per pixel", number(count, 4)),
@@ -97,7 +97,7 @@ impl Report<'_> {
     /// Writes the statistics as JSON.
     pub fn write_statistics(&self, path: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(&self.statistics()).expect("numbers and names");
-        write_whole(path, |writer| writeln!(writer, "{text}").map_err(|error| error.to_string()))
+        output::write(path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
     }
 
     /// Statistics as JSON.

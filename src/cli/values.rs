@@ -1,10 +1,44 @@
 //! Values of flags: what they are read as, and what is said if they cannot be.
 
+use std::ffi::OsString;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use fogbow_kernels::pipeline::Stage;
 
 use crate::error::{Error, Result};
+use crate::image::Format;
+
+/// An image to write.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImageOutput {
+    /// Where to.
+    pub path: PathBuf,
+    /// As what.
+    pub format: Format,
+}
+
+impl ImageOutput {
+    /// An image whose name says its format, or else the word before a colon, as in `png:/dev/stdout`.
+    fn parse(text: OsString) -> Result<Self> {
+        let prefixed = text.to_str().and_then(|text| text.split_once(':'));
+        if let Some((format, path)) = prefixed.and_then(|(name, path)| Some((Format::named(name)?, path))) {
+            return Ok(Self { path: path.into(), format });
+        }
+        let path = PathBuf::from(text);
+        let Some(format) = Format::of(&path) else {
+            let remedy = "end the name in .exr or .png, or put the format before it, as in png:/dev/stdout";
+            return refuse("--output", &path.to_string_lossy(), "does not name an image format", remedy);
+        };
+        Ok(Self { path, format })
+    }
+}
+
+/// `--output`
+pub fn image() -> impl clap::builder::TypedValueParser<Value = ImageOutput> {
+    use clap::builder::{OsStringValueParser, TypedValueParser};
+    OsStringValueParser::new().try_map(ImageOutput::parse)
+}
 
 /// Which stages run as twins.
 #[derive(Clone, Copy, Debug)]
@@ -87,5 +121,19 @@ mod tests {
             assert!(size(wrong).is_err(), "{wrong}");
         }
         assert!(crop("1,2,3").is_err() && crop("1,2,3,x").is_err());
+    }
+
+    #[test]
+    fn images_have_the_format_of_their_name_or_of_the_word_before_it() {
+        let parsed = |text: &str| ImageOutput::parse(text.into()).ok().map(|image| (image.path, image.format));
+        for (text, path, format) in [
+            ("a.exr", "a.exr", Format::Exr),
+            ("dir:1/b.PNG", "dir:1/b.PNG", Format::Png),
+            ("png:/dev/stdout", "/dev/stdout", Format::Png),
+            ("EXR:a.png", "a.png", Format::Exr),
+        ] {
+            assert_eq!(parsed(text), Some((path.into(), format)), "{text}");
+        }
+        assert_eq!([".exr", "a", "jpg:a", "/dev/stdout"].map(parsed), [None, None, None, None]);
     }
 }

@@ -33,6 +33,8 @@ use schema::{Camera, CameraOrName, Film, Scene};
 pub struct LoadedScene {
     /// What it is called: its folder's or file's name.
     pub name: String,
+    /// The files that it was read from: its own, and that of its geometry.
+    pub files: Vec<PathBuf>,
     /// All keys, overrides and defaults included.
     pub scene: Scene,
     /// Its camera, wherever that comes from.
@@ -62,7 +64,9 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     for change in overrides {
         document.apply(change)?;
     }
-    check(name(path), &document, model)
+    let mut scene = check(name(path), &document, model)?;
+    scene.files.insert(0, file);
+    Ok(scene)
 }
 
 /// Parses and checks a scene from memory; `file` is what errors call it.
@@ -89,7 +93,8 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
-    Ok(LoadedScene { name, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
+    let files = scene.geometry.iter().map(|geometry| document.folder().join(geometry)).collect();
+    Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
 }
 
 /// The scene file that `path` means.

@@ -14,7 +14,7 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
         ("nowhere/a.exr", "nowhere/a.exr: no file can be made in nowhere: "),
         ("folder.exr", "folder.exr: is a folder\n"),
         ("a.exr/", "a.exr/: is a folder\n"),
-        ("scene.toml/a.exr", "scene.toml/a.exr: no file can be made in scene.toml: "),
+        ("scene.toml/a.exr", "scene.toml/a.exr: cannot be a file: "),
         (&long, &format!("{long}: cannot be a file: ")),
     ];
     for (output, beginning) in cases {
@@ -29,7 +29,7 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
 #[test]
 fn an_output_names_its_format() {
     let folder = Folder::with_scene();
-    for output in ["a", "a.jpg", ".exr", "scene.toml"] {
+    for output in ["a", "a.jpg", ".exr", "scene.toml", "jpg:a", "/dev/null"] {
         let beginning = format!("--output {output}: does not name an image format\n");
         folder.refused(&["render", "scene.toml", "-o", output], 2, &beginning);
     }
@@ -59,14 +59,29 @@ fn a_folder_without_write_permission_is_refused() {
 }
 
 #[test]
-fn every_output_is_written_once() {
+fn every_output_is_written() {
     let folder = Folder::with_scene();
-    let args =
-        ["render", "scene.toml", "-o", "a.exr", "-o", "b.PNG", "-o", "a.exr", "-o", "c.exr", "--stats", "s.json"];
+    let args = ["render", "scene.toml", "-o", "a.exr", "-o", "b.PNG", "-o", "exr:c", "--stats", "s.json"];
     let run = folder.done(&args);
-    assert_eq!(folder.names(), ["a.exr", "b.PNG", "c.exr", "s.json", "scene.toml"]);
-    assert!(run.stderr.starts_with("a.exr, b.PNG, c.exr: mvnee, 4 samples per pixel in "), "{run}");
+    assert_eq!(folder.names(), ["a.exr", "b.PNG", "c", "s.json", "scene.toml"]);
+    assert!(run.stderr.starts_with("a.exr, b.PNG, c: mvnee, 4 samples per pixel in "), "{run}");
     assert_eq!(run.stdout, "");
+    assert_eq!(folder.image("a.exr").channels, folder.image("c").channels);
+}
+
+#[test]
+fn a_file_is_named_once() {
+    let folder = Folder::with_scene();
+    folder.write("sub/a.exr", "");
+    for other in ["a.exr", "./a.exr", "sub/../a.exr", "png:a.exr"] {
+        let beginning =
+            format!("--output {}: names the same file as another output\n", other.trim_start_matches("png:"));
+        folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", other], 2, &beginning);
+    }
+    for stats in ["sub/../a.exr", "sub/../scene.toml"] {
+        let beginning = format!("--stats {stats}: names the scene or an image\n");
+        folder.refused(&["render", ".", "-o", "a.exr", "--stats", stats], 2, &beginning);
+    }
 }
 
 #[test]
@@ -142,11 +157,54 @@ fn images_have_the_permissions_of_any_new_file() {
 
 #[cfg(unix)]
 #[test]
-fn a_symbolic_link_stays_one() {
+fn a_file_that_is_overwritten_keeps_its_mode() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_scene();
+    for mode in [0o600, 0o644, 0o664, 0o755] {
+        folder.write("a.exr", "");
+        fs::set_permissions(folder.path("a.exr"), fs::Permissions::from_mode(mode)).expect("own file");
+        folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+        let kept = fs::metadata(folder.path("a.exr")).expect("a file").permissions().mode() & 0o777;
+        assert_eq!(kept, mode, "{kept:o} instead of {mode:o}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_its_owner_made_read_only_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_scene();
+    for name in ["a.exr", "s.json"] {
+        folder.write(name, "precious");
+        fs::set_permissions(folder.path(name), fs::Permissions::from_mode(0o444)).expect("own file");
+    }
+    std::os::unix::fs::symlink("a.exr", folder.path("link.exr")).expect("a link");
+    folder.refused(&["render", "scene.toml", "-o", "a.exr"], 1, "a.exr: is read-only\n");
+    folder.refused(&["render", "scene.toml", "-o", "link.exr"], 1, "link.exr: is read-only\n");
+    folder.refused(&["render", "scene.toml", "-o", "b.exr", "--stats", "s.json"], 1, "s.json: is read-only\n");
+    assert_eq!(fs::read_to_string(folder.path("a.exr")).expect("a file"), "precious");
+}
+
+#[cfg(unix)]
+#[test]
+fn symbolic_links_are_followed_and_stay() {
+    use std::os::unix::fs::symlink;
     let folder = Folder::with_scene();
     folder.write("elsewhere/a.exr", "");
-    std::os::unix::fs::symlink("elsewhere/a.exr", folder.path("link.exr")).expect("a link");
-    folder.done(&["render", "scene.toml", "-o", "link.exr"]);
-    assert!(folder.path("link.exr").is_symlink());
-    assert_eq!(plane(&folder.image("elsewhere/a.exr"), "R").len(), 64);
+    symlink("elsewhere/a.exr", folder.path("link.exr")).expect("a link");
+    symlink("elsewhere/b.exr", folder.path("dangling.exr")).expect("a link");
+    symlink("dangling.exr", folder.path("second.exr")).expect("a link");
+    for (link, target) in [("link.exr", "a.exr"), ("dangling.exr", "b.exr"), ("second.exr", "b.exr")] {
+        folder.done(&["render", "scene.toml", "-o", link]);
+        assert!(folder.path(link).is_symlink());
+        assert_eq!(plane(&folder.image(&format!("elsewhere/{target}")), "R").len(), 64);
+    }
+    symlink("circle.exr", folder.path("circle.exr")).expect("a link");
+    folder.refused(
+        &["render", "scene.toml", "-o", "circle.exr"],
+        1,
+        "circle.exr: cannot be a file: its symbolic links",
+    );
+    let beginning = "--output link.exr: names the same file as another output\n";
+    folder.refused(&["render", "scene.toml", "-o", "elsewhere/a.exr", "-o", "link.exr"], 2, beginning);
 }

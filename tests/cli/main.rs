@@ -15,4 +15,5 @@ mod scenes;
 mod settings;
 mod stats;
 mod stop;
+mod streams;
 mod support;

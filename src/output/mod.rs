@@ -1,0 +1,112 @@
+//! Files that a command leaves behind.
+//!
+//! A regular file is written whole or not at all: a temporary file beside it takes its place, with its mode and, where the
+//! system allows, its owner. What is no regular file, a pipe, a terminal, `/dev/stdout`, is never replaced: bytes go straight
+//! into it, from memory. Symbolic links are followed, also to where nothing is yet.
+
+mod place;
+
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Seek, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use place::Place;
+
+/// What a file is written through.
+pub trait Sink: Write + Seek {}
+impl<S: Write + Seek> Sink for S {}
+
+/// Fails if nothing can be written to `path`, so that nobody finds out after an hour of rendering.
+///
+/// # Errors
+/// If it is a folder, a disk or read-only, or the folder that it is to be in does not exist or cannot be written.
+pub fn check(path: &Path) -> Result<()> {
+    match place::of(path)? {
+        Place::Regular(file) => temporary(path, &file).map(drop),
+        Place::Stream(_) | Place::Standard(_) => Ok(()),
+    }
+}
+
+/// Whether both paths lead to the same regular file.
+pub fn are_same(a: &Path, b: &Path) -> bool {
+    let file = |path| place::of(path).ok()?.file();
+    file(a).is_some_and(|a| file(b).is_some_and(|b| a == b))
+}
+
+/// Writes to `path` what `fill` writes.
+///
+/// # Errors
+/// If anything cannot be written. A regular file is then what it was before.
+pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
+    let place = place::of(path)?;
+    let Place::Regular(file) = place else {
+        let mut bytes = Cursor::new(Vec::new());
+        fill(&mut bytes).map_err(|error| failed(path, error))?;
+        return stream(&place, bytes.get_ref()).map_err(|error| failed(path, error));
+    };
+    let mut temporary = temporary(path, &file)?;
+    let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+    fill(&mut buffer).map_err(|error| failed(path, error))?;
+    buffer.flush().map_err(|error| failed(path, error))?;
+    drop(buffer);
+    keep_mode(&file, temporary.as_file()).map_err(|error| failed(path, error))?;
+    temporary.as_file().sync_all().map_err(|error| failed(path, error))?;
+    temporary.persist(&file).map_err(|error| failed(path, error.error))?;
+    Ok(())
+}
+
+fn failed(path: &Path, error: impl core::fmt::Display) -> Error {
+    let remedy = "check free space and permissions where it is to go";
+    Error::failure(path.display(), format!("cannot be written: {error}"), remedy)
+}
+
+/// Sends `bytes` straight to what is no regular file.
+fn stream(place: &Place, bytes: &[u8]) -> io::Result<()> {
+    let all = |mut to: Box<dyn Write>| to.write_all(bytes).and_then(|()| to.flush());
+    match place {
+        Place::Standard(place::Standard::Output) => all(Box::new(io::stdout().lock())),
+        Place::Standard(place::Standard::Error) => all(Box::new(io::stderr().lock())),
+        // What is open already may be a file with something in it, as behind a shell's `>>`.
+        Place::Stream(path) | Place::Regular(path) => all(Box::new(File::options().append(true).open(path)?)),
+    }
+}
+
+/// A new file beside `file`, to take its place; `path` is what the user calls that.
+fn temporary(path: &Path, file: &Path) -> Result<tempfile::NamedTempFile> {
+    let folder = place::folder(file);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".fogbow-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Less the umask, as for any new file, but not wider than what it replaces.
+        let mode = file.metadata().map_or(0o666, |metadata| metadata.permissions().mode() & 0o666);
+        builder.permissions(std::fs::Permissions::from_mode(mode | 0o600));
+    }
+    builder.tempfile_in(folder).map_err(|error| {
+        // The rest is the temporary file's name, which says nothing to anybody.
+        let reason = error.to_string();
+        let reason = reason.split(" at path ").next().unwrap_or(&reason);
+        let finding = format!("no file can be made in {}: {reason}", folder.display());
+        Error::failure(path.display(), finding, "give a path in a folder that exists and can be written")
+    })
+}
+
+/// Gives `new` the mode of the file that it replaces, if there is one, and its owner, if that is allowed.
+#[cfg(unix)]
+fn keep_mode(old: &Path, new: &File) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    let Ok(old) = old.metadata() else { return Ok(()) };
+    let own = new.metadata()?;
+    if (own.uid(), own.gid()) != (old.uid(), old.gid()) {
+        // Only root may give files away; to everybody else the new file belongs.
+        let _ = fchown(new, Some(old.uid()), Some(old.gid()));
+    }
+    new.set_permissions(old.permissions())
+}
+
+#[cfg(not(unix))]
+fn keep_mode(_: &Path, _: &File) -> io::Result<()> {
+    Ok(())
+}
