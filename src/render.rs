@@ -1,8 +1,8 @@
 //! Scheduling: blocks of samples over threads.
 
 use core::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 use bumpalo::Bump;
 use fogbow_kernels::pipeline::Pipeline;
@@ -30,19 +30,9 @@ pub struct Workers {
 #[derive(Debug, Default)]
 pub struct Monitor {
     /// Set to stop: workers finish the block at hand.
-    pub stop: AtomicBool,
-    /// Set if it was the user who stopped it.
-    pub interrupted: AtomicBool,
+    pub stop: Arc<AtomicBool>,
     /// Camera paths finished so far.
     pub samples: AtomicU64,
-}
-
-impl Monitor {
-    /// Stops the render on behalf of the user.
-    pub fn interrupt(&self) {
-        self.interrupted.store(true, Ordering::Relaxed);
-        self.stop.store(true, Ordering::Relaxed);
-    }
 }
 
 /// Worker threads that render.

@@ -100,7 +100,7 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
         say(format!("shining meshes: {shining}, of {}", count(triangles, "triangle")))?;
     }
-    let names: Vec<_> = render.technique.0.iter().map(|t| format!("{t:?}").to_lowercase()).collect();
+    let names: Vec<_> = render.technique.0.iter().map(|technique| technique.name()).collect();
     say(format!(
         "technique {}, paths of {} to {} segments",
         names.join(","),

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -12,6 +11,7 @@ use fogbow_kernels::pipeline::Pipeline;
 
 use super::progress::{Reporter, State};
 use super::report::Report;
+use super::signals::Signals;
 use super::tell;
 use super::values::ImageOutput;
 use crate::error::{Error, Result};
@@ -25,8 +25,6 @@ use crate::stats::Stats;
 
 /// How often progress and deadlines are looked at.
 const TICK: Duration = Duration::from_millis(20);
-/// Exit code of a program that the user stopped: 128 + SIGINT.
-const STOPPED: u8 = 130;
 /// Contributions that may be dropped for not being finite, as a share of the samples.
 const TOLERATED_DROPS: f64 = 1e-6;
 
@@ -59,25 +57,18 @@ pub struct Job<'a> {
     pub reference: String,
     /// When it began, the pilot included.
     pub start: Instant,
-    /// Tells when the user stops it.
-    pub monitor: Arc<Monitor>,
-}
-
-/// A monitor that Ctrl-C interrupts.
-pub fn watch_for_interrupts() -> Result<Arc<Monitor>> {
-    let monitor = Arc::new(Monitor::default());
-    let interrupted = Arc::clone(&monitor);
-    ctrlc::set_handler(move || interrupted.interrupt()).map_err(|error| {
-        Error::failure("fogbow", format!("Ctrl-C cannot be caught: {error}"), "start it from another shell")
-    })?;
-    Ok(monitor)
+    /// Stops it, and counts samples.
+    pub monitor: Monitor,
+    /// Tell when the user stops it.
+    pub signals: Signals,
 }
 
 /// How it ended.
 pub struct Outcome {
     stats: Stats,
     elapsed: Duration,
-    stopped: bool,
+    /// Exit code of the signal that stopped it.
+    stopped: Option<u8>,
 }
 
 /// What to render before the next look at the target.
@@ -93,7 +84,7 @@ impl Job<'_> {
     pub fn run(&self, target: Target, reporter: &mut Reporter) -> Outcome {
         let (monitor, start) = (&self.monitor, self.start);
         let (mut stats, mut done, mut last) = (Stats::new(false), 0, State::default());
-        while !monitor.interrupted.load(Ordering::Relaxed) {
+        while !self.signals.came() {
             let Some(round) = self.next_round(target, done, start.elapsed()) else { break };
             // The first sample of every pixel is taken whatever the time.
             let deadline = match target {
@@ -107,9 +98,9 @@ impl Job<'_> {
             last = watch.state();
             reporter.update(last); // a short round had no time for it
         }
-        let stopped = monitor.interrupted.load(Ordering::Relaxed);
+        let stopped = self.signals.exit_code();
         let elapsed = start.elapsed();
-        let fraction = if stopped { last.fraction } else { 1.0 };
+        let fraction = if stopped.is_some() { last.fraction } else { 1.0 };
         reporter.finish(State { fraction, samples: stats.samples, elapsed });
         Outcome { stats, elapsed, stopped }
     }
@@ -182,7 +173,7 @@ impl Job<'_> {
             trials: &self.trials,
             reference: &self.reference,
         };
-        if outcome.stopped {
+        if outcome.stopped.is_some() {
             reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));
         }
         // What can be written is, also if something else cannot.
@@ -191,7 +182,7 @@ impl Job<'_> {
         images.into_iter().chain([statistics]).collect::<Result<()>>()?;
         reporter.line(report.summary(outputs));
         self.refuse_drops(&outcome.stats)?;
-        Ok(if outcome.stopped { ExitCode::from(STOPPED) } else { ExitCode::SUCCESS })
+        Ok(outcome.stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
     }
 
     fn write_image(&self, image: &ImageOutput, report: &Report<'_>) -> Result<()> {

@@ -7,6 +7,7 @@ mod job;
 mod progress;
 mod render;
 mod report;
+mod signals;
 mod values;
 
 use std::ffi::OsString;
@@ -26,7 +27,10 @@ use values::{ImageOutput, Reference};
 #[command(name = "fogbow", version, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+    /// List every key of a scene file, with type, default and meaning.
+    #[arg(long)]
+    help_scene: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -142,9 +146,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => return explain(&error),
     };
     let outcome = match cli.command {
-        Command::Render(args) => render::run(&args),
-        Command::Compare(args) => compare::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Info(args) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        _ if cli.help_scene => render::help_scene(),
+        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        None => unreachable!("without arguments the parser prints help"),
     };
     outcome.unwrap_or_else(|error| fail(&error))
 }
@@ -169,7 +175,11 @@ fn wrong_choice(error: &clap::Error) -> Option<Error> {
         return None;
     }
     let flag = flag.split(' ').next().unwrap_or(flag);
-    Some(Error::usage(format!("{flag} {value}"), "is no choice", format!("choices are {}", choices.join(", "))))
+    Some(Error::usage(
+        format!("{flag} {value}"),
+        "is not one of the choices",
+        format!("choices are {}", choices.join(", ")),
+    ))
 }
 
 /// Prints `error` and gives its exit code.

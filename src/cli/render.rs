@@ -2,13 +2,13 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use fogbow_kernels::pipeline::{self, Pipeline};
 
-use super::job::{self, Job, Target};
+use super::job::{Job, Target};
 use super::progress::Reporter;
+use super::signals::Signals;
 use super::values::{ImageOutput, Reference};
 use super::{RenderArgs, say, tell};
 use crate::error::{Error, Result};
@@ -16,7 +16,7 @@ use crate::film::{self, Film, Region};
 use crate::image::Format;
 use crate::output;
 use crate::pilot;
-use crate::render::{Renderer, Workers};
+use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
 
@@ -25,8 +25,7 @@ const REFERENCE_TILE_SIZE: u32 = 8;
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.help_scene {
-        say(scene::help::page().trim_end())?;
-        return Ok(ExitCode::SUCCESS);
+        return help_scene();
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let mut scene = scene::load(path, overrides(args))?;
@@ -50,20 +49,28 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
         Error::failure(path.display(), finding, "render a smaller image with --size, or parts of it with --crop")
     })?;
-    let (monitor, start) = (job::watch_for_interrupts()?, Instant::now());
-    let (size, interrupted) = (scene.scene.film.size, || monitor.interrupted.load(Ordering::Relaxed));
-    let (frame, trials) = pilot::settle(&scene.frame, size, &scene.scene.render, &renderer, interrupted);
+    let (monitor, start) = (Monitor::default(), Instant::now());
+    let signals = Signals::watch(&monitor.stop)?;
+    let (size, render) = (scene.scene.film.size, &scene.scene.render);
+    let (frame, trials) = pilot::settle(&scene.frame, size, render, &renderer, || signals.came());
     scene.frame = frame;
     let (pipeline, reference) = pipeline(args);
-    let job = Job { scene: &scene, renderer, pipeline, film, trials, reference, start, monitor };
+    let job = Job { scene: &scene, renderer, pipeline, film, trials, reference, start, monitor, signals };
     let mut reporter = Reporter::new(args.progress, &scene.name);
     let outcome = job.run(target, &mut reporter);
     job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)
 }
 
+/// `--help-scene`
+pub fn help_scene() -> Result<ExitCode> {
+    say(scene::help::page().trim_end())?;
+    Ok(ExitCode::SUCCESS)
+}
+
 /// The scene's keys that flags override, before those of `--set`.
 fn overrides(args: &RenderArgs) -> Vec<Override> {
-    let change = |key: &str, value: toml::Value, flag: String| Override { key: key.into(), value, flag };
+    let change =
+        |key: &str, value: toml::Value, flag: String| Override { key: key.into(), value, flag, is_dedicated: true };
     let number = |key: &str, flag: &str, value: Option<i64>| {
         value.map(|value| change(key, value.into(), format!("--{flag} {value}")))
     };

@@ -59,46 +59,47 @@ pub fn stage(name: &str) -> Result<Reference> {
     }
     let names: Vec<_> = Stage::ALL.iter().map(|stage| stage.name()).collect();
     let remedy = format!("put the scene before --reference; stages are all, {}", names.join(", "));
-    name.parse().map(Reference::One).or_else(|_| refuse("--reference", name, "is no stage", &remedy))
+    name.parse().map(Reference::One).or_else(|_| refuse("--reference", name, "is not a stage", &remedy))
 }
 
 /// `--noise`
 pub fn noise(text: &str) -> Result<f64> {
     match text.parse() {
         Ok(noise) if noise > 0.0 && noise < f64::INFINITY => Ok(noise),
-        _ => refuse("--noise", text, "is no share above 0", "give a share, as 0.01 for one percent"),
+        _ => refuse("--noise", text, "is not a share above 0", "give a share, as 0.01 for one percent"),
     }
 }
 
 /// `--time`
 pub fn time(text: &str) -> Result<Duration> {
     let remedy = "give numbers with units, as 90s, 5min or 1h 30m";
-    humantime::parse_duration(text).or_else(|error| refuse("--time", text, format!("is no duration: {error}"), remedy))
+    humantime::parse_duration(text)
+        .or_else(|error| refuse("--time", text, format!("is not a duration: {error}"), remedy))
 }
 
 /// `--mesc`
 pub fn mesc(text: &str) -> Result<f64> {
-    text.parse().or_else(|_| refuse("--mesc", text, "is no number", "give a number of segments above 0"))
+    text.parse().or_else(|_| refuse("--mesc", text, "is not a number", "give a number of segments above 0"))
 }
 
 /// `--threads`
 pub fn threads(text: &str) -> Result<u32> {
     match text.parse() {
         Ok(threads @ 1..=1024) => Ok(threads),
-        _ => refuse("--threads", text, "is no possible number of threads", "give a whole number from 1 to 1024"),
+        _ => refuse("--threads", text, "is not a possible number of threads", "give a whole number from 1 to 1024"),
     }
 }
 
 /// A parser of the whole numbers after `flag`; whether they are in range is for the scene's checks to say.
 pub fn whole_number(flag: &'static str) -> impl Fn(&str) -> Result<i64> + Clone {
-    move |text| text.parse().or_else(|_| refuse(flag, text, "is no whole number", "give a whole number"))
+    move |text| text.parse().or_else(|_| refuse(flag, text, "is not a whole number", "give a whole number"))
 }
 
 /// `--size`
 pub fn size(text: &str) -> Result<[u32; 2]> {
     let numbers = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let remedy = "give width and height in pixels, as 1920x1080";
-    numbers.map_or_else(|| refuse("--size", text, "is no size of an image", remedy), Ok)
+    numbers.map_or_else(|| refuse("--size", text, "is not a size", remedy), Ok)
 }
 
 /// `--crop`
@@ -106,7 +107,7 @@ pub fn crop(text: &str) -> Result<[u32; 4]> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let numbers = numbers.and_then(|numbers| <[u32; 4]>::try_from(numbers).ok());
     let remedy = "give first column and row and the ones after the last, as 0,0,64,64";
-    numbers.map_or_else(|| refuse("--crop", text, "is no window of an image", remedy), Ok)
+    numbers.map_or_else(|| refuse("--crop", text, "is not a window of an image", remedy), Ok)
 }
 
 #[cfg(test)]

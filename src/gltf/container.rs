@@ -32,7 +32,7 @@ pub fn open<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'
     let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let first = json.iter().find(|byte| !byte.is_ascii_whitespace());
     let finding = || match first {
-        Some(_) => "is no glTF: it begins neither with \"glTF\", as .glb files do, nor with '{', as .gltf files do",
+        Some(_) => "is not glTF: it begins neither with \"glTF\", as .glb files do, nor with '{', as .gltf files do",
         None => "is empty",
     };
     require(first == Some(&b'{'), finding, "give a glTF 2.0 file, .gltf or .glb")?;

@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use super::fault::{Checked, Fault, quoted};
 use super::uri::{self, Target};
 
+/// Bytes of the largest file that is read: no binary container can be larger.
+const LARGEST_FILE: u64 = 1 << 32;
+
 /// The files beside one model.
 #[derive(Debug)]
 pub struct Files<'a> {
@@ -68,7 +71,11 @@ impl<'a> Files<'a> {
 /// The bytes of the file at `path`, or why there are none. Pipes and devices would keep the reader waiting.
 pub fn content(path: &Path) -> core::result::Result<Vec<u8>, String> {
     if path.exists() && !path.is_file() {
-        return Err("is no regular file".into());
+        return Err("is not a regular file".into());
+    }
+    let size = path.metadata().map_or(0, |metadata| metadata.len());
+    if size > LARGEST_FILE {
+        return Err(format!("has {size} bytes, more than the 4 GiB that are read"));
     }
     std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
 }

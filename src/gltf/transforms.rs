@@ -69,7 +69,7 @@ fn from_parts(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) 
     let finding = || format!("its rotation is {:?}", [x, y, z, w]);
     require(length > 0.0 && length.is_finite(), finding, "give a quaternion of length 1")?;
     if (length - 1.0).abs() > UNIT {
-        warnings.note("its rotation is no unit quaternion; it is normalized", place);
+        warnings.note("its rotation is not a unit quaternion; it is normalized", place);
     }
     let translation = DVec3::from(node.translation.unwrap_or_default());
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation / length, translation))

@@ -1,8 +1,11 @@
 //! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, N samples.
 
-use std::io::{Seek, Write};
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::Path;
 
+use exr::meta::MetaData;
+use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannels, AttributeValue, Encoding, FlatSamples, ImageAttributes, IntegerBounds, Layer, LayerAttributes,
     ReadChannels, ReadLayers, SpecificChannels, Text, Vec2, WritableImage, read,
@@ -54,17 +57,46 @@ pub fn write_film(
     image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
 }
 
+/// Pixels of the largest image that is read.
+const LARGEST_IMAGE: usize = 1 << 27;
+/// What every EXR file begins with.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// What is wrong with the file at `path`, in words of someone who did not write the format.
+fn fault(path: &Path, error: exr::error::Error) -> Error {
+    use exr::error::Error::Io;
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut start));
+    let failure = |finding: String, remedy: &str| Error::failure(path.display(), finding, remedy);
+    match error {
+        Io(error) if error.kind() != ErrorKind::UnexpectedEof => {
+            failure(format!("cannot be read: {error}"), "check the path and its permissions")
+        }
+        _ if read.is_ok() && start.is_empty() => failure("is empty".into(), "give an EXR image"),
+        _ if !MAGIC.starts_with(&start) => failure("is not an EXR image".into(), "give an EXR image"),
+        error if matches!(error, Io(_)) || error.to_string().contains("missing bytes") => {
+            failure("is truncated: it ends before the image does".into(), "copy or render it again")
+        }
+        error => failure(format!("is a damaged EXR image: {error}"), "copy or render it again"),
+    }
+}
+
+/// An error if the image at `path` claims to be larger than any that is read: before memory is taken for it.
+fn check_size(path: &Path) -> Result<()> {
+    let meta = MetaData::read_from_file(path, false).map_err(|error| fault(path, error))?;
+    let area = |header: &Header| header.layer_size.width().saturating_mul(header.layer_size.height());
+    let Some(header) = meta.headers.iter().find(|header| area(header) > LARGEST_IMAGE) else { return Ok(()) };
+    let size = header.layer_size;
+    let finding = format!("has {}x{} pixels, more than the {LARGEST_IMAGE} that are read", size.0, size.1);
+    Err(Error::failure(path.display(), finding, "give a smaller image"))
+}
+
 /// Reads every f32, f16 or u32 plane of the first layer of `path`.
 ///
 /// # Errors
-/// If the file cannot be read or is no EXR image.
+/// If the file cannot be read, is not a whole EXR image, or has more than 2^27 pixels.
 pub fn read_image(path: &Path) -> Result<Image> {
-    let failed = |error: exr::error::Error| match error {
-        exr::error::Error::Io(error) => {
-            Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
-        }
-        error => Error::failure(path.display(), format!("is no EXR image: {error}"), "give an EXR image"),
-    };
+    check_size(path)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -72,7 +104,7 @@ pub fn read_image(path: &Path) -> Result<Image> {
         .first_valid_layer()
         .all_attributes()
         .from_file(path)
-        .map_err(failed)?;
+        .map_err(|error| fault(path, error))?;
     let layer = image.layer_data;
     let text = |value: &AttributeValue| match value {
         AttributeValue::Text(text) => String::from_utf8_lossy(text.as_slice()).into_owned(),

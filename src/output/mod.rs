@@ -1,7 +1,7 @@
 //! Files that a command leaves behind.
 //!
 //! A regular file is written whole or not at all: a temporary file beside it takes its place, with its mode and, where the
-//! system allows, its owner. What is no regular file, a pipe, a terminal, `/dev/stdout`, is never replaced: bytes go straight
+//! system allows, its owner. What is not a regular file, a pipe, a terminal, `/dev/stdout`, is never replaced: bytes go straight
 //! into it, from memory. Symbolic links are followed, also to where nothing is yet.
 
 mod place;
@@ -61,7 +61,7 @@ fn failed(path: &Path, error: impl core::fmt::Display) -> Error {
     Error::failure(path.display(), format!("cannot be written: {error}"), remedy)
 }
 
-/// Sends `bytes` straight to what is no regular file.
+/// Sends `bytes` straight to what is not a regular file.
 fn stream(place: &Place, bytes: &[u8]) -> io::Result<()> {
     let all = |mut to: Box<dyn Write>| to.write_all(bytes).and_then(|()| to.flush());
     match place {

@@ -48,7 +48,7 @@ fn keys(own: &Json) -> Read<Table> {
 fn from_json(json: &Json, path: &str) -> Read<Value> {
     Ok(match json {
         Json::Null if path.is_empty() => return Err("is null, not an object".into()),
-        Json::Null => return Err(format!("has null at {path:?}, which is no value")),
+        Json::Null => return Err(format!("has null at {path:?}, which is not a value")),
         Json::Bool(value) => Value::Boolean(*value),
         Json::Number(number) => match number.as_i64() {
             Some(integer) => Value::Integer(integer),

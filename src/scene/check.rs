@@ -35,8 +35,8 @@ const MOST_AIMED_LIGHTS: usize = 16;
 const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
 const LARGEST_FILM: u64 = 1 << 27;
-/// Longest path: the random dimensions have room for as many inserted vertices.
-const LONGEST_PATH: u32 = 1024;
+/// Most vertices that may be asked to connect: those of the longest path.
+const MOST_STARTS: u32 = 1024;
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
 const SHARPEST: f64 = 0.9999;
 
@@ -184,12 +184,8 @@ impl Check<'_> {
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {
         let lengths = PathLengths { min: render.min_segments, max: render.max_segments };
-        let ok = (1..=LONGEST_PATH).contains(&lengths.max);
-        self.require(ok, "render.max_segments", lengths.max, "give a number of segments from 1 to 1024")?;
         let remedy = "give a number of segments from 1 to max_segments";
-        self.require((1..=lengths.max).contains(&lengths.min), "render.min_segments", lengths.min, remedy)?;
-        let ok = (1..=1 << 31).contains(&render.samples);
-        self.require(ok, "render.samples", render.samples, "give a number of samples from 1 to 2^31")?;
+        self.require(lengths.min <= lengths.max, "render.min_segments", lengths.min, remedy)?;
         Ok((self.techniques(render, medium)?, lengths))
     }
 
@@ -199,6 +195,10 @@ impl Check<'_> {
         let names = &render.technique.0;
         let remedy = "name a technique: path, nee, mvnee, omnee, bridge, lis";
         self.require(!names.is_empty(), "render.technique", "an empty list", remedy)?;
+        if let Some(twice) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+            let finding = format!("a list with {} in it twice", twice.1.name());
+            return Err(self.wrong("render.technique", finding, "name every technique once"));
+        }
         let offset = match render.perturbation {
             Perturbation::Ggx => Offset::Ggx,
             Perturbation::Gaussian => Offset::Gaussian,
@@ -242,7 +242,7 @@ impl Check<'_> {
         let starts = match render.starts {
             Starts::First(count) => {
                 let remedy = "give a number from 1 to 1024, \"all\" or \"auto\"";
-                self.require((1..=LONGEST_PATH).contains(&count), "render.starts", count, remedy)?;
+                self.require((1..=MOST_STARTS).contains(&count), "render.starts", count, remedy)?;
                 count
             }
             Starts::All | Starts::Auto => u32::MAX,

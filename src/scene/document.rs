@@ -2,6 +2,7 @@
 
 use core::fmt;
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 
 use toml::de::DeTable;
@@ -14,6 +15,9 @@ use crate::error::{Error, Kind, Result};
 /// Steps of the longest key that an override may have: some more than any key of a scene has.
 const LONGEST_KEY: usize = 16;
 
+/// Bytes of the largest scene file: some hundred thousand lights.
+const LARGEST_FILE: u64 = 64 << 20;
+
 /// A value that replaces or adds to one of the file's.
 #[derive(Clone, Debug)]
 pub struct Override {
@@ -23,6 +27,8 @@ pub struct Override {
     pub value: Value,
     /// The flag that says so, as the user wrote it.
     pub flag: String,
+    /// Whether it is a flag of its own, as `--samples`, and not `--set`.
+    pub is_dedicated: bool,
 }
 
 impl Override {
@@ -37,7 +43,7 @@ impl Override {
         };
         let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
         let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
-        Ok(Self { key: key.trim().into(), value, flag })
+        Ok(Self { key: key.trim().into(), value, flag, is_dedicated: false })
     }
 }
 
@@ -94,9 +100,7 @@ impl Document {
     /// # Errors
     /// If the file cannot be read or is not TOML.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|error| {
-            Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
-        })?;
+        let bytes = read_small(path)?;
         let file = path.display().to_string();
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
@@ -120,6 +124,41 @@ impl Document {
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());
         let values = Value::Table(text.parse().map_err(malformed)?);
         Ok(Self { values, file: file.into(), text: text.into(), places, is_model: false })
+    }
+
+    /// Puts all `changes` in the places of the file's values, one after the other.
+    ///
+    /// # Errors
+    /// If one cannot be applied, or the value of a dedicated flag does not last: `--set` says something else.
+    pub fn apply_all(&mut self, changes: Vec<Override>) -> Result<()> {
+        let dedicated: Vec<_> = changes.iter().filter(|change| change.is_dedicated).cloned().collect();
+        changes.into_iter().try_for_each(|change| self.apply(change))?;
+        for Override { key, value, flag, .. } in dedicated {
+            let now = self.value(&key);
+            if now.is_none_or(|now| meaning(now) != meaning(&value)) {
+                let finding = format!("{} says something else", self.place_below(&key));
+                return Err(Error::usage(flag, finding, "give one of them"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The value at `key`.
+    fn value(&self, key: &str) -> Option<&Value> {
+        steps(key).iter().try_fold(&self.values, |at, step| match step {
+            Step::Key(key) => at.get(key),
+            Step::Index(index) => at.get(index),
+        })
+    }
+
+    /// The flag of the `--set` that last changed the value of `key`, or a part of it.
+    fn place_below(&self, key: &str) -> String {
+        let mut below = self.places.iter().filter(|(path, _)| is_at_or_below(path, key));
+        let set = below.find_map(|(_, place)| match place {
+            Place::Flag(flag) if flag.starts_with("--set") => Some(flag.clone()),
+            _ => None,
+        });
+        set.unwrap_or_else(|| self.place(key))
     }
 
     /// Puts `change` in the place of the file's value.
@@ -177,6 +216,35 @@ impl Document {
         let place = self.place(path);
         let kind = if place.starts_with("--") { Kind::Usage } else { Kind::Failure };
         Error { kind, ..Error::failure(place, finding, remedy) }
+    }
+}
+
+/// The bytes of a file of at most [`LARGEST_FILE`] bytes; of a larger one, or of one without end, no more is read.
+fn read_small(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes));
+    read.map_err(|error| {
+        Error::failure(path.display(), format!("cannot be read: {error}"), "check the path and its permissions")
+    })?;
+    if bytes.len() as u64 <= LARGEST_FILE {
+        return Ok(bytes);
+    }
+    let finding = format!("has more than {} MiB, too much for a scene", LARGEST_FILE >> 20);
+    Err(Error::failure(
+        path.display(),
+        finding,
+        "give a scene: a TOML file, a folder with a scene.toml, or a glTF file",
+    ))
+}
+
+/// A value as it compares: numbers by what they are worth, one name and a list of it alike.
+fn meaning(value: &Value) -> String {
+    match value {
+        Value::Integer(number) => (*number as f64).to_string(),
+        Value::Float(number) => number.to_string(),
+        Value::String(names) => names.split(',').map(str::trim).collect::<Vec<_>>().join(","),
+        Value::Array(list) => list.iter().map(meaning).collect::<Vec<_>>().join(","),
+        other => other.to_string(),
     }
 }
 

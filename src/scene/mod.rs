@@ -61,9 +61,7 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
         true => bare::read(&file).map(|(document, model)| (document, Some(model)))?,
         false => (Document::read(&file)?, None),
     };
-    for change in overrides {
-        document.apply(change)?;
-    }
+    document.apply_all(overrides)?;
     let mut scene = check(name(path), &document, model)?;
     scene.files.insert(0, file);
     Ok(scene)
@@ -86,7 +84,8 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
         scene.film = Film::of_aspect(aspect);
     }
     let placed = lights::all(&scene, document, loaded.as_ref())?;
-    let warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
+    let mut warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
+    warnings.extend(no_medium(document));
     let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
     let camera = DVec3::from(chosen.camera.position);
     let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
@@ -134,6 +133,14 @@ fn read(document: &Document) -> Result<Scene> {
         };
         document.error(&path, finding, remedy)
     })
+}
+
+/// A medium that was meant to be one, but has no coefficients.
+fn no_medium(document: &Document) -> Option<String> {
+    let medium = document.values.get("medium")?.as_table()?;
+    let is_empty = ["scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
+    is_empty
+        .then(|| format!("{}: medium has neither scattering nor absorption: it is vacuum", document.place("medium")))
 }
 
 impl LoadedScene {

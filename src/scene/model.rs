@@ -49,7 +49,10 @@ fn load(geometry: &str, scene: &Scene, document: &Document) -> Result<Loaded> {
     let path = document.folder().join(geometry);
     let file = path.display().to_string();
     if !path.is_file() {
-        let finding = format!("geometry is {geometry:?}: there is no file {file}");
+        let finding = match path.is_dir() {
+            true => format!("geometry is {geometry:?}: {file} is a folder"),
+            false => format!("geometry is {geometry:?}: there is no file {file}"),
+        };
         let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
         return Err(document.error("geometry", finding, remedy));
     }

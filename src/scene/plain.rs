@@ -12,7 +12,7 @@ fn plain_found(found: &str) -> String {
     match found {
         "invalid type: map" => return "this is a table".into(),
         "invalid type: sequence" => return "this is a list".into(),
-        "invalid type: unit variant" => return "this is no name".into(),
+        "invalid type: unit variant" => return "this is not a name".into(),
         _ => {}
     }
     let prefixes = [

@@ -103,6 +103,7 @@ impl Default for Film {
 #[serde(deny_unknown_fields)]
 pub struct Medium {
     /// Scattering coefficient [1/m], >= 0. Extinction (scattering + absorption) must be the same in all channels.
+    #[serde(default)]
     pub scattering: Spectrum,
     /// Absorption coefficient [1/m], >= 0.
     #[serde(default)]
@@ -117,9 +118,9 @@ pub struct Medium {
 #[serde(deny_unknown_fields)]
 pub struct Phase {
     /// The phase function.
-    #[serde(rename = "type")]
+    #[serde(rename = "type", default)]
     pub kind: PhaseKind,
-    /// Mean cosine of a scattering event, in (-1, 1); above 0 is forward.
+    /// Mean cosine of a scattering event, from -0.9999 to 0.9999; above 0 is forward.
     pub g: f64,
 }
 
@@ -130,10 +131,11 @@ impl Default for Phase {
 }
 
 /// Phase functions.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PhaseKind {
     /// (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2))
+    #[default]
     HenyeyGreenstein,
 }
 
@@ -194,8 +196,10 @@ pub struct Render {
     /// Connection technique, or a list of them; `path` is always among the competitors.
     pub technique: Techniques,
     /// Longest path that counts, in segments, camera and light segment included, 1 to 1024.
+    #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
     pub max_segments: u32,
-    /// Shortest path that counts, in segments: 1 counts all, 2 leaves out directly seen light.
+    /// Shortest path that counts, in segments, 1 to max_segments: 1 counts all, 2 leaves out directly seen light.
+    #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
     pub min_segments: u32,
     /// How bridges are rolled about their axis.
     pub roll: Roll,
@@ -229,9 +233,11 @@ pub struct Render {
     pub lis: LisShape,
     /// How a connection picks its light.
     pub light_selection: LightSelection,
-    /// Samples per pixel.
+    /// Samples per pixel, 1 to 2147483648.
+    #[serde(deserialize_with = "values::whole::<1, 0x8000_0000, _>")]
     pub samples: u32,
-    /// Seed of all random numbers, 0 to 2^32 - 1.
+    /// Seed of all random numbers, 0 to 4294967295.
+    #[serde(deserialize_with = "values::whole::<0, { u32::MAX }, _>")]
     pub seed: u32,
 }
 
@@ -274,6 +280,20 @@ pub enum Technique {
     Bridge,
     /// Light importance sampling: connections that end at a vertex made from the light, for spotlights.
     Lis,
+}
+
+impl Technique {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Nee => "nee",
+            Self::Mvnee => "mvnee",
+            Self::Omnee => "omnee",
+            Self::Bridge => "bridge",
+            Self::Lis => "lis",
+        }
+    }
 }
 
 /// Rolls of a bridge.

@@ -114,7 +114,7 @@ fn keys_in_extras_are_checked_like_a_scene_file() {
     refused(json!({ "medium": { "scattering": "much" } }), ": medium.scattering: this is the string \"much\"");
     refused(json!({ "medium": { "scattering": [1, 1] } }), ": medium.scattering: the number of entries is 2");
     refused(json!({ "medium": { "scattering": -1 } }), ": medium.scattering is -1.0\n");
-    refused(json!({ "medium": {} }), ": medium: missing key `scattering`");
+    refused(json!({ "medium": { "phase": {} } }), ": medium.phase: missing key `g`");
     refused(json!({ "render": { "samples": 1.5 } }), ": render.samples: this is the number `1.5`");
     refused(json!({ "camera": "Lens" }), ": camera is \"Lens\", but room.gltf has none of that name");
     refused(json!({ "geometry": "other.glb" }), " has a geometry");
@@ -151,7 +151,7 @@ fn what_is_called_a_model_but_is_none_is_refused() {
     let folder = Folder::with_scene();
     folder.write("fog.glb", super::support::SCENE);
     folder.write("scene.GLTF", "{}");
-    folder.refused(&["render", "fog.glb"], 1, "fog.glb: is no glTF: ");
+    folder.refused(&["render", "fog.glb"], 1, "fog.glb: is not glTF: ");
     folder.refused(&["render", "scene.GLTF"], 1, "scene.GLTF: asset: there is no asset");
     folder.refused(&["info", "missing.glb"], 1, "missing.glb: cannot be read: ");
 }

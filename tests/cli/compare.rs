@@ -116,12 +116,41 @@ fn images_that_cannot_be_compared_are_refused() {
     let different = "a.exr, small.exr: the images have different sizes, 8x8 and 4x4\n";
     folder.refused(&["compare", "a.exr", "small.exr"], 1, different);
     folder.refused(&["compare", "a.exr", "missing.exr"], 1, "missing.exr: cannot be read: ");
-    folder.refused(&["compare", "scene.exr", "a.exr"], 1, "scene.exr: is no EXR image: ");
-    folder.refused(&["compare", "empty.exr", "a.exr"], 1, "empty.exr: is no EXR image: ");
-    folder.refused(&["compare", "a.exr", "cut.exr"], 1, "cut.exr: is no EXR image: ");
+    folder.refused(&["compare", "scene.exr", "a.exr"], 1, "scene.exr: is not an EXR image\n");
+    folder.refused(&["compare", "empty.exr", "a.exr"], 1, "empty.exr: is empty\n");
+    folder.refused(&["compare", "a.exr", "cut.exr"], 1, "cut.exr: is truncated: ");
     folder.refused(&["compare", ".", "a.exr"], 1, ".: cannot be read: ");
     let lacking = "colour.exr, grey.exr: the second image has no channel R, only Y\n";
     folder.refused(&["compare", "colour.exr", "grey.exr"], 1, lacking);
     folder.refused(&["compare", "a.exr", "b.exr", "--png", "b.exr"], 2, "--png b.exr: does not name a PNG image\n");
     folder.refused(&["compare", "a.exr", "b.exr", "--png", "no/d.png"], 1, "no/d.png: no file can be made in no: ");
+}
+
+#[test]
+fn an_image_that_is_not_whole_is_called_truncated() {
+    let folder = Folder::with_scene();
+    folder.done(&["render", "scene.toml", "-o", "a.exr", "--size", "64x64"]);
+    let whole = std::fs::read(folder.path("a.exr")).expect("an image");
+    for length in [1, 3, 100, 1000, whole.len() / 2, whole.len() - 1] {
+        folder.write("part.exr", &whole[..length]);
+        let beginning = "part.exr: is truncated: it ends before the image does\n";
+        folder.refused(&["info", "part.exr"], 1, beginning);
+        folder.refused(&["compare", "a.exr", "part.exr"], 1, beginning);
+    }
+    folder.write("part.exr", "");
+    folder.refused(&["info", "part.exr"], 1, "part.exr: is empty\n");
+}
+
+#[test]
+fn a_damaged_image_is_no_crash() {
+    let folder = Folder::with_scene();
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    let whole = std::fs::read(folder.path("a.exr")).expect("an image");
+    for place in (4..whole.len()).step_by(whole.len() / 150) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 0x55;
+        folder.write("b.exr", &bytes);
+        let run = folder.run(&["info", "b.exr"]);
+        assert!(matches!(run.code, Some(0 | 1)), "byte {place}: {run}");
+    }
 }

@@ -29,9 +29,14 @@ fn an_override_is_checked_like_the_scene() {
     refused(&["--set", "medium.absorption=[1, 2, 3]"], "--set medium.absorption=[1, 2, 3]: extinction");
     refused(&["--technique", "bdpt"], "--technique bdpt: render.technique: unknown name `bdpt`");
     refused(&["--mesc", "0"], "--mesc 0: render.mesc is 0.0\n");
-    refused(&["--max-segments", "0"], "--max-segments 0: render.max_segments is 0\n");
-    refused(&["--max-segments", "1025"], "--max-segments 1025: render.max_segments is 1025\n");
-    refused(&["--samples", "0"], "--samples 0: render.samples is 0\n");
+    for (flag, key, range) in
+        [("--max-segments", "max_segments", "from 1 to 1024"), ("--samples", "samples", "from 1 to 2147483648")]
+    {
+        for number in ["-1", "0", "2147483649"] {
+            let finding = format!("this is the whole number `{number}`, expected a whole number {range}\n");
+            refused(&[flag, number], &format!("{flag} {number}: render.{key}: {finding}"));
+        }
+    }
     refused(&["--seed", "-1"], "--seed -1: render.seed: this is the whole number `-1`");
     refused(&["--seed", "4294967296"], "--seed 4294967296: render.seed: ");
     refused(&["--size", "0x0"], "--size 0x0: film.size is [0, 0]\n");
@@ -46,6 +51,51 @@ fn an_override_with_a_second_line_does_not_smuggle_another() {
 }
 
 #[test]
+fn a_flag_and_an_override_do_not_contradict_each_other() {
+    for (flags, beginning) in [
+        (["--samples", "4", "--set", "render.samples=8"], "--samples 4: --set render.samples=8 says something else\n"),
+        (["--size", "8x8", "--set", "film.size[1]=9"], "--size 8x8: --set film.size[1]=9 says something else\n"),
+        (["--seed", "3", "--set", "render={ seed = 4 }"], "--seed 3: --set render={ seed = 4 } says something else\n"),
+        (
+            ["--technique", "nee", "--set", "render.technique=[\"nee\", \"mvnee\"]"],
+            "--technique nee: --set render.technique=[\"nee\", \"mvnee\"] says something else\n",
+        ),
+    ] {
+        refused(&flags, beginning);
+    }
+    let folder = Folder::with_scene();
+    let same =
+        ["--set", "render.samples=2", "--set", "render.technique=[\"nee\", \"mvnee\"]", "--set", "render.mesc=4"];
+    let flags = ["--samples", "2", "--technique", "nee,mvnee", "--mesc", "4.0"];
+    folder.done(&[&["render", "scene.toml", "-o", "a.exr"][..], &same, &flags].concat());
+}
+
+#[test]
+fn a_technique_is_named_once() {
+    refused(
+        &["--technique", "nee,mvnee,nee"],
+        "--technique nee,mvnee,nee: render.technique is a list with nee in it twice",
+    );
+}
+
+#[test]
+fn an_override_may_begin_a_table() {
+    let folder = Folder::empty();
+    let scene = super::support::SCENE
+        .replace("[medium]\nscattering = 0.7\nphase = { type = \"henyey_greenstein\", g = 0.5 }\n", "");
+    assert!(!scene.contains("medium"));
+    folder.write("vacuum.toml", scene);
+    folder.write("scene.toml", super::support::SCENE);
+    let fog = ["--set", "medium.phase.g=0.5", "--set", "medium.scattering=0.7", "--progress", "none"];
+    folder.done(&[&["render", "vacuum.toml", "-o", "a.exr"], &fog[..]].concat());
+    folder.done(&["render", "scene.toml", "-o", "b.exr"]);
+    assert_eq!(folder.image("a.exr").channels, folder.image("b.exr").channels);
+    let run = folder.done(&["render", "vacuum.toml", "-o", "c.exr", "--set", "medium.phase.g=0.5"]);
+    let warning = "warning: --set medium.phase.g=0.5: medium has neither scattering nor absorption: it is vacuum\n";
+    assert!(run.stderr.starts_with(warning), "{run}");
+}
+
+#[test]
 fn a_very_long_key_is_refused_at_once() {
     let set = format!("{}a=1", "a.".repeat(50_000));
     refused(&["--set", &set], &format!("--set {set}: no key has 50001 parts\n"));
@@ -54,31 +104,34 @@ fn a_very_long_key_is_refused_at_once() {
 #[test]
 fn a_value_that_does_not_parse_comes_with_an_example() {
     for size in ["8", "x", "-1x1", "8x8x8", "4294967296x1"] {
-        refused(&["--size", size], &format!("--size {size}: is no size of an image\n  help: give width and height"));
+        refused(&["--size", size], &format!("--size {size}: is not a size\n  help: give width and height"));
     }
     for crop in ["1,2,3", "a,b,c,d", "-1,0,1,1"] {
-        refused(&["--crop", crop], &format!("--crop {crop}: is no window of an image\n  help: give first column"));
+        refused(&["--crop", crop], &format!("--crop {crop}: is not a window of an image\n  help: give first column"));
     }
     for time in ["5", "abc", "-1s", "1h2"] {
-        refused(&["--time", time], &format!("--time {time}: is no duration: "));
+        refused(&["--time", time], &format!("--time {time}: is not a duration: "));
     }
     for noise in ["0", "-1", "nan", "inf", "x"] {
-        refused(&["--noise", noise], &format!("--noise {noise}: is no share above 0\n"));
+        refused(&["--noise", noise], &format!("--noise {noise}: is not a share above 0\n"));
     }
     for threads in ["0", "-1", "1025", "many", "1.5"] {
-        refused(&["--threads", threads], &format!("--threads {threads}: is no possible number of threads\n"));
+        refused(&["--threads", threads], &format!("--threads {threads}: is not a possible number of threads\n"));
     }
     for flag in ["--samples", "--max-segments", "--seed"] {
-        refused(&[flag, "1.5"], &format!("{flag} 1.5: is no whole number\n"));
+        refused(&[flag, "1.5"], &format!("{flag} 1.5: is not a whole number\n"));
     }
-    refused(&["--mesc", "x"], "--mesc x: is no number\n");
-    refused(&["--progress", "loud"], "--progress loud: is no choice\n  help: choices are auto, bar, plain, json");
+    refused(&["--mesc", "x"], "--mesc x: is not a number\n");
+    refused(
+        &["--progress", "loud"],
+        "--progress loud: is not one of the choices\n  help: choices are auto, bar, plain, json",
+    );
 }
 
 #[test]
 fn a_stage_that_does_not_exist_is_answered_with_those_that_do() {
     let folder = Folder::with_scene();
-    let beginning = "--reference nosuchstage: is no stage\n";
+    let beginning = "--reference nosuchstage: is not a stage\n";
     let run = folder.refused(&["render", "scene.toml", "--reference", "nosuchstage"], 2, beginning);
     assert!(run.stderr.contains("mis_weight, roulette, occlusion"), "{run}");
 }

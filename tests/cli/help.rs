@@ -17,6 +17,23 @@ fn help_for_scenes_lists_every_key() {
         assert!(run.stdout.contains(key), "{key} is missing\n{run}");
     }
     assert_eq!(run.stderr, "", "{run}");
+    let short = Folder::empty().done(&["--help-scene"]);
+    assert_eq!(short.stdout, run.stdout);
+}
+
+#[test]
+fn the_page_of_keys_says_the_ranges_that_hold() {
+    let page = Folder::empty().done(&["--help-scene"]).stdout;
+    for (set, range) in [
+        ("medium.phase.g=0.99991", "from -0.9999 to 0.9999"),
+        ("render.max_segments=1025", "1 to 1024"),
+        ("render.samples=0", "1 to 2147483648"),
+        ("render.seed=-1", "0 to 4294967295"),
+    ] {
+        let run = Folder::with_scene().run(&["render", "scene.toml", "--set", set]);
+        assert!(run.code == Some(2) && run.stderr.contains(range), "{run}");
+        assert!(page.contains(range), "{range} is not on\n{page}");
+    }
 }
 
 #[test]

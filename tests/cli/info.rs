@@ -54,7 +54,7 @@ fn what_is_neither_scene_nor_image_is_refused() {
     folder.write("a.png", "an image for the eye");
     folder.refused(&["info", "missing"], 1, "missing: cannot be read: ");
     folder.refused(&["info", "missing.exr"], 1, "missing.exr: cannot be read: ");
-    folder.refused(&["info", "fake.exr"], 1, "fake.exr: is no EXR image: ");
+    folder.refused(&["info", "fake.exr"], 1, "fake.exr: is not an EXR image\n");
     folder.refused(&["info", "a.png"], 1, "a.png: PNG images are for the eye");
     let beginning = format!("{}: light[0].radius is 0.0\n", folder.place("radius"));
     folder.refused(&["info", "scene.toml"], 1, &beginning);

@@ -73,8 +73,8 @@ fn size_overrides_the_scene() {
     let folder = Folder::with_scene();
     let image = rendered(&folder, &["--size", "5x3"]);
     assert_eq!((image.width, image.height), (5, 3));
-    let image = rendered(&folder, &["--size", "5x3", "--set", "film.size=[2, 9]"]);
-    assert_eq!((image.width, image.height), (2, 9), "--set comes last");
+    let image = rendered(&folder, &["--set", "film.size=[5, 3]", "--set", "film.size=[2, 9]"]);
+    assert_eq!((image.width, image.height), (2, 9), "the last one holds");
 }
 
 #[test]

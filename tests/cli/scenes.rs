@@ -31,7 +31,7 @@ fn a_wrong_type_is_reported_in_plain_words() {
     let cases = [
         ("radius = 1.5", "radius = \"big\"", "light[0].radius: this is the string \"big\", expected a number"),
         ("radius = 1.5", "radius = true", "light[0].radius: this is the boolean `true`, expected a number"),
-        ("samples = 4", "samples = 1.5", "render.samples: this is the number `1.5`, expected a whole number from 0 to"),
+        ("samples = 4", "samples = 1.5", "render.samples: this is the number `1.5`, expected a whole number from 1 to"),
         ("samples = 4", "samples = -1", "render.samples: this is the whole number `-1`, expected a whole number from"),
         ("normal = [0, 0, -1]", "normal = [0, -1]", "light[0].normal: the number of entries is 2, expected a list of"),
         (
@@ -106,10 +106,12 @@ fn a_light_has_a_normal_and_a_size() {
 fn path_lengths_have_limits() {
     for segments in ["0", "1025", "4294967295"] {
         let to = format!("max_segments = {segments}");
-        refused("max_segments = 8", &to, &format!("render.max_segments is {segments}\n"));
+        let finding = format!("this is the whole number `{segments}`, expected a whole number from 1 to 1024\n");
+        refused("max_segments = 8", &to, &format!("render.max_segments: {finding}"));
     }
     refused("max_segments = 8", "max_segments = 8\nmin_segments = 9", "render.min_segments is 9\n");
-    refused("max_segments = 8", "max_segments = 8\nmin_segments = 0", "render.min_segments is 0\n");
+    let finding = "render.min_segments: this is the whole number `0`, expected a whole number from 1 to 1024\n";
+    refused("max_segments = 8", "max_segments = 8\nmin_segments = 0", finding);
     refused("mesc = 4", "mesc = 0", "render.mesc is 0.0\n");
     refused("mesc = 4", "mesc = nan", "render.mesc is NaN\n");
 }
@@ -267,7 +269,7 @@ fn strange_values_are_rendered_or_refused() {
             let args = ["render", "scene.toml", "-o", "a.exr", "--samples", "1", "--progress", "none", "--set", &set];
             let run = folder.run(&args);
             let told = match run.code {
-                Some(0) => run.stderr.is_empty(),
+                Some(0) => run.stderr.lines().all(|line| line.starts_with("warning: ")),
                 Some(2) => {
                     run.stderr.starts_with(&format!("error: --set {set}: ")) && run.stderr.contains("\n  help: ")
                 }
@@ -285,7 +287,10 @@ fn geometry_that_is_not_there_or_not_gltf_is_refused() {
     let folder = Folder::with_edited_scene("[camera]", "geometry = \"fog.glb\"\n[camera]");
     let beginning = format!("{}: geometry is \"fog.glb\": there is no file", folder.place("geometry"));
     folder.refused(&["render", "scene.toml"], 1, &beginning);
-    folder.refused(&["render", "scene.toml", "--set", "geometry=scene.toml"], 1, "scene.toml: is no glTF");
+    folder.refused(&["render", "scene.toml", "--set", "geometry=scene.toml"], 1, "scene.toml: is not glTF");
+    folder.write("models/room.glb", "");
+    let beginning = "--set geometry=models: geometry is \"models\": models is a folder\n";
+    folder.refused(&["render", "scene.toml", "--set", "geometry=models"], 2, beginning);
 }
 
 #[test]
@@ -323,4 +328,20 @@ fn a_disk_has_a_normal_and_a_sphere_has_neither_normal_nor_exponent() {
     };
     refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, where the light is a sphere\n");
     sphere("").done(&["render", "scene.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn inputs_without_end_or_too_large_are_refused_by_size() {
+    let folder = Folder::with_scene();
+    folder.refused(&["render", "/dev/zero"], 1, "/dev/zero: has more than 64 MiB, too much for a scene\n");
+    for (name, finding) in [
+        ("big.toml", "has more than 64 MiB, too much for a scene\n"),
+        ("big.glb", "has 1099511627776 bytes, more than the 4 GiB that are read\n"),
+    ] {
+        // A hole: it takes no space.
+        let file = std::fs::File::create(folder.path(name)).expect("a file");
+        file.set_len(1 << 40).expect("a file system with holes");
+        folder.refused(&["render", name], 1, &format!("{name}: {finding}"));
+    }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C: what there is is written.
+//! Ctrl-C and other signals: what there is is written.
 
 #![cfg(unix)]
 
@@ -24,17 +24,30 @@ fn started(folder: &Folder, flags: &[&str]) -> Child {
     child
 }
 
-/// Whether the process has a handler for SIGINT, signal 2.
+/// Whether the process has a handler for SIGTERM, signal 15, the last that it asks for but one.
 fn catches_interrupts(process: u32) -> bool {
+    has_signal(process, "SigCgt:", 15)
+}
+
+/// Whether a signal is in a set of signals of the process.
+fn has_signal(process: u32, set: &str, signal: u32) -> bool {
     let Ok(status) = std::fs::read_to_string(format!("/proc/{process}/status")) else { return false };
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 2 != 0)
+    let mask = status.lines().find_map(|line| line.strip_prefix(set));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
+    assert!(status.success());
 }
 
 /// Interrupts the render and returns its exit code, standard output and standard error.
 fn interrupted(child: Child) -> (Option<i32>, String, String) {
-    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
-    assert!(status.success());
+    ended_by("-INT", child)
+}
+
+fn ended_by(signal: &str, child: Child) -> (Option<i32>, String, String) {
+    send(signal, &child);
     let output = child.wait_with_output().expect("a child");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     (output.status.code(), text(output.stdout), text(output.stderr))
@@ -114,4 +127,51 @@ fn ctrl_c_ends_the_choice_of_a_setting_too() {
     assert_eq!(code, Some(130), "{stderr}");
     assert!(stderr.contains("stopped after ") && stderr.contains("writing what there is"), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+}
+
+#[test]
+fn the_exit_code_says_which_signal_it_was() {
+    for (signal, expected) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        let folder = Folder::with_scene();
+        let child = started(&folder, &["--samples", "1000000000", "--progress", "none"]);
+        if signal == "-HUP" && has_signal(child.id(), "SigIgn:", 1) {
+            println!("not run: these tests were started with SIGHUP ignored");
+            ended_by("-INT", child);
+            continue;
+        }
+        let (code, _, stderr) = ended_by(signal, child);
+        assert_eq!(code, Some(expected), "{stderr}");
+        assert!(plane(&folder.image("a.exr"), "N")[0] >= 1.0, "{signal}");
+    }
+}
+
+#[test]
+fn who_starts_it_may_have_a_hangup_ignored() {
+    let folder = Folder::with_scene();
+    let mut shell = Command::new("sh");
+    let fogbow = env!("CARGO_BIN_EXE_fogbow");
+    let script = "trap '' HUP; exec \"$0\" render scene.toml -o a.exr --time 2s --progress none";
+    let child = shell.args(["-c", script, fogbow]).current_dir(folder.path(".")).spawn().expect("a shell");
+    let start = Instant::now();
+    while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {
+        sleep(Duration::from_millis(5));
+    }
+    let (code, ..) = ended_by("-HUP", child);
+    assert_eq!(code, Some(0));
+    assert!(start.elapsed() >= Duration::from_secs(2), "it went on for its two seconds");
+}
+
+#[test]
+fn a_second_signal_ends_it_at_once() {
+    let folder = Folder::with_scene();
+    // A sample of a tile takes the twins seconds.
+    let slow = ["--set", "medium.scattering=30", "--max-segments", "300", "--technique", "bridge"];
+    let flags = ["--samples", "1000000", "--size", "64x64", "--reference", "--progress", "none"];
+    let child = started(&folder, &[&flags[..], &slow].concat());
+    send("-TERM", &child);
+    sleep(Duration::from_millis(100));
+    let start = Instant::now();
+    let (code, ..) = ended_by("-TERM", child);
+    assert_eq!(code, Some(143));
+    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(2), "took {:?}", start.elapsed());
 }

@@ -1,4 +1,4 @@
-//! Results that go into what is no regular file: straight there, and what it was it stays.
+//! Results that go into what is not a regular file: straight there, and what it was it stays.
 
 #![cfg(target_os = "linux")]
 

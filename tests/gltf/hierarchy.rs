@@ -106,7 +106,7 @@ fn rotations_are_normalized() {
     file.json["nodes"] = json!([{ "mesh": mesh, "rotation": [0, 0, 3, 3], "name": "Lamp" }]);
     let model = file.model();
     assert!(near(model.positions[1], [0.0, 1.0, 0.0]), "{:?}", model.positions);
-    assert_eq!(model.warnings, ["node 0 \"Lamp\": its rotation is no unit quaternion; it is normalized"]);
+    assert_eq!(model.warnings, ["node 0 \"Lamp\": its rotation is not a unit quaternion; it is normalized"]);
 }
 
 #[test]

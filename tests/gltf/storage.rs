@@ -100,7 +100,7 @@ fn files_that_cannot_be_read_are_named() {
     write(&folder, "folder/short.bin", [0; 5]);
     let cases = [
         ("no%20where.bin", 1, "its file \"no where.bin\" cannot be read: "),
-        ("folder", 1, "its file \"folder\" is no regular file"),
+        ("folder", 1, "its file \"folder\" is not a regular file"),
         ("folder/short.bin", 6, "its byteLength is 6, but there are 5 bytes of data"),
         ("folder/short.bin", u64::MAX, "its byteLength is 18446744073709551615, but there are 5 bytes of data"),
         ("https://nowhere.invalid/a.bin", 1, "is of scheme \"https\", which is not read"),
@@ -131,10 +131,10 @@ fn pipes_are_refused_rather_than_waited_for() {
     let folder = folder();
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe")).status();
     if made.is_ok_and(|status| status.success()) {
-        assert!(refused(&folder, "pipe", 1).contains("its file \"pipe\" is no regular file"));
+        assert!(refused(&folder, "pipe", 1).contains("its file \"pipe\" is not a regular file"));
         let path = folder.path().join("pipe");
         let error = gltf::load(&path).expect_err("a pipe").to_string();
-        let says = format!("error: {}: is no regular file\n  help: give the path of a ", path.display());
+        let says = format!("error: {}: is not a regular file\n  help: give the path of a ", path.display());
         assert!(error.starts_with(&says), "{error}");
     }
 }

@@ -42,6 +42,24 @@ impl<'de> Deserialize<'de> for CameraOrName {
     }
 }
 
+/// Reads a whole number from `MIN` to `MAX`.
+pub fn whole<'de, const MIN: u32, const MAX: u32, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    struct Whole<const MIN: u32, const MAX: u32>;
+    impl<const MIN: u32, const MAX: u32> Visitor<'_> for Whole<MIN, MAX> {
+        type Value = u32;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a whole number from {MIN} to {MAX}")
+        }
+
+        fn visit_i64<E: de::Error>(self, number: i64) -> Result<u32, E> {
+            let in_range = u32::try_from(number).ok().filter(|number| (MIN..=MAX).contains(number));
+            in_range.ok_or_else(|| E::invalid_value(Unexpected::Signed(number), &self))
+        }
+    }
+    deserializer.deserialize_any(Whole::<MIN, MAX>)
+}
+
 /// How many vertices connect.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(with = "u32", extend("x-format" = "number, \"all\" or \"auto\""))]

@@ -63,8 +63,8 @@ fn text_that_is_not_json() {
         (b"", "error: a.gltf: is empty\n"),
         (b" \n", "error: a.gltf: is empty\n"),
         (b"glTF", "error: a.gltf: ends after 4 bytes, inside its header"),
-        (b"solid cube", "error: a.gltf: is no glTF: "),
-        (b"[]", "error: a.gltf: is no glTF: "),
+        (b"solid cube", "error: a.gltf: is not glTF: "),
+        (b"[]", "error: a.gltf: is not glTF: "),
         (b"{\n  \"asset\": }", "error: a.gltf:2:12: asset: expected value\n  help: this is not JSON"),
         (b"{\n  \"asset\": {", "error: a.gltf:2:12: asset: EOF while parsing"),
         (b"{ \"asset\": { \"version\": \"2.0\" } } x", "error: a.gltf:1:35: trailing characters"),
@@ -94,7 +94,7 @@ fn containers() {
     let json = u32::from_le_bytes(*valid[12..].first_chunk().expect("a length"));
     let length = valid.len() as u32;
     let cases = [
-        (put(0, 7), "a.glb: is no glTF: "),
+        (put(0, 7), "a.glb: is not glTF: "),
         (put(4, 1), "a.glb: is a binary container of version 1\n"),
         (put(8, length + 4), &format!("a.glb: has {length} bytes, but its header says {}\n", length + 4)),
         (put(8, 3), &format!("a.glb: has {length} bytes, but its header says 3\n")),

@@ -1,0 +1,66 @@
+//! Signals that end a render: it writes what there is, and its exit code says which it was. A second one ends it at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
+
+use crate::error::{Error, Result};
+
+#[cfg(unix)]
+const ENDING: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
+#[cfg(not(unix))]
+const ENDING: [i32; 2] = [SIGINT, SIGTERM];
+
+/// What a shell adds to the number of the signal that ended a program.
+const ENDED_BY_SIGNAL: i32 = 128;
+
+/// The signal that came, if one did.
+#[derive(Clone, Debug, Default)]
+pub struct Signals {
+    received: Arc<AtomicUsize>,
+}
+
+impl Signals {
+    /// Waits for signals from now on; each also sets `stop`. Those that whoever started the program had it ignore, as
+    /// `nohup` does, stay ignored.
+    pub fn watch(stop: &Arc<AtomicBool>) -> Result<Self> {
+        let signals = Self::default();
+        for signal in ENDING.into_iter().filter(|signal| !is_ignored(*signal)) {
+            signals.watch_for(signal, stop).map_err(|error| {
+                let finding = format!("signal {signal} cannot be caught: {error}");
+                Error::failure("fogbow", finding, "start it from another shell")
+            })?;
+        }
+        Ok(signals)
+    }
+
+    fn watch_for(&self, signal: i32, stop: &Arc<AtomicBool>) -> std::io::Result<()> {
+        let again = Arc::new(AtomicBool::new(false));
+        flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&again))?;
+        flag::register(signal, again)?;
+        flag::register_usize(signal, Arc::clone(&self.received), signal as usize)?;
+        flag::register(signal, Arc::clone(stop))?;
+        Ok(())
+    }
+
+    /// Whether one came.
+    pub fn came(&self) -> bool {
+        self.received.load(Ordering::Relaxed) != 0
+    }
+
+    /// The exit code that says which one came.
+    pub fn exit_code(&self) -> Option<u8> {
+        let signal = self.received.load(Ordering::Relaxed);
+        (signal != 0).then_some((ENDED_BY_SIGNAL as usize + signal) as u8)
+    }
+}
+
+/// Whether this process was started with `signal` ignored, as far as the system tells.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    mask >> (signal - 1) & 1 == 1
+}
