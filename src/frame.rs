@@ -9,6 +9,8 @@ use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 
+use crate::film::Region;
+
 /// Everything that the value of a sample depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -35,6 +37,15 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The same view, of `size` pixels, as a small image whose longest side has at most `side`.
+    pub fn small(&self, [width, height]: [u32; 2], side: u32) -> (Self, Region) {
+        let longest = width.max(height);
+        let small = |length: u32| (u64::from(length) * u64::from(side)).div_ceil(u64::from(longest)).min(length.into());
+        let size = [small(width) as u32, small(height) as u32];
+        let camera = self.camera.at_size([width, height], size);
+        (Self { camera, ..self.clone() }, Region::whole(size[0], size[1]))
+    }
+
     /// Longest walk, in segments: 1 where light is never scattered or reflected.
     pub fn walk_segments(&self) -> u32 {
         if self.stays_straight() { 1 } else { self.walk.segments.min(self.lengths.max) }

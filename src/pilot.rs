@@ -197,16 +197,11 @@ struct Pilot<'a> {
 }
 
 impl<'a> Pilot<'a> {
-    fn new(frame: &Frame, [width, height]: [u32; 2], renderer: &'a Renderer) -> Self {
-        let longest = width.max(height);
-        let small =
-            |side: u32| (u64::from(side) * u64::from(SIDE)).div_ceil(u64::from(longest)).min(side.into()) as u32;
-        let size = [small(width), small(height)];
-        let camera = frame.camera.at_size([width, height], size);
+    fn new(frame: &Frame, size: [u32; 2], renderer: &'a Renderer) -> Self {
+        let (frame, region) = frame.small(size, SIDE);
         // Directly seen light is the same in all trials, and its edge is coarse in a small image.
         let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
-        let frame = Frame { camera, lengths, seed: frame.seed ^ SEED, ..frame.clone() };
-        Self { frame, region: Region::whole(size[0], size[1]), renderer }
+        Self { frame: Frame { lengths, seed: frame.seed ^ SEED, ..frame }, region, renderer }
     }
 
     fn attempt(&self, setting: Setting) -> Trial {

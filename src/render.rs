@@ -68,7 +68,32 @@ impl Renderer {
         samples: Range<u32>,
         monitor: &Monitor,
     ) -> Stats {
-        let total = Mutex::new(Stats::new(self.workers.detailed_stats));
+        self.render_into(Stats::new(self.workers.detailed_stats), frame, pipeline, film, samples, monitor)
+    }
+
+    /// The same, with [`Stats::light_by_length`].
+    pub fn render_by_length(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Stats {
+        self.render_into(Stats::new(false).by_length(frame), frame, pipeline, film, samples, monitor)
+    }
+
+    /// Renders, and gives what is counted besides `empty`, which says what is.
+    fn render_into(
+        &self,
+        empty: Stats,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Stats {
+        let total = Mutex::new(empty.clone());
         let passes = (samples.end.saturating_sub(samples.start)).div_ceil(SAMPLES_PER_BLOCK);
         let blocks = u64::from(passes) * film.tile_count() as u64;
         let next = AtomicU64::new(0);
@@ -76,7 +101,7 @@ impl Renderer {
             let arena = Bump::new();
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
             let mut wavefront = Wavefront::new_in(&arena, frame, lanes);
-            let mut stats = Stats::new(self.workers.detailed_stats);
+            let mut stats = empty.clone();
             while !monitor.stop.load(Ordering::Relaxed) {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= blocks {

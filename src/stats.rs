@@ -8,6 +8,9 @@ use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random;
 
+use crate::film::{ExactSum, Unit};
+use crate::frame::Frame;
+
 /// Work of one stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageStats {
@@ -127,6 +130,38 @@ pub struct Stats {
     pub work: Work,
     /// Contributions that were not finite.
     pub dropped: Dropped,
+    /// Light by the length of its paths, if anybody asked for it.
+    pub light_by_length: Option<LightByLength>,
+}
+
+/// Contributions of all samples, summed over channels, by the number of segments of their paths; exact, so that it does
+/// not depend on the order of work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightByLength {
+    unit: Unit,
+    sums: Vec<ExactSum>,
+}
+
+impl LightByLength {
+    /// None so far, of paths of up to `longest` segments in `frame`.
+    pub fn new(frame: &Frame) -> Self {
+        let sums = vec![ExactSum::default(); frame.lengths.max as usize + 1];
+        Self { unit: Unit::for_radiance(frame.lights.largest_radiance()), sums }
+    }
+
+    /// Adds a contribution of a path of so many segments [W/(m^2 sr)].
+    pub fn add(&mut self, segments: usize, contribution: [f64; 3]) {
+        self.sums[segments].add(self.unit, contribution.into_iter().sum::<f64>() as f32);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+    }
+
+    /// The sums, by number of segments [W/(m^2 sr)].
+    pub fn values(&self) -> Vec<f64> {
+        self.sums.iter().map(|sum| sum.mean(self.unit, 1)).collect()
+    }
 }
 
 impl Stats {
@@ -140,7 +175,13 @@ impl Stats {
             connections: [ConnectionStats::default(); Connector::ALL.len()],
             work: Work::default(),
             dropped: Dropped::default(),
+            light_by_length: None,
         }
+    }
+
+    /// The same that also notes the light of `frame` by the length of its paths.
+    pub fn by_length(self, frame: &Frame) -> Self {
+        Self { light_by_length: Some(LightByLength::new(frame)), ..self }
     }
 
     /// Adds the counters of another worker.
@@ -161,6 +202,9 @@ impl Stats {
         self.work.terms += other.work.terms;
         self.work.traced += other.work.traced;
         self.dropped.merge(&other.dropped);
+        if let (Some(light), Some(other)) = (&mut self.light_by_length, &other.light_by_length) {
+            light.merge(other);
+        }
     }
 
     /// The counters of one technique's connections.

@@ -17,6 +17,7 @@ use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::LightKind;
 use crate::scene::{self, Contents, Light, LoadedScene};
+use crate::truncation::{self, Truncation};
 
 /// How long the rate is measured.
 const PILOT: Duration = Duration::from_millis(300);
@@ -109,7 +110,11 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
     ))?;
 
     let pixels = u64::from(width) * u64::from(height);
-    let (measured, walk) = measure(loaded)?;
+    let (measured, walk, left_out) = measure(loaded)?;
+    left_out
+        .iter()
+        .filter(|left_out| left_out.matters())
+        .try_for_each(|left_out| say(format!("warning: {left_out}")))?;
     if frame.techniques.any() {
         say(format!("vertices that connect: {}, survival {}", starts(walk.starts), walk.survival))?;
     }
@@ -159,8 +164,9 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))
 }
 
-/// Samples per second of this scene on this machine, from a short render, and the walk that it will take.
-fn measure(loaded: &LoadedScene) -> Result<(f64, Walk)> {
+/// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its limit
+/// on the length of paths leaves out.
+fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
         .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;
     let [width, height] = loaded.scene.film.size;
@@ -177,5 +183,6 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk)> {
         samples += renderer.render(&frame, &SIMD, &film, done..next, &Monitor::default()).samples;
         done = next;
     }
-    Ok((samples as f64 / start.elapsed().as_secs_f64(), frame.walk))
+    let rate = samples as f64 / start.elapsed().as_secs_f64();
+    Ok((rate, frame.walk, truncation::estimate(&frame, loaded.scene.film.size, &renderer)))
 }

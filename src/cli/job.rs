@@ -16,17 +16,26 @@ use super::tell;
 use super::values::ImageOutput;
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::image::tone::Exposure;
 use crate::image::{self, Format};
 use crate::output;
 use crate::pilot::Trial;
 use crate::render::{Monitor, Renderer};
 use crate::scene::LoadedScene;
 use crate::stats::Stats;
+use crate::truncation::Truncation;
 
 /// How often progress and deadlines are looked at.
 const TICK: Duration = Duration::from_millis(20);
 /// Contributions that may be dropped for not being finite, as a share of the samples.
 const TOLERATED_DROPS: f64 = 1e-6;
+
+/// Time after which the rate so far says how long the rest will take.
+const SURE_AFTER: Duration = Duration::from_secs(3);
+/// The same where so much is done.
+const LIKELY_AFTER: Duration = Duration::from_millis(500);
+/// Share of the work after which it does.
+const LIKELY_FRACTION: f64 = 0.05;
 
 /// Samples per pixel after which an image that is still black is taken for black.
 const BLACK_AFTER: u32 = 1 << 14;
@@ -51,16 +60,25 @@ pub struct Job<'a> {
     pub renderer: Renderer,
     pub pipeline: Pipeline,
     pub film: Film,
-    /// What the pilot tried.
-    pub trials: Vec<Trial>,
-    /// The twins in the pipeline: a stage's name, `all` or `none`.
-    pub reference: String,
+    pub preparation: Preparation,
     /// When it began, the pilot included.
     pub start: Instant,
     /// Stops it, and counts samples.
     pub monitor: Monitor,
     /// Tell when the user stops it.
     pub signals: Signals,
+}
+
+/// What was settled before the first sample.
+pub struct Preparation {
+    /// What the pilot tried.
+    pub trials: Vec<Trial>,
+    /// What the limit on the length of paths leaves out.
+    pub left_out: Option<Truncation>,
+    /// Exposure of the PNG images, if there are any.
+    pub exposure: Option<Exposure>,
+    /// The twins in the pipeline: a stage's name, `all` or `none`.
+    pub reference: String,
 }
 
 /// How it ended.
@@ -84,6 +102,7 @@ impl Job<'_> {
     pub fn run(&self, target: Target, reporter: &mut Reporter) -> Outcome {
         let (monitor, start) = (&self.monitor, self.start);
         let (mut stats, mut done, mut last) = (Stats::new(false), 0, State::default());
+        let begin = Instant::now();
         while !self.signals.came() {
             let Some(round) = self.next_round(target, done, start.elapsed()) else { break };
             // The first sample of every pixel is taken whatever the time.
@@ -92,7 +111,7 @@ impl Job<'_> {
                 _ => None,
             };
             let pixels = self.film.region().pixels();
-            let watch = Watch { monitor, start, target, expected: round.expected.map(|n| n * pixels as f64) };
+            let watch = Watch { monitor, start, begin, target, expected: round.expected.map(|n| n * pixels as f64) };
             done = round.samples.end;
             stats.merge(&self.render(round.samples, monitor, deadline, || reporter.update(watch.state())));
             last = watch.state();
@@ -101,7 +120,7 @@ impl Job<'_> {
         let stopped = self.signals.exit_code();
         let elapsed = start.elapsed();
         let fraction = if stopped.is_some() { last.fraction } else { 1.0 };
-        reporter.finish(State { fraction, samples: stats.samples, elapsed });
+        reporter.finish(State { fraction, samples: stats.samples, elapsed, seconds_left: Some(0.0) });
         Outcome { stats, elapsed, stopped }
     }
 
@@ -170,8 +189,7 @@ impl Job<'_> {
             threads: self.renderer.threads(),
             elapsed: outcome.elapsed,
             stats: &outcome.stats,
-            trials: &self.trials,
-            reference: &self.reference,
+            preparation: &self.preparation,
         };
         if outcome.stopped.is_some() {
             reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));
@@ -181,13 +199,16 @@ impl Job<'_> {
         let statistics = stats.map_or(Ok(()), |path| report.write_statistics(path));
         images.into_iter().chain([statistics]).collect::<Result<()>>()?;
         reporter.line(report.summary(outputs));
+        if outcome.stopped.is_none() && self.film.mean().0 == [0.0; 3] {
+            reporter.warn("the image is black: no path found light");
+        }
         self.refuse_drops(&outcome.stats)?;
         Ok(outcome.stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
     }
 
     fn write_image(&self, image: &ImageOutput, report: &Report<'_>) -> Result<()> {
         output::write(&image.path, |file| match image.format {
-            Format::Png => image::png::write_film(file, &self.film),
+            Format::Png => image::png::write_film(file, &self.film, self.preparation.exposure.unwrap_or(Exposure(0.0))),
             Format::Exr => image::exr::write_film(file, &self.film, self.scene.scene.film.size, &report.header()),
         })
     }
@@ -214,7 +235,10 @@ impl Job<'_> {
 /// Reads the progress of a running render.
 struct Watch<'a> {
     monitor: &'a Monitor,
+    /// When the program began, the pilot included.
     start: Instant,
+    /// When the first sample was begun.
+    begin: Instant,
     target: Target,
     /// Samples of all pixels together after which the target will be met, as far as that is known.
     expected: Option<f64>,
@@ -227,6 +251,17 @@ impl Watch<'_> {
             Target::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9),
             Target::Samples(_) | Target::Noise(_) => self.expected.map_or(0.0, |expected| samples as f64 / expected),
         };
-        State { fraction: fraction.min(1.0), samples, elapsed }
+        let seconds_left = match self.target {
+            Target::Time(time) => Some(time.saturating_sub(elapsed).as_secs_f64()),
+            Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
+        };
+        State { fraction: fraction.min(1.0), samples, elapsed, seconds_left }
+    }
+
+    /// Time left at the rate so far `[s]`; none as long as that says little.
+    fn seconds_left(&self, fraction: f64) -> Option<f64> {
+        let since = self.begin.elapsed();
+        let is_known = since >= SURE_AFTER || (since >= LIKELY_AFTER && fraction >= LIKELY_FRACTION);
+        (is_known && fraction > 0.0).then(|| since.as_secs_f64() * (1.0 - fraction).max(0.0) / fraction)
     }
 }

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod bar;
 mod compare;
 mod figures;
 mod info;
@@ -84,7 +85,8 @@ struct RenderArgs {
     /// Render for so long, as 60s or 2min, and at least one sample per pixel.
     #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
     time: Option<Duration>,
-    /// Render until the root mean square error of the pixels is this share of the image's mean.
+    /// Render until the noise is this share: the root mean square of the pixels' relative standard errors, without the
+    /// noisiest hundredth of them.
     #[arg(long, value_name = "SHARE", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
     /// Size of the image in pixels.
@@ -93,6 +95,9 @@ struct RenderArgs {
     /// Render only columns X0 to X1 and rows Y0 to Y1 (the last ones excluded) of the image.
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = values::crop)]
     crop: Option<[u32; 4]>,
+    /// Exposure of PNG images in stops, or auto: the middle of the whole image becomes middle grey, whatever is cropped.
+    #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
+    exposure: Option<toml::Value>,
     /// Seed of all random numbers.
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed"))]
     seed: Option<i64>,

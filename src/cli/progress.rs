@@ -3,16 +3,14 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
+use super::bar::Bar;
 use super::figures::{duration, rate};
 use super::{Progress, say, tell};
 
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
-/// Steps of the bar.
-const STEPS: u64 = 10_000;
 
 /// How far a render is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,6 +21,8 @@ pub struct State {
     pub samples: u64,
     /// Time since the start.
     pub elapsed: Duration,
+    /// Time left, once anything is known about it `[s]`.
+    pub seconds_left: Option<f64>,
 }
 
 impl State {
@@ -30,16 +30,17 @@ impl State {
         self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
     }
 
-    /// Time left, if anything is known about it `[s]`.
-    fn seconds_left(&self) -> Option<f64> {
-        (self.fraction > 0.0).then(|| self.elapsed.as_secs_f64() * (1.0 - self.fraction) / self.fraction)
+    /// Rate and time left, for people.
+    fn outlook(&self) -> String {
+        let left = self.seconds_left.map_or_else(|| "starting".into(), |left| format!("{} left", duration(left)));
+        format!("{}  {left}", rate(self.rate()))
     }
 }
 
 /// Where progress goes.
 pub struct Reporter {
     style: Progress,
-    bar: ProgressBar,
+    bar: Bar,
     last: Option<Instant>,
 }
 
@@ -51,19 +52,14 @@ impl Reporter {
             Progress::Auto => Progress::Plain,
             chosen => chosen,
         };
-        let bar = if style == Progress::Bar { ProgressBar::new(STEPS) } else { ProgressBar::hidden() };
-        let template = "{prefix} [{bar:30}] {percent:>3} %  {msg}";
-        let look = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(look.progress_chars("=> "));
-        bar.set_prefix(name.to_string());
+        let bar = if style == Progress::Bar { Bar::new(name) } else { Bar::hidden() };
         Self { style, bar, last: None }
     }
 
     /// Shows `state`, not more often than is useful.
     pub fn update(&mut self, state: State) {
         if self.style == Progress::Bar {
-            self.bar.set_position((state.fraction * STEPS as f64) as u64);
-            self.bar.set_message(format!("{}  {}", rate(state.rate()), left(state.seconds_left())));
+            self.bar.update(state.fraction, state.outlook());
             return;
         }
         if state.elapsed < INTERVAL || self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
@@ -75,7 +71,7 @@ impl Reporter {
 
     /// Removes the bar; for other programs, says how the render ended.
     pub fn finish(&mut self, state: State) {
-        self.bar.finish_and_clear();
+        self.bar.finish();
         if matches!(self.style, Progress::Json | Progress::Openjd) {
             self.message(state);
         }
@@ -91,12 +87,18 @@ impl Reporter {
         }
     }
 
+    /// A warning, also for those who asked for no progress.
+    pub fn warn(&self, text: impl core::fmt::Display) {
+        match self.style {
+            Progress::Json => tell(json!({ "event": "warning", "message": text.to_string() })),
+            _ => tell(format!("warning: {text}")),
+        }
+    }
+
     fn message(&self, state: State) {
         let percent = 100.0 * state.fraction;
         match self.style {
-            Progress::Plain => {
-                tell(format!("{percent:5.1} %  {}  {}", rate(state.rate()), left(state.seconds_left())));
-            }
+            Progress::Plain => tell(format!("{percent:5.1} %  {}", state.outlook())),
             Progress::Json => {
                 let message = json!({
                     "event": "progress",
@@ -104,7 +106,7 @@ impl Reporter {
                     "samples": state.samples,
                     "samples_per_second": state.rate(),
                     "seconds": state.elapsed.as_secs_f64(),
-                    "seconds_left": state.seconds_left(),
+                    "seconds_left": state.seconds_left,
                 });
                 tell(message);
             }
@@ -117,8 +119,4 @@ impl Reporter {
 /// A line to standard output for a program that watches; whether it reads it is its own affair.
 fn inform(line: String) {
     let _ = say(line);
-}
-
-fn left(seconds: Option<f64>) -> String {
-    seconds.map_or_else(|| "starting".into(), |seconds| format!("{} left", duration(seconds)))
 }

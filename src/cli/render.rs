@@ -6,19 +6,22 @@ use std::time::Instant;
 
 use fogbow_kernels::pipeline::{self, Pipeline};
 
-use super::job::{Job, Target};
+use super::job::{Job, Preparation, Target};
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{ImageOutput, Reference};
-use super::{RenderArgs, say, tell};
+use super::{RenderArgs, say};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::image::Format;
+use crate::image::tone::Exposure;
+use crate::metering;
 use crate::output;
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::document::Override;
-use crate::scene::{self, LoadedScene};
+use crate::scene::{self, LoadedScene, schema};
+use crate::truncation;
 
 /// Side of a tile where twins run: they are slow, and a tile is what Ctrl-C and progress wait for.
 const REFERENCE_TILE_SIZE: u32 = 8;
@@ -29,7 +32,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let mut scene = scene::load(path, overrides(args))?;
-    scene.warnings.iter().for_each(|warning| tell(format!("warning: {warning}")));
+    let mut reporter = Reporter::new(args.progress, &scene.name);
+    scene.warnings.iter().for_each(|warning| reporter.warn(warning));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
     check_stats(args, &scene, &outputs)?;
@@ -53,10 +57,13 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let signals = Signals::watch(&monitor.stop)?;
     let (size, render) = (scene.scene.film.size, &scene.scene.render);
     let (frame, trials) = pilot::settle(&scene.frame, size, render, &renderer, || signals.came());
+    let left_out = truncation::estimate(&frame, size, &renderer);
+    left_out.iter().filter(|left_out| left_out.matters()).for_each(|left_out| reporter.warn(left_out));
+    let exposure = exposure(&scene, &outputs, &renderer);
     scene.frame = frame;
     let (pipeline, reference) = pipeline(args);
-    let job = Job { scene: &scene, renderer, pipeline, film, trials, reference, start, monitor, signals };
-    let mut reporter = Reporter::new(args.progress, &scene.name);
+    let preparation = Preparation { trials, left_out, exposure, reference };
+    let job = Job { scene: &scene, renderer, pipeline, film, preparation, start, monitor, signals };
     let outcome = job.run(target, &mut reporter);
     job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)
 }
@@ -81,12 +88,16 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
         change("film.size", value.into(), format!("--size {width}x{height}"))
     });
+    let exposure = args.exposure.as_ref().map(|value| {
+        let stops = value.as_str().map_or_else(|| value.to_string(), str::to_string);
+        change("film.exposure", value.clone(), format!("--exposure {stops}"))
+    });
     let numbers = [
         number("render.max_segments", "max-segments", args.max_segments),
         number("render.samples", "samples", args.samples),
         number("render.seed", "seed", args.seed),
     ];
-    let flags = [technique, mesc, size].into_iter().chain(numbers).flatten();
+    let flags = [technique, mesc, size, exposure].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
 }
 
@@ -124,6 +135,15 @@ fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) 
         return Err(Error::usage(flag, "names the scene or an image", "give the statistics a file of their own"));
     }
     Ok(())
+}
+
+/// The exposure of the PNG images, if there are any.
+fn exposure(scene: &LoadedScene, outputs: &[ImageOutput], renderer: &Renderer) -> Option<Exposure> {
+    if outputs.iter().all(|image| image.format != Format::Png) {
+        return None;
+    }
+    let schema::Film { size, exposure } = scene.scene.film;
+    Some(exposure.0.map_or_else(|| metering::exposure(&scene.frame, size, renderer), Exposure))
 }
 
 /// The stages, and which of them are twins.

@@ -7,6 +7,7 @@ use fogbow_kernels::pipeline::Stage;
 use serde_json::{Value, json};
 
 use super::figures::{duration, number, rate, starts};
+use super::job::Preparation;
 use super::values::ImageOutput;
 use crate::error::Result;
 use crate::film::Film;
@@ -14,6 +15,7 @@ use crate::output;
 use crate::pilot::Trial;
 use crate::scene::LoadedScene;
 use crate::stats::{ConnectionStats, Connector, Stats};
+use crate::truncation::Truncation;
 
 /// A finished render.
 pub struct Report<'a> {
@@ -27,10 +29,8 @@ pub struct Report<'a> {
     pub elapsed: Duration,
     /// Counters.
     pub stats: &'a Stats,
-    /// What the pilot tried.
-    pub trials: &'a [Trial],
-    /// The twins in the pipeline.
-    pub reference: &'a str,
+    /// What was settled before the first sample.
+    pub preparation: &'a Preparation,
 }
 
 impl Report<'_> {
@@ -54,7 +54,8 @@ impl Report<'_> {
             ("survival", self.scene.frame.walk.survival.to_string()),
             ("aimed", self.scene.frame.aimed.to_string()),
             ("roulette", self.scene.frame.roulette.to_string()),
-            ("reference", self.reference.to_string()),
+            ("reference", self.preparation.reference.clone()),
+            ("left_out", self.left_out()),
             ("seed", self.scene.frame.seed.to_string()),
             // The last ones perhaps not of every pixel.
             ("sample_range", format!("0..{}", self.film.most_samples())),
@@ -65,6 +66,16 @@ impl Report<'_> {
             ("cpu_features", crate::cpu::built_for().join(" ")),
         ];
         entries.into_iter().map(|(name, text)| (name.to_string(), text)).collect()
+    }
+
+    /// What the limit on the length of paths leaves out, for the header.
+    fn left_out(&self) -> String {
+        self.preparation.left_out.map_or_else(
+            || "0".into(),
+            |Truncation { share, error, max_segments, .. }| {
+                format!("{} +- {} beyond {max_segments} segments", number(share, 2), number(error, 1))
+            },
+        )
     }
 
     /// What was rendered, in one line.
@@ -84,13 +95,14 @@ impl Report<'_> {
         };
         let means: Vec<_> = (0..self.scene.frame.channels()).map(mean).collect();
         format!(
-            "{}: {}, {per_pixel} in {}, {}, mean {}{}",
+            "{}: {}, {per_pixel} in {}, {}, mean {}{}{}",
             names.join(", "),
             self.techniques(),
             duration(seconds),
             rate(samples / seconds),
             means.join(" | "),
             noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3))),
+            self.preparation.exposure.map_or_else(String::new, |exposure| format!(", exposure {exposure}")),
         )
     }
 
@@ -124,8 +136,12 @@ impl Report<'_> {
             "survival": self.scene.frame.walk.survival,
             "aimed": self.scene.frame.aimed,
             "roulette": self.scene.frame.roulette,
-            "reference": self.reference,
-            "pilot": self.trials.iter().map(trial).collect::<Vec<_>>(),
+            "reference": self.preparation.reference,
+            "warnings": self.scene.warnings,
+            "pilot": self.preparation.trials.iter().map(trial).collect::<Vec<_>>(),
+            "left_out": self.preparation.left_out.map(left_out),
+            "exposure": self.preparation.exposure.map(|exposure| exposure.0),
+            "noise": Some(self.film.relative_noise()).filter(|noise| noise.is_finite()),
             "threads": self.threads,
             "seconds": seconds,
             "samples": stats.samples,
@@ -153,6 +169,10 @@ fn trial(trial: &Trial) -> Value {
         "cost": trial.cost,
         "efficiency": trial.efficiency(),
     })
+}
+
+fn left_out(Truncation { max_segments, share, error, sufficient }: Truncation) -> Value {
+    json!({ "max_segments": max_segments, "share": share, "error": error, "sufficient_max_segments": sufficient })
 }
 
 fn connections(stats: &Stats) -> Value {

@@ -82,6 +82,15 @@ pub fn mesc(text: &str) -> Result<f64> {
     text.parse().or_else(|_| refuse("--mesc", text, "is not a number", "give a number of segments above 0"))
 }
 
+/// `--exposure`
+pub fn exposure(text: &str) -> Result<toml::Value> {
+    if text == "auto" {
+        return Ok(text.into());
+    }
+    let stops = text.parse::<f64>().map(toml::Value::from);
+    stops.or_else(|_| refuse("--exposure", text, "is not a number of stops", "give a number, as -1.5 or 2, or auto"))
+}
+
 /// `--threads`
 pub fn threads(text: &str) -> Result<u32> {
     match text.parse() {

@@ -1,6 +1,7 @@
 //! The film: per pixel, exact sums of the samples' radiances and of their squares.
 
 mod exact;
+mod noise;
 mod tile;
 
 use std::collections::TryReserveError;
@@ -61,8 +62,7 @@ impl Film {
     /// # Errors
     /// If the system refuses the memory, [`Self::bytes`].
     pub fn try_new(frame: &Frame, region: Region, tile_size: u32) -> Result<Self, TryReserveError> {
-        let radiances = frame.lights.emitters().iter().flat_map(|emitter| emitter.radiance);
-        let unit = Unit::for_radiance(radiances.fold(0.0, f32::max));
+        let unit = Unit::for_radiance(frame.lights.largest_radiance());
         let channels = frame.channels();
         let mut tiles = Vec::new();
         tiles.try_reserve_exact(region.tiles(tile_size).count())?;
@@ -132,16 +132,10 @@ impl Film {
         (0..self.tiles.len()).map(|index| self.tile(index).samples()).max().unwrap_or(0)
     }
 
-    /// Root mean square of the pixels' standard errors over the mean of the image, all channels together; infinite if
-    /// there is no error yet, as with one sample per pixel, or nothing but black.
+    /// Root mean square of the pixels' relative standard errors, without the noisiest hundredth of them; infinite if there is
+    /// no error yet, as with one sample per pixel, or nothing but black. Dark pixels count as a tenth of the median.
     pub fn relative_noise(&self) -> f64 {
-        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
-        for pixel in self.pixels().filter(|pixel| pixel.samples > 1) {
-            sum += pixel.mean.iter().sum::<f64>();
-            squares += pixel.standard_error.iter().map(|error| error * error).sum::<f64>();
-            count += 3.0;
-        }
-        if sum > 0.0 { (squares / count).sqrt() / (sum / count) } else { f64::INFINITY }
+        noise::relative(self.pixels())
     }
 
     /// Mean of the image per channel, and its standard error, from the pixels' errors.

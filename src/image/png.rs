@@ -2,18 +2,17 @@
 
 use std::io::Write;
 
-use super::tone::ToneCurve;
+use super::tone::Exposure;
 use crate::film::Film;
 
-/// Writes the film tone-mapped (see [`super::tone`]); the exposure is noted in the file.
+/// Writes the film with the curve of [`super::tone`]; the exposure is noted in the file.
 ///
 /// # Errors
 /// What the writer says.
-pub fn write_film(writer: impl Write, film: &Film) -> core::result::Result<(), String> {
-    let curve = ToneCurve::for_pixels(film.pixels().map(|pixel| pixel.mean));
+pub fn write_film(writer: impl Write, film: &Film, exposure: Exposure) -> core::result::Result<(), String> {
     let region = film.region();
-    let rows = region.rows().map(|y| region.columns().flat_map(move |x| curve.encode(film.pixel(x, y).mean)));
-    let note = ("exposure", format!("{:e}", curve.exposure));
+    let rows = region.rows().map(|y| region.columns().flat_map(move |x| exposure.encode(film.pixel(x, y).mean)));
+    let note = ("exposure", exposure.to_string());
     write_rows(writer, [region.width(), region.height()], rows, &[note])
 }
 

@@ -17,7 +17,7 @@ use super::cameras::Chosen;
 use super::document::Document;
 use super::lights::{self, LARGEST_RADIANCE, Placed};
 use super::model;
-use super::schema::{self, LightSelection, LisShape, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::schema::{self, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique};
 use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
@@ -37,6 +37,8 @@ const SMALLEST_SURVIVAL: f64 = 0.01;
 const LARGEST_FILM: u64 = 1 << 27;
 /// Most vertices that may be asked to connect: those of the longest path.
 const MOST_STARTS: u32 = 1024;
+/// Largest exposure in stops either way: factors of 10^30.
+const MOST_STOPS: f64 = 100.0;
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
 const SHARPEST: f64 = 0.9999;
 
@@ -57,6 +59,7 @@ pub fn frame(
 ) -> Result<Frame> {
     let check = Check { document };
     check.film_size(scene.film.size)?;
+    check.exposure(scene.film.exposure)?;
     let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
     let medium = check.medium(scene)?;
@@ -104,6 +107,12 @@ impl Check<'_> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let remedy = format!("give a width and a height of 1 or more with at most {LARGEST_FILM} pixels");
         self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)
+    }
+
+    fn exposure(&self, exposure: NumberOrAuto) -> Result<()> {
+        let ok = exposure.0.is_none_or(|stops| stops.abs() <= MOST_STOPS);
+        let finding = format!("{:?}", exposure.0.unwrap_or(0.0));
+        self.require(ok, "film.exposure", finding, "give a number of stops from -100 to 100, or \"auto\"")
     }
 
     fn coefficient(&self, path: &str, value: Spectrum) -> Result<[f64; 3]> {

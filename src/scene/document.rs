@@ -74,9 +74,9 @@ impl Document {
         self.is_model
     }
 
-    /// Whether the file or a flag gives the value of `key`, at the top.
+    /// Whether the file or a flag gives the value of `key`.
     pub fn has(&self, key: &str) -> bool {
-        self.values.get(key).is_some()
+        self.value(key).is_some()
     }
 
     /// Whether a flag gives the value at `path`.

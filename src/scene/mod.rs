@@ -26,7 +26,7 @@ use crate::frame::Frame;
 use crate::gltf::Model;
 pub use contents::{Contents, Light};
 use document::{Document, Override};
-use schema::{Camera, CameraOrName, Film, Scene};
+use schema::{Camera, CameraOrName, Film, NumberOrAuto, Scene};
 
 /// A scene that was read and found valid.
 #[derive(Debug)]
@@ -80,8 +80,8 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let mut scene = read(document)?;
     let loaded = model::of_scene(&scene, document, model)?;
     let chosen = cameras::choose(&scene, document, loaded.as_ref())?;
-    if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film")) {
-        scene.film = Film::of_aspect(aspect);
+    if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
+        scene.film.size = Film::of_aspect(aspect).size;
     }
     let placed = lights::all(&scene, document, loaded.as_ref())?;
     let mut warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
@@ -148,6 +148,7 @@ impl LoadedScene {
     pub fn hash(&self) -> String {
         let mut scene = self.scene.clone();
         scene.render.samples = 0;
+        scene.film.exposure = NumberOrAuto::default();
         // What is taken from the geometry's file counts, not what it is called there.
         scene.geometry = None;
         scene.punctual_radius = 0.0;

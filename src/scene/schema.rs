@@ -77,8 +77,13 @@ impl Camera {
 #[serde(deny_unknown_fields)]
 pub struct Film {
     /// Width and height in pixels. The pixel filter is a box.
+    #[serde(default = "Film::square")]
     #[schemars(extend("x-format" = "[width, height]"))]
     pub size: [u32; 2],
+    /// Exposure of PNG images in stops, -100 to 100: radiance is doubled by each before it is shown. Or "auto": the middle of
+    /// the whole image, the mean of its logarithms, becomes middle grey. EXR images hold radiance, whatever is said here.
+    #[serde(default)]
+    pub exposure: NumberOrAuto,
 }
 
 impl Film {
@@ -88,7 +93,11 @@ impl Film {
     /// The film of a camera for images of width over height `aspect`.
     pub fn of_aspect(aspect: f64) -> Self {
         let columns = (aspect * f64::from(Self::ROWS)).round().max(1.0);
-        Self { size: [columns as u32, Self::ROWS] }
+        Self { size: [columns as u32, Self::ROWS], exposure: NumberOrAuto::default() }
+    }
+
+    fn square() -> [u32; 2] {
+        Self::default().size
     }
 }
 

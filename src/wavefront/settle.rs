@@ -1,5 +1,6 @@
 //! What becomes of complete candidates.
 
+use fogbow_kernels::accumulate::reference::{contribution, counts};
 use fogbow_kernels::columns::paths::{PathTable, VertexTable};
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use fogbow_kernels::columns::trail::TrailTable;
@@ -10,7 +11,7 @@ use fogbow_kernels::{Step, accumulate, mis_weight, occlusion};
 
 use super::rows;
 use crate::frame::Frame;
-use crate::stats::{Connector, Stats};
+use crate::stats::{Connector, LightByLength, Stats};
 
 /// A weight, a roulette, a shadow test, a contribution.
 pub(super) struct Settle<'a, 'q> {
@@ -104,6 +105,9 @@ impl<'q> Settle<'_, 'q> {
             (pipeline.accumulate)(&frame.medium, &frame.lights, frame.lengths, *step, columns);
         });
         self.stats.dropped = dropped;
+        if let Some(light) = &mut self.stats.light_by_length {
+            note_lengths(self.frame, self.paths, self.step, bucket, candidates, light);
+        }
     }
 
     /// Candidates of the bucket that weigh something; only counted if statistics are detailed.
@@ -112,5 +116,29 @@ impl<'q> Settle<'_, 'q> {
             return 0;
         }
         candidates.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
+    }
+}
+
+/// Notes the contributions of a bucket by the lengths of their paths; a look that is taken at small images only.
+fn note_lengths(
+    frame: &Frame,
+    paths: &PathTable<'_>,
+    step: Step,
+    bucket: Bucket,
+    candidates: &CandidateQueue<'_>,
+    light: &mut LightByLength,
+) {
+    for row in bucket.rows() {
+        let (lane, weight) = (candidates.lane.rows()[row] as usize, f64::from(candidates.weight.rows()[row]));
+        let depth = paths.depth(step.clock, lane);
+        if weight == 0.0 || !weight.is_finite() || !counts(frame.lengths, depth, bucket.inserted) {
+            continue;
+        }
+        let emitter = &frame.lights.emitters()[candidates.emitter.rows()[row] as usize];
+        let radiance = emitter.radiance.map(f64::from);
+        let throughput = paths.columns.throughput.row(lane).map(f64::from);
+        let albedo = frame.medium.albedo.map(f64::from);
+        let contribution = contribution(weight, radiance, throughput, albedo, bucket.inserted);
+        light.add(depth as usize + bucket.inserted + 1, contribution);
     }
 }

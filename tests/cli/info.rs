@@ -12,7 +12,7 @@ fn a_scene_is_described_with_its_cost() {
         assert_eq!(lines[0], "mist: 8x8 pixels, 4 samples each, seed 1", "{run}");
         assert_eq!(lines[1], "fog: mean free path 1.429 m, albedo 1, g 0.5");
         assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera, 2.10 mean free paths");
-        assert_eq!(lines[3], "technique mvnee, paths of 1 to 8 segments");
+        assert_eq!(lines[3], "technique mvnee, paths of 1 to 24 segments");
         assert_eq!(lines[4], "vertices that connect: all, survival 1");
         assert!(lines[5].starts_with("cost: 256 samples, ") && lines[5].contains(" samples/s; film 1 MiB"), "{run}");
         assert_eq!((lines.len(), run.stderr.as_str()), (6, ""), "{run}");

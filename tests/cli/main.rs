@@ -2,12 +2,14 @@
 
 mod bare;
 mod compare;
+mod exposure;
 mod files;
 mod flags;
 mod help;
 mod images;
 mod info;
 mod lamps;
+mod left_out;
 mod models;
 mod progress;
 mod render;

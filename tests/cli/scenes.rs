@@ -107,11 +107,11 @@ fn path_lengths_have_limits() {
     for segments in ["0", "1025", "4294967295"] {
         let to = format!("max_segments = {segments}");
         let finding = format!("this is the whole number `{segments}`, expected a whole number from 1 to 1024\n");
-        refused("max_segments = 8", &to, &format!("render.max_segments: {finding}"));
+        refused("max_segments = 24", &to, &format!("render.max_segments: {finding}"));
     }
-    refused("max_segments = 8", "max_segments = 8\nmin_segments = 9", "render.min_segments is 9\n");
+    refused("max_segments = 24", "max_segments = 24\nmin_segments = 25", "render.min_segments is 25\n");
     let finding = "render.min_segments: this is the whole number `0`, expected a whole number from 1 to 1024\n";
-    refused("max_segments = 8", "max_segments = 8\nmin_segments = 0", finding);
+    refused("max_segments = 24", "max_segments = 24\nmin_segments = 0", finding);
     refused("mesc = 4", "mesc = 0", "render.mesc is 0.0\n");
     refused("mesc = 4", "mesc = nan", "render.mesc is NaN\n");
 }

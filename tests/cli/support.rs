@@ -32,7 +32,7 @@ radiance = 10
 
 [render]
 technique = "mvnee"
-max_segments = 8
+max_segments = 24
 mesc = 4
 samples = 4
 "#;

@@ -109,7 +109,7 @@ impl Serialize for Starts {
 }
 
 /// A number; `None` where the program chooses.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq)]
 #[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
 pub struct NumberOrAuto(pub Option<f64>);
 

@@ -130,6 +130,11 @@ impl Lights {
         &self.emitters
     }
 
+    /// Largest radiance of any emitter in any channel [W/(m^2 sr)].
+    pub fn largest_radiance(&self) -> f32 {
+        self.emitters.iter().flat_map(|emitter| emitter.radiance).fold(0.0, f32::max)
+    }
+
     /// Disks and spheres.
     pub fn solids(&self) -> &[Emitter] {
         &self.emitters[..self.solids]

@@ -1,0 +1,80 @@
+//! The progress bar: one line of a terminal of any width.
+
+use console::Term;
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Steps of the bar.
+const STEPS: u64 = 10_000;
+/// Columns of the longest name in front of the bar.
+const LONGEST_NAME: usize = 24;
+/// Widths from which on there is room for the time left, and for the name besides.
+const WIDTHS: [usize; 2] = [56, 96];
+
+/// A bar on standard error.
+pub struct Bar {
+    bar: ProgressBar,
+    term: Term,
+    /// Columns when it was drawn last.
+    columns: usize,
+}
+
+impl Bar {
+    /// A bar with this name.
+    pub fn new(name: &str) -> Self {
+        let bar = ProgressBar::new(STEPS);
+        bar.set_prefix(console::truncate_str(name, LONGEST_NAME, "..").into_owned());
+        let term = Term::stderr();
+        let columns = width(&term);
+        bar.set_style(style(columns));
+        Self { bar, term, columns }
+    }
+
+    /// No bar.
+    pub fn hidden() -> Self {
+        Self { bar: ProgressBar::hidden(), term: Term::stderr(), columns: 0 }
+    }
+
+    /// Draws it anew, `fraction` of it full.
+    pub fn update(&mut self, fraction: f64, outlook: String) {
+        let columns = width(&self.term);
+        if columns != self.columns {
+            self.resize(columns);
+        }
+        self.bar.set_position((fraction * STEPS as f64) as u64);
+        self.bar.set_message(outlook);
+    }
+
+    /// Removes it.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// Fits it into `columns`. What was drawn in a wider terminal now goes over several rows, of which the bar takes only
+    /// the last one away.
+    fn resize(&mut self, columns: usize) {
+        let rows_above = self.columns.div_ceil(columns.max(1)).saturating_sub(1);
+        self.bar.suspend(|| {
+            if rows_above > 0 {
+                let _ = self.term.move_cursor_up(rows_above).and_then(|()| self.term.clear_to_end_of_screen());
+            }
+        });
+        self.columns = columns;
+        self.bar.set_style(style(columns));
+    }
+}
+
+/// Columns of the terminal; many where there is none.
+fn width(term: &Term) -> usize {
+    term.size_checked().map_or(WIDTHS[1], |(_, columns)| usize::from(columns))
+}
+
+/// The bar and whatever else has room in `columns`.
+fn style(columns: usize) -> ProgressStyle {
+    let template = match columns {
+        columns if columns < WIDTHS[0] => "[{wide_bar}] {percent:>3} %",
+        columns if columns < WIDTHS[1] => "[{wide_bar}] {percent:>3} %  {msg}",
+        _ => "{prefix} [{wide_bar}] {percent:>3} %  {msg}",
+    };
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.progress_chars("=> ")
+}

@@ -1,0 +1,45 @@
+//! What a limit on the length of paths leaves out is told, in the terminal, the statistics and the header.
+
+use serde_json::Value;
+
+use super::support::{Folder, header};
+
+#[test]
+fn a_limit_that_leaves_out_light_is_told_with_one_that_would_do() {
+    let folder = Folder::with_edited_scene("max_segments = 24", "max_segments = 4");
+    let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--stats", "s.json", "--progress", "none"]);
+    let start = "warning: paths of more than 4 segments are left out, ";
+    assert!(run.stderr.starts_with(start) && run.stderr.lines().count() == 1, "{run}");
+    let words: Vec<&str> = run.stderr.split_whitespace().collect();
+    let share: f64 = words[10].parse().unwrap_or_else(|_| panic!("{words:?}"));
+    assert!((10.0..30.0).contains(&share), "{run}");
+
+    let text = std::fs::read_to_string(folder.path("s.json")).expect("statistics");
+    let told = serde_json::from_str::<Value>(&text).expect("JSON")["left_out"].take();
+    assert_eq!(told["max_segments"], 4);
+    assert!((told["share"].as_f64().expect("a share") - share / 100.0).abs() < 1e-3, "{told}");
+    let limit = told["sufficient_max_segments"].as_u64().expect("a limit").to_string();
+    assert!(run.stderr.contains(&format!("--max-segments {limit} would leave out about 1 %")), "{run}");
+    assert!(header(&folder.image("a.exr"), "left_out").ends_with(" beyond 4 segments"));
+
+    let info = folder.done(&["info", "scene.toml"]);
+    assert!(info.stdout.contains(&format!("\n{start}")), "{info}");
+    let enough = folder.done(&["render", "scene.toml", "-o", "a.exr", "--max-segments", &limit]);
+    assert!(!enough.stderr.contains("warning"), "{enough}");
+}
+
+#[test]
+fn programs_get_the_warning_as_a_message() {
+    let folder = Folder::with_scene();
+    let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--max-segments", "4", "--progress", "json"]);
+    let first: Value = run.stderr.lines().next().and_then(|line| serde_json::from_str(line).ok()).expect("JSON");
+    assert_eq!(first["event"], "warning", "{run}");
+    assert!(first["message"].as_str().is_some_and(|text| text.starts_with("paths of more than 4 segments")), "{run}");
+}
+
+#[test]
+fn a_black_image_is_called_black() {
+    let folder = Folder::with_edited_scene("normal = [0, 0, -1]", "normal = [0, 0, 1]");
+    let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", "medium.scattering=0"]);
+    assert!(run.stderr.ends_with("warning: the image is black: no path found light\n"), "{run}");
+}
