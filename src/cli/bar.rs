@@ -14,24 +14,26 @@ const WIDTHS: [usize; 2] = [56, 96];
 pub struct Bar {
     bar: ProgressBar,
     term: Term,
-    /// Columns when it was drawn last.
+    /// Columns that it was made for.
     columns: usize,
+    /// Whether it was drawn at all.
+    is_drawn: bool,
 }
 
 impl Bar {
     /// A bar with this name.
     pub fn new(name: &str) -> Self {
-        let bar = ProgressBar::new(STEPS);
-        bar.set_prefix(console::truncate_str(name, LONGEST_NAME, "..").into_owned());
         let term = Term::stderr();
         let columns = width(&term);
-        bar.set_style(style(columns));
-        Self { bar, term, columns }
+        let name = console::truncate_str(name, LONGEST_NAME, "..").into_owned();
+        // Built up before it is drawn for the first time.
+        let bar = ProgressBar::new(STEPS).with_style(style(columns)).with_prefix(name);
+        Self { bar, term, columns, is_drawn: false }
     }
 
     /// No bar.
     pub fn hidden() -> Self {
-        Self { bar: ProgressBar::hidden(), term: Term::stderr(), columns: 0 }
+        Self { bar: ProgressBar::hidden(), term: Term::stderr(), columns: 0, is_drawn: false }
     }
 
     /// Draws it anew, `fraction` of it full.
@@ -40,8 +42,9 @@ impl Bar {
         if columns != self.columns {
             self.resize(columns);
         }
-        self.bar.set_position((fraction * STEPS as f64) as u64);
         self.bar.set_message(outlook);
+        self.bar.set_position((fraction * STEPS as f64) as u64);
+        self.is_drawn = true;
     }
 
     /// Removes it.
@@ -52,7 +55,7 @@ impl Bar {
     /// Fits it into `columns`. What was drawn in a wider terminal now goes over several rows, of which the bar takes only
     /// the last one away.
     fn resize(&mut self, columns: usize) {
-        let rows_above = self.columns.div_ceil(columns.max(1)).saturating_sub(1);
+        let rows_above = if self.is_drawn { self.columns.div_ceil(columns.max(1)).saturating_sub(1) } else { 0 };
         self.bar.suspend(|| {
             if rows_above > 0 {
                 let _ = self.term.move_cursor_up(rows_above).and_then(|()| self.term.clear_to_end_of_screen());

@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod bar;
 mod bare;
 mod compare;
 mod exposure;
