@@ -16,4 +16,5 @@ pub mod render;
 pub mod scene;
 pub mod stats;
 pub mod truncation;
+pub mod warning;
 pub mod wavefront;

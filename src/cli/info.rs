@@ -7,7 +7,7 @@ use fogbow_kernels::Walk;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::figures::{duration, number, rate, starts};
-use super::{InfoArgs, say};
+use super::{InfoArgs, say, warning_text};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
@@ -36,7 +36,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     if format == Some(Format::Exr) {
         describe_image(path)
     } else {
-        describe_scene(&scene::load(path, args.set.clone())?)
+        describe_scene(&scene::load(path, args.set.clone())?, args.verbose)
     }
 }
 
@@ -69,7 +69,7 @@ fn albedo(frame: &Frame) -> String {
     if channels.iter().all(|channel| *channel == channels[0]) { channels[0].clone() } else { channels.join(" | ") }
 }
 
-fn describe_scene(loaded: &LoadedScene) -> Result<()> {
+fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     let LoadedScene { name, scene, frame, contents, warnings, .. } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
@@ -92,7 +92,7 @@ fn describe_scene(loaded: &LoadedScene) -> Result<()> {
         ))?;
     }
     describe_contents(contents)?;
-    warnings.iter().try_for_each(|warning| say(format!("warning: {warning}")))?;
+    warnings.iter().try_for_each(|warning| say(format!("warning: {}", warning_text(warning, verbose))))?;
     loaded.lights.iter().take(MOST_NAMED).try_for_each(|light| describe_light(light, loaded))?;
     if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
         say(format!("and {more} more lights"))?;

@@ -21,6 +21,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
+use crate::warning::Warning;
 use values::{ImageOutput, Reference};
 
 /// Renders light in dense, forward-scattering media: fog, clouds, milk, skin, deep water.
@@ -61,7 +62,17 @@ enum Progress {
     None,
 }
 
+/// What the help page says beyond flags.
+const ABOUT_RENDERING: &str = "\
+Surfaces come from glTF files. They reflect diffusely, with the base colour of their material: metal, gloss, transparency and
+normal maps are not rendered so far, and a warning names the materials that have any. The back of a surface is black unless its
+material is doubleSided.
+
+Exit codes: 0 done, 1 failed, 2 wrong command line; 130, 143 and 129 ended by Ctrl-C, SIGTERM or SIGHUP, with what there was
+written.";
+
 #[derive(Debug, Args)]
+#[command(after_help = ABOUT_RENDERING)]
 struct RenderArgs {
     /// The scene: a TOML file, a folder with a scene.toml, or a glTF file with a camera.
     #[arg(required_unless_present = "help_scene")]
@@ -116,6 +127,9 @@ struct RenderArgs {
     /// Override any key of the scene; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
+    /// Name every place that a warning is about, not the first ones alone.
+    #[arg(short, long)]
+    verbose: bool,
     /// List every key of a scene file, with type, default and meaning.
     #[arg(long)]
     help_scene: bool,
@@ -142,6 +156,9 @@ struct InfoArgs {
     /// Override any key of the scene; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
+    /// Name every place that a warning is about, not the first ones alone.
+    #[arg(short, long)]
+    verbose: bool,
 }
 
 /// Runs the program with `args`, the program's name first.
@@ -191,6 +208,11 @@ fn wrong_choice(error: &clap::Error) -> Option<Error> {
 pub fn fail(error: &Error) -> ExitCode {
     tell(error);
     ExitCode::from(error.exit_code())
+}
+
+/// A warning, with all its places or the first ones.
+fn warning_text(warning: &Warning, verbose: bool) -> String {
+    if verbose { format!("{warning:#}") } else { warning.to_string() }
 }
 
 /// Prints a line to standard error. If nobody can read it, there is nobody to tell.

@@ -62,7 +62,8 @@ impl Reporter {
             self.bar.update(state.fraction, state.outlook());
             return;
         }
-        if state.elapsed < INTERVAL || self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
+        let is_early = state.elapsed < INTERVAL || state.fraction >= 1.0;
+        if is_early || self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
             return;
         }
         self.last = Some(Instant::now());

@@ -10,7 +10,7 @@ use super::job::{Job, Preparation, Target};
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{ImageOutput, Reference};
-use super::{RenderArgs, say};
+use super::{RenderArgs, say, warning_text};
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::image::Format;
@@ -33,7 +33,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let mut scene = scene::load(path, overrides(args))?;
     let mut reporter = Reporter::new(args.progress, &scene.name);
-    scene.warnings.iter().for_each(|warning| reporter.warn(warning));
+    scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
     check_stats(args, &scene, &outputs)?;

@@ -1,7 +1,7 @@
 //! Materials: what of them a diffuse surface shows.
 
 use super::fault::{At, Checked, Fault, label, require};
-use super::model::Material;
+use super::model::{Material, Triangle};
 use super::primitives::UsedSets;
 use super::schema;
 use super::textures::Textures;
@@ -23,6 +23,27 @@ pub fn read(
         read_one(material, textures).at(label)
     };
     materials.iter().enumerate().map(read).collect()
+}
+
+/// Notes materials of `triangles` that are more than diffuse.
+pub fn note_what_is_diffuse(materials: &[schema::Material], triangles: &[Triangle], warnings: &mut Warnings) {
+    let mut used = vec![false; materials.len() + 1];
+    triangles.iter().for_each(|triangle| used[triangle.material as usize] = true);
+    for (index, material) in materials.iter().enumerate().filter(|(index, _)| used[*index]) {
+        let label = || label("material", index, material.name.as_deref());
+        let surface = &material.pbr_metallic_roughness;
+        if surface.metallic_factor > 0.0 {
+            warnings.note(
+                "is metallic (metallicFactor is 1 unless the file says otherwise) and rendered as diffuse",
+                label,
+            );
+        } else if surface.roughness_factor < 1.0 || surface.metallic_roughness_texture.is_some() {
+            warnings.note("is glossy and rendered as diffuse, without highlights", label);
+        }
+        if material.normal_texture.is_some() {
+            warnings.note("has a normal map, which is not read; the surface is as flat as its triangles", label);
+        }
+    }
 }
 
 /// The sets of texture coordinates that `material` uses.

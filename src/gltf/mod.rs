@@ -91,7 +91,7 @@ fn parse_from(file: &str, bytes: &[u8], folder: Option<&Path>, origin: Origin<'_
     let container = container::open(bytes, &mut warnings).in_file(file)?;
     let root = document::read(file, &container)?;
     let mut model = model(&root, &container, Files::new(folder), bytes.len(), origin, &mut warnings).in_file(file)?;
-    model.warnings = warnings.into_lines();
+    model.warnings = warnings.of_file(file);
     Ok(model)
 }
 
@@ -127,6 +127,7 @@ fn model(
     let lights = lights::read(root, &placed, warnings)?;
     let (images, which) = images::decode(&images, &buffers, &files, limits)?;
 
+    materials::note_what_is_diffuse(&root.materials, &geometry.triangles, warnings);
     if geometry.triangles.iter().any(|triangle| triangle.material as usize == materials.len()) {
         materials.push(Material::default());
     }

@@ -1,5 +1,6 @@
 //! What a glTF file says, as plain data in world space.
 
+use crate::warning::Warning;
 use core::ops::Range;
 
 use serde_json::Value;
@@ -38,7 +39,7 @@ pub struct Model {
     /// What the file says beyond glTF.
     pub extras: Extras,
     /// What was passed over, a line each.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// A triangle.

@@ -162,6 +162,7 @@ pub struct Material {
     pub pbr_metallic_roughness: Surface,
     pub emissive_factor: [f64; 3],
     pub emissive_texture: Option<TextureInfo>,
+    pub normal_texture: Option<IgnoredAny>,
     pub alpha_mode: Option<String>,
     pub double_sided: bool,
     pub extensions: MaterialExtensions,
@@ -173,11 +174,20 @@ pub struct Material {
 pub struct Surface {
     pub base_color_factor: [f64; 4],
     pub base_color_texture: Option<TextureInfo>,
+    pub metallic_factor: f64,
+    pub roughness_factor: f64,
+    pub metallic_roughness_texture: Option<IgnoredAny>,
 }
 
 impl Default for Surface {
     fn default() -> Self {
-        Self { base_color_factor: [1.0; 4], base_color_texture: None }
+        Self {
+            base_color_factor: [1.0; 4],
+            base_color_texture: None,
+            metallic_factor: 1.0,
+            roughness_factor: 1.0,
+            metallic_roughness_texture: None,
+        }
     }
 }
 

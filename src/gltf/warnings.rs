@@ -1,35 +1,28 @@
-//! What was passed over, for the person at the terminal: each kind of thing once, with its first place and how often.
+//! What was passed over, for the person at the terminal: each kind of thing once, with all its places.
 
 use core::fmt::Display;
+
+use crate::warning::Warning;
 
 /// Warnings so far.
 #[derive(Debug, Default)]
 pub struct Warnings {
-    entries: Vec<Entry>,
-}
-
-#[derive(Debug)]
-struct Entry {
-    place: String,
-    finding: &'static str,
-    count: usize,
+    entries: Vec<(&'static str, Vec<String>)>,
 }
 
 impl Warnings {
-    /// Notes `finding` at `place`, which is only spelled out the first time.
+    /// Notes `finding` at `place`.
     pub fn note<P: Display>(&mut self, finding: &'static str, place: impl FnOnce() -> P) {
-        match self.entries.iter_mut().find(|entry| entry.finding == finding) {
-            Some(entry) => entry.count += 1,
-            None => self.entries.push(Entry { place: place().to_string(), finding, count: 1 }),
+        let place = place().to_string();
+        match self.entries.iter_mut().find(|entry| entry.0 == finding) {
+            Some((_, places)) => places.push(place),
+            None => self.entries.push((finding, vec![place])),
         }
     }
 
-    /// As text: `node 3 "Lamp": finding (and 2 more)`.
-    pub fn into_lines(self) -> Vec<String> {
-        let line = |Entry { place, finding, count }: Entry| match count {
-            1 => format!("{place}: {finding}"),
-            _ => format!("{place}: {finding} (and {} more)", count - 1),
-        };
-        self.entries.into_iter().map(line).collect()
+    /// All of them, of `file`.
+    pub fn of_file(self, file: &str) -> Vec<Warning> {
+        let warning = |(finding, places)| Warning { places, ..Warning::new(file, finding) };
+        self.entries.into_iter().map(warning).collect()
     }
 }

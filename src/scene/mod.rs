@@ -1,5 +1,6 @@
 //! Scenes: from a file and flags to a [`Frame`].
 
+mod backs;
 mod bare;
 mod cameras;
 mod check;
@@ -24,6 +25,7 @@ use serde::de::IntoDeserializer;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gltf::Model;
+use crate::warning::Warning;
 pub use contents::{Contents, Light};
 use document::{Document, Override};
 use schema::{Camera, CameraOrName, Film, NumberOrAuto, Scene};
@@ -45,8 +47,8 @@ pub struct LoadedScene {
     pub contents: Contents,
     /// The same as the stages read it.
     pub frame: Frame,
-    /// What its geometry holds that is not rendered, a line each.
-    pub warnings: Vec<String>,
+    /// What is not rendered, or not as it is written.
+    pub warnings: Vec<Warning>,
     /// What positions in `frame` are counted from `[m]`: 0, unless the camera is far away from there.
     pub origin: [f64; 3],
 }
@@ -89,7 +91,9 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
     let camera = DVec3::from(chosen.camera.position);
     let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
+    let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
+    warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
     let files = scene.geometry.iter().map(|geometry| document.folder().join(geometry)).collect();
@@ -136,11 +140,11 @@ fn read(document: &Document) -> Result<Scene> {
 }
 
 /// A medium that was meant to be one, but has no coefficients.
-fn no_medium(document: &Document) -> Option<String> {
+fn no_medium(document: &Document) -> Option<Warning> {
     let medium = document.values.get("medium")?.as_table()?;
     let is_empty = ["scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
-    is_empty
-        .then(|| format!("{}: medium has neither scattering nor absorption: it is vacuum", document.place("medium")))
+    let finding = "medium has neither scattering nor absorption: it is vacuum";
+    is_empty.then(|| Warning::new(document.place("medium"), finding))
 }
 
 impl LoadedScene {

@@ -5,7 +5,8 @@ use fogbow_kernels::tables::lights::Emitter;
 use fogbow_kernels::tables::surfaces::{Material, Paint, Surfaces};
 
 use super::model::Loaded;
-use crate::gltf::{self, LightKind, Model};
+use crate::gltf::{self, LightKind, Model, label, quoted};
+use crate::warning::Warning;
 
 /// Area from which on a triangle shines `[m^2]`, about that of the smallest disk: one over it is far inside f32.
 const SMALLEST_AREA: f64 = 1e-18;
@@ -61,14 +62,22 @@ fn area(corners: [[f32; 3]; 3]) -> f64 {
     (b - a).cross(c - a).length() / 2.0
 }
 
-/// What a model holds that is not rendered, and what was passed over in reading it, a line each.
-pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<String> {
-    let directional = model.lights.iter().any(|light| light.kind == LightKind::Directional);
-    let not_rendered = directional.then(|| "not rendered so far: directional lights: they do not shine".into());
-    let varies = model.materials.iter().any(|look| look.emission != [0.0; 3] && look.emissive_texture.is_some());
-    let averaged = varies.then(|| "emissive textures: every triangle shines in the mean of its texture".into());
-    let lines = not_rendered.into_iter().chain(averaged).chain(model.warnings.iter().cloned());
-    lines.map(|line: String| format!("{file}: {line}")).collect()
+/// What a model holds that is not rendered, and what was passed over in reading it.
+pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<Warning> {
+    let suns = model.lights.iter().filter(|light| light.kind == LightKind::Directional);
+    let suns: Vec<_> = suns.map(|light| format!("light {}", quoted(&light.name))).collect();
+    let averaged = |(index, look): (usize, &gltf::Material)| {
+        let varies = look.emission != [0.0; 3] && look.emissive_texture.is_some();
+        varies.then(|| label("material", index, look.name.as_deref()))
+    };
+    let averaged: Vec<_> = model.materials.iter().enumerate().filter_map(averaged).collect();
+    let own = [
+        (suns, "directional lights are not rendered so far: it does not shine"),
+        (averaged, "its emission has a texture; every triangle shines in the mean of it"),
+    ];
+    let own = own.into_iter().filter(|(places, _)| !places.is_empty());
+    let own = own.map(|(places, finding)| Warning { places, ..Warning::new(file, finding) });
+    own.chain(model.warnings.iter().cloned()).collect()
 }
 
 #[cfg(test)]

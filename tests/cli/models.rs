@@ -370,8 +370,55 @@ fn directional_lights_leave_a_warning_and_cameras_none() {
     });
     let run = render(&folder, &[]);
     assert_eq!(run.stderr.matches("warning: ").count(), 1, "{run}");
-    assert!(
-        run.stderr.contains("warning: room.gltf: not rendered so far: directional lights: they do not shine\n"),
-        "{run}"
-    );
+    let warning = "warning: room.gltf: light \"Wall\": directional lights are not rendered so far: it does not shine\n";
+    assert!(run.stderr.contains(warning), "{run}");
+}
+
+#[test]
+fn a_black_back_in_view_is_told_with_its_material() {
+    let turned = |double_sided: bool| {
+        with_model(move |model| {
+            model["materials"] = json!([{
+                "name": "Plaster", "doubleSided": double_sided, "pbrMetallicRoughness": { "metallicFactor": 0 }
+            }]);
+            model["meshes"][0]["primitives"][0]["material"] = json!(0);
+            model["nodes"][0]["rotation"] = json!([0, 1, 0, 0]);
+            model["nodes"][0]["translation"] = json!([0, 0, -6]);
+        })
+    };
+    let run = render(&turned(false), &[]);
+    let warning = "warning: room.gltf: material 0 \"Plaster\": the camera sees its back, which is black, in 100.0 % of the \
+                   image: make it doubleSided\n";
+    assert!(run.stderr.contains(warning), "{run}");
+    for folder in [turned(true), with_model(|_| {})] {
+        let run = render(&folder, &[]);
+        assert!(!run.stderr.contains("warning"), "{run}");
+    }
+}
+
+#[test]
+fn all_places_of_a_warning_are_listed_for_those_who_ask() {
+    let folder = with_model(|model| {
+        for _ in 0..6 {
+            model["cameras"].as_array_mut().expect("a list").push(json!({
+                "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "zfar": 9, "znear": 1 }
+            }));
+        }
+        for index in 1..7 {
+            let nodes = model["nodes"].as_array_mut().expect("a list");
+            nodes.push(json!({ "camera": index }));
+            model["scenes"][0]["nodes"].as_array_mut().expect("a list").push(json!(2 + index));
+        }
+    });
+    let short =
+        "camera 1, camera 2, camera 3, camera 4 and 2 more (--verbose lists all): orthographic cameras are left out\n";
+    let long = "camera 1, camera 2, camera 3, camera 4, camera 5, camera 6: orthographic cameras are left out\n";
+    let stats = ["--stats", "s.json"];
+    assert!(render(&folder, &stats).stderr.contains(short));
+    let text = std::fs::read_to_string(folder.path("s.json")).expect("statistics");
+    let statistics: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(statistics["warnings"][0]["places"].as_array().map(Vec::len), Some(6));
+    assert!(render(&folder, &["--verbose"]).stderr.contains(long));
+    assert!(folder.done(&["info", "room.gltf"]).stdout.contains(short));
+    assert!(folder.done(&["info", "room.gltf", "--verbose"]).stdout.contains(long));
 }

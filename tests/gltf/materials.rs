@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::support::{Builder, near, rgb};
+use super::support::{Builder, TRIANGLE, near, rgb, warnings};
 
 /// A file with this material.
 fn with(material: Value) -> Builder {
@@ -35,10 +35,55 @@ fn a_material_may_say_nothing() {
     assert_eq!(with(json!({})).model().materials, [fogbow::gltf::Material::default()]);
 }
 
+/// A triangle of each of these materials, and one material that nothing has.
+fn painted(materials: &[Value]) -> Builder {
+    let mut file = Builder::new();
+    for material in materials {
+        let index = file.add("materials", material.clone());
+        let positions = file.floats(&TRIANGLE);
+        let mesh = file.mesh(json!({ "attributes": { "POSITION": positions }, "material": index }));
+        file.place(mesh);
+    }
+    file.add("materials", json!({ "name": "unused" }));
+    file
+}
+
+#[test]
+fn materials_that_are_more_than_diffuse_are_named_once() {
+    let matte = json!({ "metallicFactor": 0, "roughnessFactor": 1, "baseColorFactor": [0.5, 0.5, 0.5, 1] });
+    let with = |name: &str, key: &str, value: Value| {
+        let mut surface = matte.clone();
+        surface[key] = value;
+        json!({ "name": name, "pbrMetallicRoughness": surface })
+    };
+    let texture = json!({ "index": 0 });
+    let bumpy = json!({ "name": "bumpy", "pbrMetallicRoughness": matte, "normalTexture": texture });
+    let materials = [
+        json!({ "name": "matte", "pbrMetallicRoughness": matte }),
+        with("brass", "metallicFactor", json!(0.9)),
+        json!({ "name": "silent" }),
+        with("floor", "roughnessFactor", json!(0.4)),
+        with("tiles", "metallicRoughnessTexture", texture.clone()),
+        bumpy,
+    ];
+    let diffuse = "rendered as diffuse";
+    assert_eq!(
+        warnings(&painted(&materials).model()),
+        [
+            format!(
+                "material 1 \"brass\", material 2 \"silent\": is metallic (metallicFactor is 1 unless the file says otherwise) and {diffuse}"
+            ),
+            format!("material 3 \"floor\", material 4 \"tiles\": is glossy and {diffuse}, without highlights"),
+            "material 5 \"bumpy\": has a normal map, which is not read; the surface is as flat as its triangles".into(),
+        ]
+    );
+    assert!(warnings(&painted(&materials[..1]).model()).is_empty());
+}
+
 #[test]
 fn alpha_is_left_out() {
     let file = with(json!({ "name": "leaf", "alphaMode": "MASK" }));
-    assert_eq!(file.model().warnings, ["material 0 \"leaf\": alpha is not read; the surface is opaque"]);
+    assert_eq!(warnings(&file.model()), ["material 0 \"leaf\": alpha is not read; the surface is opaque"]);
     assert!(with(json!({ "alphaMode": "OPAQUE" })).model().warnings.is_empty());
 }
 

@@ -7,13 +7,16 @@ use fogbow::gltf;
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::support::{Builder, TRIANGLE, data_uri, glb, rgb};
+use super::support::{Builder, TRIANGLE, data_uri, glb, rgb, warnings};
 
 /// A textured triangle.
 fn textured() -> Builder {
     let mut file = Builder::new();
     let texture = file.texture(&rgb(1, 1, &[[9, 8, 7]]));
-    file.add("materials", json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": texture } } }));
+    file.add(
+        "materials",
+        json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": texture } } }),
+    );
     let positions = file.floats(&TRIANGLE);
     let texcoords = file.floats(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
     let attributes = json!({ "POSITION": positions, "TEXCOORD_0": texcoords });
@@ -70,7 +73,7 @@ fn bytes_after_the_container_are_not_read() {
     let mut bytes = textured().glb();
     bytes.extend(b"junk");
     let model = gltf::parse("a.glb", &bytes, None).expect("valid");
-    assert_eq!(model.warnings, ["container: bytes after the end that the header states are not read"]);
+    assert_eq!(warnings(&model), ["a.glb: container: bytes after the end that the header states are not read"]);
 }
 
 #[test]

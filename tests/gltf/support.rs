@@ -135,6 +135,12 @@ impl Builder {
     }
 }
 
+/// The warnings of a model, without the name of its file.
+pub fn warnings(model: &Model) -> Vec<String> {
+    let line = |warning: &fogbow::warning::Warning| warning.to_string().replacen("test.glb: ", "", 1);
+    model.warnings.iter().map(line).collect()
+}
+
 /// A binary container of `json` and `binary`.
 pub fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let mut chunks = chunk(b"JSON", json, b' ');
@@ -205,7 +211,7 @@ pub fn everything() -> Builder {
     let info = json!({ "index": texture, "extensions": { "KHR_texture_transform": transform } });
     file.json["materials"] = json!([{
         "name": "Paint",
-        "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.5, 0.9, 1], "baseColorTexture": info },
+        "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorFactor": [0.1, 0.5, 0.9, 1], "baseColorTexture": info },
         "emissiveFactor": [1, 0.5, 0],
         "emissiveTexture": { "index": photograph },
         "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 30 } },

@@ -81,6 +81,11 @@ impl Surfaces {
         &self.materials
     }
 
+    /// Index of the material of a triangle.
+    pub fn material_index(&self, triangle: u32) -> usize {
+        self.material_of[triangle as usize] as usize
+    }
+
     /// The material of a triangle.
     #[inline(always)]
     pub fn material(&self, triangle: u32) -> &Material {
