@@ -37,6 +37,17 @@ fn missing() -> Vec<&'static str> {
     Vec::new()
 }
 
+/// What a build that leaves the processor's means unused should know; `None` if there is nothing to say.
+///
+/// The kernels work on eight numbers at a time. Without AVX2 these are two halves, and without FMA a product and a sum are
+/// rounded twice.
+pub fn advice() -> Option<&'static str> {
+    cfg!(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")))).then_some(
+        "this build does without AVX2 and FMA and is several times slower than it could be: build it with \
+         RUSTFLAGS=\"-Ctarget-cpu=x86-64-v3\"",
+    )
+}
+
 /// Refuses to run on a processor that lacks what the build uses: the alternative is a crash in the middle.
 ///
 /// # Errors

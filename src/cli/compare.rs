@@ -1,9 +1,9 @@
 //! `fogbow compare`
 
-use super::figures::number;
 use super::{CompareArgs, say, tell};
 use crate::compare::{ChannelComparison, compare, difference_picture};
 use crate::error::{Error, Result};
+use crate::figures::number;
 use crate::image::{self, Format};
 use crate::output;
 

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use fogbow_kernels::Walk;
 use fogbow_kernels::pipeline::SIMD;
 
-use super::figures::{duration, number, rate, starts};
 use super::{InfoArgs, say, warning_text};
 use crate::error::{Error, Result};
+use crate::figures::{duration, number, rate, starts};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
 use crate::gltf::quoted;

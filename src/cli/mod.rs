@@ -2,12 +2,10 @@
 
 mod bar;
 mod compare;
-mod figures;
+mod finish;
 mod info;
-mod job;
 mod progress;
 mod render;
-mod report;
 mod signals;
 mod values;
 
@@ -21,8 +19,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
+use crate::session::Reference;
 use crate::warning::Warning;
-use values::{ImageOutput, Reference};
+use values::ImageOutput;
 
 /// Renders light in dense, forward-scattering media: fog, clouds, milk, skin, deep water.
 #[derive(Debug, Parser)]

@@ -6,35 +6,17 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use super::bar::Bar;
-use super::figures::{duration, rate};
 use super::{Progress, say, tell};
+use crate::figures::{duration, rate};
+use crate::session::State;
 
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// How far a render is.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct State {
-    /// Share of the work that is done, in [0, 1].
-    pub fraction: f64,
-    /// Camera paths so far.
-    pub samples: u64,
-    /// Time since the start.
-    pub elapsed: Duration,
-    /// Time left, once anything is known about it `[s]`.
-    pub seconds_left: Option<f64>,
-}
-
-impl State {
-    fn rate(&self) -> f64 {
-        self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
-    }
-
-    /// Rate and time left, for people.
-    fn outlook(&self) -> String {
-        let left = self.seconds_left.map_or_else(|| "starting".into(), |left| format!("{} left", duration(left)));
-        format!("{}  {left}", rate(self.rate()))
-    }
+/// Rate and time left, for people.
+fn outlook(state: &State) -> String {
+    let left = state.seconds_left.map_or_else(|| "starting".into(), |left| format!("{} left", duration(left)));
+    format!("{}  {left}", rate(state.rate()))
 }
 
 /// Where progress goes.
@@ -59,7 +41,7 @@ impl Reporter {
     /// Shows `state`, not more often than is useful.
     pub fn update(&mut self, state: State) {
         if self.style == Progress::Bar {
-            self.bar.update(state.fraction, state.outlook());
+            self.bar.update(state.fraction, outlook(&state));
             return;
         }
         let is_early = state.elapsed < INTERVAL || state.fraction >= 1.0;
@@ -99,7 +81,7 @@ impl Reporter {
     fn message(&self, state: State) {
         let percent = 100.0 * state.fraction;
         match self.style {
-            Progress::Plain => tell(format!("{percent:5.1} %  {}", state.outlook())),
+            Progress::Plain => tell(format!("{percent:5.1} %  {}", outlook(&state))),
             Progress::Json => {
                 let message = json!({
                     "event": "progress",

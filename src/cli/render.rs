@@ -2,37 +2,30 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Instant;
 
-use fogbow_kernels::pipeline::{self, Pipeline};
-
-use super::job::{Job, Preparation, Target};
+use super::finish::finish;
 use super::progress::Reporter;
 use super::signals::Signals;
-use super::values::{ImageOutput, Reference};
+use super::values::ImageOutput;
 use super::{RenderArgs, say, warning_text};
+use crate::cpu;
 use crate::error::{Error, Result};
-use crate::film::{self, Film, Region};
+use crate::film::Region;
 use crate::image::Format;
-use crate::image::tone::Exposure;
-use crate::metering;
 use crate::output;
-use crate::pilot;
-use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::document::Override;
-use crate::scene::{self, LoadedScene, schema};
-use crate::truncation;
-
-/// Side of a tile where twins run: they are slow, and a tile is what Ctrl-C and progress wait for.
-const REFERENCE_TILE_SIZE: u32 = 8;
+use crate::scene::{self, LoadedScene};
+use crate::session::{Session, Settings, State, Target};
+use crate::truncation::Truncation;
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.help_scene {
         return help_scene();
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
-    let mut scene = scene::load(path, overrides(args))?;
+    let scene = scene::load(path, overrides(args))?;
     let mut reporter = Reporter::new(args.progress, &scene.name);
+    cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene)?;
@@ -42,30 +35,31 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         (_, Some(noise)) => Target::Noise(noise),
         _ => Target::Samples(scene.scene.render.samples),
     };
-    let workers =
-        Workers { threads: args.threads.unwrap_or(0) as usize, lanes: None, detailed_stats: args.stats.is_some() };
-    let renderer = Renderer::new(workers).map_err(|error| {
-        Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
-    })?;
-    let tile_size = if args.reference.is_some() { REFERENCE_TILE_SIZE } else { film::tile_size(region) };
-    let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
-        let bytes = Film::bytes(&scene.frame, region.pixels());
-        let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
-        Error::failure(path.display(), finding, "render a smaller image with --size, or parts of it with --crop")
-    })?;
-    let (monitor, start) = (Monitor::default(), Instant::now());
-    let signals = Signals::watch(&monitor.stop)?;
-    let (size, render) = (scene.scene.film.size, &scene.scene.render);
-    let (frame, trials) = pilot::settle(&scene.frame, size, render, &renderer, || signals.came());
-    let left_out = truncation::estimate(&frame, size, &renderer);
-    left_out.iter().filter(|left_out| left_out.matters()).for_each(|left_out| reporter.warn(left_out));
-    let exposure = exposure(&scene, &outputs, &renderer);
-    scene.frame = frame;
-    let (pipeline, reference) = pipeline(args);
-    let preparation = Preparation { trials, left_out, exposure, reference };
-    let job = Job { scene: &scene, renderer, pipeline, film, preparation, start, monitor, signals };
-    let outcome = job.run(target, &mut reporter);
-    job.finish(&outcome, &outputs, args.stats.as_deref(), &reporter)
+    let mut session = Session::new(
+        scene,
+        Settings {
+            region: Some(region),
+            threads: args.threads.unwrap_or(0) as usize,
+            detailed_stats: args.stats.is_some(),
+            reference: args.reference.unwrap_or_default(),
+        },
+    )?;
+    let signals = Signals::watch(&session.monitor().stop)?;
+    session.prepare(outputs.iter().any(|image| image.format == Format::Png), || signals.came());
+    let left_out = session.preparation().left_out.filter(Truncation::matters);
+    left_out.iter().for_each(|left_out| reporter.warn(left_out));
+    let mut last = State::default();
+    let outcome = session.run(
+        target,
+        || signals.came(),
+        |state| {
+            last = state;
+            reporter.update(state);
+        },
+    );
+    let stopped = signals.exit_code();
+    reporter.finish(if stopped.is_some() { last } else { last.done() });
+    finish(&session, &outcome, stopped, &outputs, args.stats.as_deref(), &reporter)
 }
 
 /// `--help-scene`
@@ -135,22 +129,4 @@ fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) 
         return Err(Error::usage(flag, "names the scene or an image", "give the statistics a file of their own"));
     }
     Ok(())
-}
-
-/// The exposure of the PNG images, if there are any.
-fn exposure(scene: &LoadedScene, outputs: &[ImageOutput], renderer: &Renderer) -> Option<Exposure> {
-    if outputs.iter().all(|image| image.format != Format::Png) {
-        return None;
-    }
-    let schema::Film { size, exposure } = scene.scene.film;
-    Some(exposure.0.map_or_else(|| metering::exposure(&scene.frame, size, renderer), Exposure))
-}
-
-/// The stages, and which of them are twins.
-fn pipeline(args: &RenderArgs) -> (Pipeline, String) {
-    match args.reference {
-        None => (pipeline::SIMD, "none".into()),
-        Some(Reference::All) => (pipeline::REFERENCE, "all".into()),
-        Some(Reference::One(stage)) => (pipeline::SIMD.with_reference(stage), stage.name().into()),
-    }
 }

@@ -8,6 +8,7 @@ use fogbow_kernels::pipeline::Stage;
 
 use crate::error::{Error, Result};
 use crate::image::Format;
+use crate::session::Reference;
 
 /// An image to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,13 +39,6 @@ impl ImageOutput {
 pub fn image() -> impl clap::builder::TypedValueParser<Value = ImageOutput> {
     use clap::builder::{OsStringValueParser, TypedValueParser};
     OsStringValueParser::new().try_map(ImageOutput::parse)
-}
-
-/// Which stages run as twins.
-#[derive(Clone, Copy, Debug)]
-pub enum Reference {
-    All,
-    One(Stage),
 }
 
 /// The error that `flag` cannot be followed by `value`.

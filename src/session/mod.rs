@@ -1,0 +1,171 @@
+//! A render from its scene to the images it leaves: what is settled first, rounds of samples, and what is told of them.
+
+mod report;
+mod rounds;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use fogbow_kernels::pipeline::{self, Pipeline, Stage};
+
+use crate::error::{Error, Result};
+use crate::film::{self, Film, Region};
+use crate::image::tone::Exposure;
+use crate::image::{self, Format};
+use crate::pilot::{self, Trial};
+use crate::render::{Monitor, Renderer, Workers};
+use crate::scene::LoadedScene;
+use crate::stats::Stats;
+use crate::truncation::{self, Truncation};
+use crate::{metering, output};
+pub use report::Report;
+pub use rounds::{State, Target};
+
+/// Side of a tile where twins run: they are slow, and a tile is what an interruption and progress wait for.
+const REFERENCE_TILE_SIZE: u32 = 8;
+
+/// Which stages run as scalar twins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reference {
+    /// None of them.
+    #[default]
+    None,
+    /// One of them.
+    One(Stage),
+    /// All of them.
+    All,
+}
+
+impl Reference {
+    /// The name of the stage, `all` or `none`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::One(stage) => stage.name(),
+            Self::All => "all",
+        }
+    }
+
+    fn pipeline(self) -> Pipeline {
+        match self {
+            Self::None => pipeline::SIMD,
+            Self::One(stage) => pipeline::SIMD.with_reference(stage),
+            Self::All => pipeline::REFERENCE,
+        }
+    }
+}
+
+/// What a render does besides what its scene says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// The part of the image to render; all of it if absent.
+    pub region: Option<Region>,
+    /// Worker threads; 0 for one per processor.
+    pub threads: usize,
+    /// Whether to time stages and count the fate of connections.
+    pub detailed_stats: bool,
+    /// Which stages run as scalar twins.
+    pub reference: Reference,
+}
+
+/// A render: its scene and all that it needs.
+pub struct Session {
+    /// The scene; once prepared, with what the pilot chose.
+    pub scene: LoadedScene,
+    /// The image so far.
+    pub film: Film,
+    renderer: Renderer,
+    settings: Settings,
+    preparation: Preparation,
+    /// When it began, the pilot included.
+    start: Instant,
+    monitor: Monitor,
+}
+
+/// What was settled before the first sample.
+#[derive(Clone, Debug, Default)]
+pub struct Preparation {
+    /// What the pilot tried.
+    pub trials: Vec<Trial>,
+    /// What the limit on the length of paths leaves out.
+    pub left_out: Option<Truncation>,
+    /// Exposure of PNG images, if any is to be written.
+    pub exposure: Option<Exposure>,
+}
+
+/// How a render ended.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Counters.
+    pub stats: Stats,
+    /// Time since the session began.
+    pub elapsed: Duration,
+}
+
+impl Session {
+    /// A render of `scene` that has not begun.
+    ///
+    /// # Errors
+    /// If there is not enough memory, or threads cannot be started.
+    pub fn new(scene: LoadedScene, settings: Settings) -> Result<Self> {
+        let [width, height] = scene.scene.film.size;
+        let region = settings.region.unwrap_or_else(|| Region::whole(width, height));
+        let Settings { threads, detailed_stats, reference, .. } = settings;
+        let renderer = Renderer::new(Workers { threads, lanes: None, detailed_stats }).map_err(|error| {
+            Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
+        })?;
+        let tile_size = if reference == Reference::None { film::tile_size(region) } else { REFERENCE_TILE_SIZE };
+        let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
+            let bytes = Film::bytes(&scene.frame, region.pixels());
+            let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
+            Error::failure(&scene.name, finding, "render a smaller image with --size, or parts of it with --crop")
+        })?;
+        let (preparation, start, monitor) = (Preparation::default(), Instant::now(), Monitor::default());
+        Ok(Self { scene, film, renderer, settings, preparation, start, monitor })
+    }
+
+    /// Worker threads.
+    pub fn threads(&self) -> usize {
+        self.renderer.threads()
+    }
+
+    /// What stops a running round when it is set.
+    pub fn monitor(&self) -> &Monitor {
+        &self.monitor
+    }
+
+    /// What was settled before the first sample.
+    pub fn preparation(&self) -> &Preparation {
+        &self.preparation
+    }
+
+    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out; meters
+    /// the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
+    pub fn prepare(&mut self, has_png: bool, interrupted: impl Fn() -> bool) {
+        let (size, exposure) = (self.scene.scene.film.size, self.scene.scene.film.exposure.0);
+        let metered = || metering::exposure(&self.scene.frame, size, &self.renderer);
+        let exposure = has_png.then(|| exposure.map_or_else(metered, Exposure));
+        let (frame, trials) =
+            pilot::settle(&self.scene.frame, size, &self.scene.scene.render, &self.renderer, &interrupted);
+        let left_out = if interrupted() { None } else { truncation::estimate(&frame, size, &self.renderer) };
+        self.scene.frame = frame;
+        self.preparation = Preparation { trials, left_out, exposure };
+    }
+
+    /// All that is told of a render that ended like this.
+    pub fn report<'a>(&'a self, outcome: &'a Outcome) -> Report<'a> {
+        Report { session: self, outcome }
+    }
+
+    /// Writes the image to `path`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, outcome: &Outcome, path: &Path, format: Format) -> Result<()> {
+        let size = self.scene.scene.film.size;
+        output::write(path, |file| match format {
+            Format::Png => image::png::write_film(file, &self.film, self.preparation.exposure.unwrap_or(Exposure(0.0))),
+            Format::Exr => image::exr::write_film(file, &self.film, size, &self.report(outcome).header()),
+        })
+    }
+}

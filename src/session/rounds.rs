@@ -1,0 +1,171 @@
+//! Rounds of samples, until the target is met.
+
+use core::ops::Range;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use super::{Outcome, Session};
+use crate::stats::Stats;
+
+/// How often progress and deadlines are looked at.
+const TICK: Duration = Duration::from_millis(20);
+/// Time after which the rate so far says how long the rest will take.
+const SURE_AFTER: Duration = Duration::from_secs(3);
+/// The same where so much is done.
+const LIKELY_AFTER: Duration = Duration::from_millis(500);
+/// Share of the work after which it does.
+const LIKELY_FRACTION: f64 = 0.05;
+
+/// Samples per pixel after which an image that is still black is taken for black.
+const BLACK_AFTER: u32 = 1 << 14;
+
+/// Most samples per pixel, whatever the target.
+const MOST_SAMPLES: u32 = 1 << 31;
+
+/// When a render is done.
+#[derive(Clone, Copy, Debug)]
+pub enum Target {
+    /// After so many samples per pixel.
+    Samples(u32),
+    /// After so long.
+    Time(Duration),
+    /// At this relative noise.
+    Noise(f64),
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct State {
+    /// Share of the work that is done, in [0, 1].
+    pub fraction: f64,
+    /// Camera paths so far.
+    pub samples: u64,
+    /// Time since the start.
+    pub elapsed: Duration,
+    /// Time left, once anything is known about it `[s]`.
+    pub seconds_left: Option<f64>,
+}
+
+impl State {
+    /// The same, with nothing left to do.
+    pub fn done(self) -> Self {
+        Self { fraction: 1.0, seconds_left: Some(0.0), ..self }
+    }
+
+    /// Camera paths per second so far.
+    pub fn rate(&self) -> f64 {
+        self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
+    }
+}
+
+/// What to render before the next look at the target.
+struct Round {
+    /// Sample numbers.
+    samples: Range<u32>,
+    /// Samples per pixel after which the target will be met, as far as that is known.
+    expected: Option<f64>,
+}
+
+impl Session {
+    /// Renders until the target is met, or `interrupted` says so while its monitor's `stop` is set; tells `look` now and then
+    /// how far it is.
+    pub fn run(&self, target: Target, interrupted: impl Fn() -> bool, mut look: impl FnMut(State)) -> Outcome {
+        let (mut stats, mut done) = (Stats::new(false), 0);
+        let begin = Instant::now();
+        while !interrupted() {
+            let Some(round) = self.next_round(target, done) else { break };
+            // The first sample of every pixel is taken whatever the time.
+            let deadline = match target {
+                Target::Time(time) if done > 0 => self.start.checked_add(time),
+                _ => None,
+            };
+            let pixels = self.film.region().pixels() as f64;
+            let watch = Watch { session: self, begin, target, expected: round.expected.map(|n| n * pixels) };
+            done = round.samples.end;
+            stats.merge(&self.render(round.samples, deadline, || look(watch.state())));
+            look(watch.state()); // a short round had no time for it
+        }
+        Outcome { stats, elapsed: self.start.elapsed() }
+    }
+
+    /// Renders one round, calling `look` now and then, and stops it at the deadline.
+    fn render(&self, samples: Range<u32>, mut deadline: Option<Instant>, mut look: impl FnMut()) -> Stats {
+        let monitor = &self.monitor;
+        let pipeline = self.settings.reference.pipeline();
+        std::thread::scope(|scope| {
+            let (end, ended) = mpsc::channel();
+            let round = scope.spawn(move || {
+                let stats = self.renderer.render(&self.scene.frame, &pipeline, &self.film, samples, monitor);
+                let _ = end.send(());
+                stats
+            });
+            let left = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
+            while ended.recv_timeout(deadline.map_or(TICK, left).min(TICK)) == Err(RecvTimeoutError::Timeout) {
+                look();
+                if deadline.is_some_and(|deadline| left(deadline).is_zero()) {
+                    monitor.stop.store(true, Ordering::Relaxed);
+                    deadline = None;
+                }
+            }
+            round.join().expect("stages do not panic")
+        })
+    }
+
+    /// The round after `done` samples of every pixel, or `None` if the target is met.
+    fn next_round(&self, target: Target, done: u32) -> Option<Round> {
+        let until = |end: u32, expected: Option<f64>| {
+            (end > done).then_some(Round { samples: done..end.min(MOST_SAMPLES), expected })
+        };
+        match target {
+            _ if done >= MOST_SAMPLES => None,
+            Target::Samples(samples) => until(samples, Some(f64::from(samples))),
+            Target::Time(time) if done > 0 && self.start.elapsed() >= time => None,
+            Target::Time(_) => until((2 * u64::from(done)).clamp(1, u64::from(done) + 64) as u32, None),
+            Target::Noise(_) if done == 0 => until(16, None),
+            Target::Noise(noise) => {
+                let share = self.film.relative_noise() / noise;
+                if share <= 1.0 || (share.is_infinite() && done >= BLACK_AFTER) {
+                    return None;
+                }
+                // Noise falls with the root of the number of samples; a little more than that says is rarely too much.
+                let needed = (1.05 * share * share * f64::from(done)).ceil();
+                let end = needed.clamp(f64::from(done) + 1.0, 2.0 * f64::from(done));
+                until(end as u32, needed.is_finite().then_some(needed))
+            }
+        }
+    }
+}
+
+/// Reads the progress of a running render.
+struct Watch<'a> {
+    session: &'a Session,
+    /// When the first sample was begun.
+    begin: Instant,
+    target: Target,
+    /// Samples of all pixels together after which the target will be met, as far as that is known.
+    expected: Option<f64>,
+}
+
+impl Watch<'_> {
+    fn state(&self) -> State {
+        let Session { monitor, start, .. } = self.session;
+        let (samples, elapsed) = (monitor.samples.load(Ordering::Relaxed), start.elapsed());
+        let fraction = match self.target {
+            Target::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9),
+            Target::Samples(_) | Target::Noise(_) => self.expected.map_or(0.0, |expected| samples as f64 / expected),
+        };
+        let seconds_left = match self.target {
+            Target::Time(time) => Some(time.saturating_sub(elapsed).as_secs_f64()),
+            Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
+        };
+        State { fraction: fraction.min(1.0), samples, elapsed, seconds_left }
+    }
+
+    /// Time left at the rate so far `[s]`; none as long as that says little.
+    fn seconds_left(&self, fraction: f64) -> Option<f64> {
+        let since = self.begin.elapsed();
+        let is_known = since >= SURE_AFTER || (since >= LIKELY_AFTER && fraction >= LIKELY_FRACTION);
+        (is_known && fraction > 0.0).then(|| since.as_secs_f64() * (1.0 - fraction).max(0.0) / fraction)
+    }
+}
