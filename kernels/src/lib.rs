@@ -53,6 +53,9 @@ impl Walk {
     pub const ALL: Self = Self { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 }
 
+/// The longest path that is ever asked for, in segments: random dimensions have room for as many inserted vertices.
+pub const LONGEST_PATH: u32 = 1024;
+
 /// Which path lengths count, in segments, camera and light segment included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathLengths {

@@ -10,7 +10,7 @@ use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, Walk};
+use fogbow_kernels::{LONGEST_PATH, PathLengths, Walk};
 use glam::DVec3;
 
 use super::cameras::Chosen;
@@ -35,8 +35,6 @@ const MOST_AIMED_LIGHTS: usize = 16;
 const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
 const LARGEST_FILM: u64 = 1 << 27;
-/// Longest path: the random dimensions have room for as many inserted vertices.
-const LONGEST_PATH: u32 = 1024;
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
 const SHARPEST: f64 = 0.9999;
 
