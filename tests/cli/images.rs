@@ -1,5 +1,7 @@
 //! What is in the images.
 
+use fogbow_testing::tolerances::SRGB_BYTE;
+
 use super::support::{Folder, header, plane};
 
 #[test]
@@ -71,18 +73,49 @@ fn the_hash_follows_the_scene_but_not_the_number_of_samples() {
 fn a_png_is_eight_bit_srgb_of_the_right_size() {
     let folder = Folder::with_scene();
     folder.done(&["render", "scene.toml", "-o", "a.png", "--size", "13x9"]);
-    let file = std::fs::File::open(folder.path("a.png")).expect("a file");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
-    let info = reader.info();
+    let (info, pixels) = folder.png("a.png");
     assert_eq!((info.width, info.height), (13, 9));
     assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
     assert!(info.srgb.is_some());
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small image")];
-    reader.next_frame(&mut pixels).expect("pixels");
     assert_eq!(pixels.len(), 3 * 13 * 9);
     let brightest = pixels.iter().max().copied();
     assert_eq!(brightest, Some(255), "the brightest pixel is white");
     assert!(pixels.chunks(3).all(|rgb| rgb[0] == rgb[1] && rgb[1] == rgb[2]), "grey light gives a grey image");
+}
+
+/// The light of a pixel as a screen shows it, from the papers: Reinhard et al. 2002, Eq. 4, then IEC 61966-2-1.
+fn shown(rgb: [f64; 3], exposure: f64, white: f64) -> [f64; 3] {
+    let light = exposure * luminance(rgb);
+    rgb.map(|channel| {
+        let linear = (exposure * channel * (1.0 + light / (white * white)) / (1.0 + light)).clamp(0.0, 1.0);
+        255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    })
+}
+
+/// Luminance by Rec. 709.
+fn luminance([red, green, blue]: [f64; 3]) -> f64 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
+#[test]
+fn a_png_shows_the_colours_of_the_exr() {
+    let folder = Folder::with_edited_scene("radiance = 10", "radiance = [10, 4, 1]");
+    folder.done(&["render", "scene.toml", "-o", "a.png", "-o", "a.exr", "--size", "13x9"]);
+    let ((_, pixels), image) = (folder.png("a.png"), folder.image("a.exr"));
+    let planes = ["R", "G", "B"].map(|channel| plane(&image, channel));
+    let radiance: Vec<_> = (0..13 * 9).map(|i| planes.map(|plane| f64::from(plane[i]))).collect();
+    let luminances: Vec<_> = radiance.iter().map(|rgb| luminance(*rgb)).collect();
+    assert!(luminances.iter().all(|luminance| *luminance > 0.0), "no pixel is black");
+    let log_average = (luminances.iter().map(|luminance| luminance.ln()).sum::<f64>() / luminances.len() as f64).exp();
+    let exposure = 0.18 / log_average;
+    let white = luminances.iter().fold(0.0, |white: f64, luminance| white.max(exposure * luminance));
+    for (i, (found, rgb)) in pixels.chunks(3).zip(radiance).enumerate() {
+        let expected = shown(rgb, exposure, white.max(1.0));
+        let close =
+            found.iter().zip(expected).all(|(found, expected)| (f64::from(*found) - expected).abs() < SRGB_BYTE);
+        assert!(close, "pixel {i} is {found:?} where {rgb:?} should look like {expected:?}");
+    }
+    assert!(pixels.chunks(3).any(|rgb| rgb[0] > rgb[1] && rgb[1] > rgb[2]), "red light gives a red image");
 }
 
 #[test]

@@ -109,3 +109,7 @@ pub const DIFFERENT_PATHS: f64 = 2e-3;
 
 /// Whole paths that took the same decisions: what is left of f32 after a few dozen operations per segment.
 pub const RADIANCE: Tolerance = tolerance(1e-9, 2e-3);
+
+/// Bytes of a PNG: half a step of rounding, and a little for radiances that were rounded to single precision before they
+/// were written elsewhere.
+pub const SRGB_BYTE: f64 = 0.51;
