@@ -46,6 +46,12 @@ const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
 const SEED: u32 = 0x9e37_79b9;
 
+/// The seed of the pilot's samples for a frame of `seed`: another one, under which light importance sampling draws nothing
+/// either.
+pub fn seed(seed: u32) -> u32 {
+    seed ^ SEED
+}
+
 /// What may be left to the pilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
@@ -201,7 +207,7 @@ impl<'a> Pilot<'a> {
         let (frame, region) = frame.small(size, SIDE);
         // Directly seen light is the same in all trials, and its edge is coarse in a small image.
         let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
-        Self { frame: Frame { lengths, seed: frame.seed ^ SEED, ..frame }, region, renderer }
+        Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer }
     }
 
     fn attempt(&self, setting: Setting) -> Trial {

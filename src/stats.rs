@@ -6,7 +6,7 @@ use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
-use fogbow_kernels::random;
+use fogbow_kernels::random::{self, Purpose};
 
 use crate::film::{ExactSum, Unit};
 use crate::frame::Frame;
@@ -66,7 +66,7 @@ impl Connector {
     }
 
     /// The random dimension of its light points.
-    pub fn light_purpose(self) -> u32 {
+    pub fn light_purpose(self) -> Purpose {
         match self {
             Self::Nee => random::NEE_LIGHT,
             Self::Mvnee => random::MVNEE_LIGHT,

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
-use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
+use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 use fogbow_testing::frames::{self, Active};
+use fogbow_testing::quadrature::{Emission, LitFog};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::truths;
 use glam::DVec3;
@@ -47,37 +48,21 @@ fn single_scatter(camera: Camera, active: Active) -> Frame {
     frames::with_techniques(&base, active, f64::INFINITY)
 }
 
-/// Radiance along +z from `near` on, by quadrature over the ray and the disk, red.
-fn single_scatter_quadrature(near: f64) -> f64 {
-    let (scattering, extinction, g) = (0.8, 1.1, 0.7);
-    let (center, normal) = (DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0).normalize());
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let (steps, rings, spokes) = (4000, 24, 48);
-    let mut sum = 0.0;
-    for i in 0..steps {
-        // Uniform in optical depth up to 20.
-        let t = (f64::from(i) + 0.5) / f64::from(steps) * 20.0 / extinction;
-        let vertex = DVec3::new(0.0, 0.0, near + t);
-        let mut arriving = 0.0;
-        for j in 0..rings * spokes {
-            let r = 0.5 * ((f64::from(j / spokes) + 0.5) / f64::from(rings)).sqrt();
-            let (sin, cos) = ((f64::from(j % spokes) + 0.5) / f64::from(spokes) * core::f64::consts::TAU).sin_cos();
-            let way = center + r * (cos * tangent + sin * bitangent) - vertex;
-            let (distance, direction) = (way.length(), way.normalize());
-            let cos_light = (-direction.dot(normal)).max(0.0);
-            arriving +=
-                phase::density(g, direction.z) * cos_light / (distance * distance) * (-extinction * distance).exp();
-        }
-        let area = core::f64::consts::PI * 0.25 / f64::from(rings * spokes);
-        sum += scattering * (-extinction * t).exp() * 10.0 * arriving * area;
-    }
-    sum * 20.0 / extinction / f64::from(steps)
-}
+/// What surrounds its disk, as quadrature sees it.
+const LIT_FOG: LitFog = LitFog {
+    scattering: 0.8,
+    extinction: 1.1,
+    g: 0.7,
+    center: DVec3::new(0.8, 0.5, 4.0),
+    normal: DVec3::new(-0.3, 0.2, -1.0),
+    radius: 0.5,
+    emission: Emission::Even,
+};
 
 #[test]
 fn one_scattering_event_has_the_radiance_of_the_quadrature() {
     for (near, recorded) in [(1.0, 0.033_092_55), (0.0, 0.014_787_97)] {
-        let expected = single_scatter_quadrature(near);
+        let expected = 10.0 * LIT_FOG.scattered_once(near);
         assert!((expected / recorded - 1.0).abs() < 1e-3, "quadrature gives {expected} instead of {recorded}");
         for active in [Active::Nee, Active::Mvnee, Active::MvneeGaussian, Active::Both] {
             let film = render(&single_scatter(ray_camera(near), active), [1, 1], 0..2_000_000).0;

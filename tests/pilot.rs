@@ -6,7 +6,9 @@ use fogbow::frame::Frame;
 use fogbow::pilot::{self, Setting, Trial};
 use fogbow::render::Renderer;
 use fogbow::scene::{self, LoadedScene, document::Override};
-use fogbow_testing::render::WORKERS;
+use fogbow_kernels::random::lis_seed;
+use fogbow_testing::render::{WORKERS, green, render};
+use fogbow_testing::statistics::z_of_means;
 
 /// The scene in `folder` with other settings.
 fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
@@ -148,25 +150,61 @@ fn the_best_trial_is_efficient_agrees_and_has_most_starts_of_those_as_good() {
     assert_eq!(chosen(&[near, trial(2, 3.0, 2.0), full]), Some(1));
 }
 
-/// Where scattering is all but straight back, light comes by many segments, and few starts find it rarely or not at all.
+/// Where scattering is all but straight back, light comes by many segments, and few starts find it rarely or not at all: five
+/// looks out of six that one start takes see next to nothing, with so little variance that it would be the most efficient by
+/// far. That no more than two of twelve do has a probability of 10^-6.
 #[test]
 fn what_misses_the_light_is_not_chosen() {
-    for (g, seed) in [("-0.999", 1), ("-0.999", 2), ("0.9999", 1)] {
+    let mut tempting = 0;
+    for seed in 1..=12 {
         let settings = [
-            format!("medium.phase.g={g}"),
-            format!("render.seed={seed}"),
-            "light[0].radius=1.5".into(),
-            "light[0].center=[0, 0, 3]".into(),
+            "medium.phase.g=-0.9999",
+            "light[0].radius=1.5",
+            "light[0].center=[0, 0, 3]",
+            &format!("render.seed={seed}"),
         ];
-        let scene = scene("fog-facing", &settings.each_ref().map(String::as_str));
-        let (frame, trials) = settled(&scene);
-        let fullest = trials.iter().max_by_key(|trial| trial.setting.starts).expect("trials");
-        let chosen = trials.iter().find(|trial| trial.setting.starts == frame.walk.starts).expect("the chosen one");
-        let z = (chosen.mean - fullest.mean) / chosen.mean_error.hypot(fullest.mean_error);
-        assert!(z.abs() < 5.0, "g = {g}, seed {seed}: {chosen:?} is {z} from {fullest:?}");
-        let missing = trials
-            .iter()
-            .any(|trial| (trial.mean - fullest.mean).abs() > 5.0 * trial.mean_error.hypot(fullest.mean_error));
-        assert!(missing, "g = {g}, seed {seed}: every setting finds the light: {trials:#?}");
+        let (frame, trials) = settled(&scene("fog-facing", &settings));
+        let fullest = trials.iter().find(|trial| (trial.setting.starts, trial.setting.survival) == (u32::MAX, 1.0));
+        let fullest = fullest.expect("all starts are tried");
+        let misses =
+            |trial: &Trial| (trial.mean - fullest.mean).abs() > 5.0 * trial.mean_error.hypot(fullest.mean_error);
+        let setting = (frame.walk.starts, frame.walk.survival);
+        let chosen = trials.iter().find(|trial| (trial.setting.starts, trial.setting.survival) == setting);
+        let chosen = chosen.expect("what is chosen was tried");
+        assert!(!misses(chosen), "seed {seed}: {chosen:?} is far from {fullest:?}");
+        let most = trials.iter().max_by(|a, b| a.efficiency().total_cmp(&b.efficiency())).expect("trials");
+        tempting += u32::from(misses(most));
+    }
+    assert!(tempting > 2, "only {tempting} of 12 looks are tempted by what misses the light");
+}
+
+#[test]
+fn the_pilot_looks_at_other_samples_than_those_that_are_kept() {
+    // As large as the pilot's own image, so that both would be the same under the same seed.
+    let (size, samples) = ([32, 32], 32);
+    let scene = scene("fog-facing", &["film.size=[32, 32]", "render.min_segments=2", "render.seed=5"]);
+    let (_, trials) = settled(&scene);
+    for trial in &trials {
+        let with = |seed: u32| {
+            let walk = scene.frame.clone().with_walk(trial.setting.starts, trial.setting.survival);
+            let frame = Frame { roulette: trial.setting.roulette, seed, ..walk };
+            green(&render(&frame, size, 0..samples).0)
+        };
+        let close = |(mean, _): (f64, f64)| (mean / trial.mean - 1.0).abs() < 1e-9;
+        assert!(close(with(pilot::seed(5))), "{trial:?} has its own samples");
+        let kept = with(5);
+        assert!(!close(kept) && !close(with(lis_seed(5))), "{trial:?} has the samples of the frame");
+        let z = z_of_means(kept, (trial.mean, trial.mean_error));
+        assert!(z.abs() < 5.0, "{trial:?} is another image than {kept:?}");
+    }
+    assert!(trials.len() > 4, "{trials:?}");
+}
+
+#[test]
+fn the_pilot_has_a_seed_of_its_own_for_every_seed() {
+    for seed in (0..1000).chain((0..32).map(|bit| 1 << bit)).chain([u32::MAX, pilot::seed(0), lis_seed(0)]) {
+        let mut seeds = [seed, lis_seed(seed), pilot::seed(seed), lis_seed(pilot::seed(seed))];
+        seeds.sort_unstable();
+        assert!(seeds.windows(2).all(|pair| pair[0] != pair[1]), "of {seed}: {seeds:?}");
     }
 }

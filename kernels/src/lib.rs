@@ -53,7 +53,7 @@ impl Walk {
     pub const ALL: Self = Self { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 }
 
-/// Longest path that can be asked for, in segments: the random dimensions have room for as many inserted vertices.
+/// The longest path that is ever asked for, in segments: random dimensions have room for as many inserted vertices.
 pub const LONGEST_PATH: u32 = 1024;
 
 /// Which path lengths count, in segments, camera and light segment included.

@@ -3,66 +3,118 @@
 //! Any decision of any sample can therefore be replayed on its own, and nothing depends on the order in which rows are
 //! processed. The bits are integer arithmetic, the same in kernels and twins and on every machine.
 //!
-//! This page lists every dimension. A *block* is four words; its number is `depth << 16 | purpose`, where `depth` is
-//! the number of the vertex that asks (the camera is 0; segment `j` leaves vertex `j`).
-//!
-//! | purpose | words |
-//! |---|---|
-//! | [`CAMERA`] | film x, film y, free or aimed first flight, the aimed one |
-//! | [`SEGMENT`] | free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves |
-//! | [`NEE_LIGHT`] | light, two for the point on it, roulette |
-//! | [`MVNEE_LIGHT`] | the same for MVNEE |
-//! | [`OMNEE_LIGHT`] | the same for OMNEE |
-//! | [`BRIDGE_LIGHT`] | the same for bridges |
-//! | [`LIS_LIGHT`], [`LIS_NEAR_LIGHT`] | the same for light importance sampling and its companion |
-//! | any of these ` + `[`EMITTER`] | emitter of the light, -, -, - |
-//! | [`OMNEE_VERTEX`] | turn, first angle and azimuth of the inserted vertex, - |
-//! | [`LIS_VERTEX`] | cosine, azimuth, flight and side of the vertex made from the light |
-//! | [`BRIDGE_COUNT`] | uniform or tabulated count and the table's turn, the count, roll, the table's distance |
-//! | [`MVNEE_FLIGHTS`]` + k` | free flights of the seeds 4 k .. 4 k + 4 |
-//! | [`MVNEE_OFFSETS`]` + k` | radius and azimuth of the perturbation of seeds 2 k and 2 k + 1 |
-//! | [`BRIDGE_WALK`]` + k` | length of edge k, cosine and azimuth of the turn at its end, - |
+//! This page lists every dimension. A *block* is four words; its number is `depth << 16 | number of the purpose`, where
+//! `depth` is the number of the vertex that asks (the camera is 0; segment `j` leaves vertex `j`). Blocks are asked for by
+//! [`Purpose`], and there are no purposes but those listed here, so that every word that a stage may draw is in [`PURPOSES`].
 //!
 //! Light importance sampling joins a start with its vertex as MVNEE or a bridge would, from the same blocks under
 //! [`lis_seed`].
 
 use wide::{f32x8, i32x8, u32x8};
 
-/// The place of a sample on the film, and its first flight.
-pub const CAMERA: u32 = 0;
-/// One step of the walk.
-pub const SEGMENT: u32 = 1;
-/// The light point of next event estimation.
-pub const NEE_LIGHT: u32 = 2;
-/// The light point of multiple-vertex next event estimation.
-pub const MVNEE_LIGHT: u32 = 3;
-/// The light point of once-more next event estimation.
-pub const OMNEE_LIGHT: u32 = 4;
-/// The light point of a bridge.
-pub const BRIDGE_LIGHT: u32 = 5;
-/// The inserted vertex of once-more next event estimation.
-pub const OMNEE_VERTEX: u32 = 6;
-/// How many edges a bridge has, by which knots of the table, and how it is rolled.
-pub const BRIDGE_COUNT: u32 = 7;
-/// The light point of light importance sampling.
-pub const LIS_LIGHT: u32 = 8;
-/// The light point of its companion.
-pub const LIS_NEAR_LIGHT: u32 = 9;
-/// The vertex made from the light.
-pub const LIS_VERTEX: u32 = 10;
-/// Added to the purpose of a light point: the emitter of a light that has several.
-pub const EMITTER: u32 = 0x80;
-/// First block of the seeds' free flights; room for 1024 seeds.
-pub const MVNEE_FLIGHTS: u32 = 0x100;
-/// First block of the seeds' perturbations; room for 1024 seeds.
-pub const MVNEE_OFFSETS: u32 = 0x200;
-/// First block of a bridge's free walk; room for 1024 edges.
-pub const BRIDGE_WALK: u32 = 0x400;
+use crate::LONGEST_PATH;
 
-/// Number of the block that the vertex at `depth` uses for `purpose`.
+/// What blocks of random words are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Purpose {
+    /// Number of its first block at every depth.
+    first: u32,
+    /// Blocks in a row.
+    blocks: u32,
+    /// Whether another block, [`EMITTER`] farther on, is for the emitter of a light that has several.
+    light: bool,
+}
+
+/// From the block of a light point to that whose first word picks the emitter.
+const EMITTER: u32 = 0x80;
+
+impl Purpose {
+    const fn one(first: u32) -> Self {
+        Self { first, blocks: 1, light: false }
+    }
+
+    const fn light_point(first: u32) -> Self {
+        Self { light: true, ..Self::one(first) }
+    }
+
+    const fn row(first: u32, blocks: u32) -> Self {
+        Self { blocks, ..Self::one(first) }
+    }
+
+    /// Block `k` of a row.
+    #[inline(always)]
+    pub const fn nth(self, k: u32) -> Self {
+        debug_assert!(k < self.blocks, "the row has no such block");
+        Self::one(self.first + k)
+    }
+
+    /// The block whose first word picks the emitter of a light whose point these blocks are for.
+    #[inline(always)]
+    pub const fn emitter(self) -> Self {
+        debug_assert!(self.light, "the blocks are for no light point");
+        Self::one(self.first + EMITTER)
+    }
+
+    /// Numbers of all blocks that it may ask for at a depth.
+    pub fn numbers(self) -> impl Iterator<Item = u32> {
+        (self.first..self.first + self.blocks).chain(self.light.then_some(self.first + EMITTER))
+    }
+}
+
+/// Declares every purpose, and the table of all of them.
+macro_rules! purposes {
+    ($($(#[$doc:meta])* $name:ident = $purpose:expr;)*) => {
+        $($(#[$doc])* pub const $name: Purpose = $purpose;)*
+
+        /// All purposes, by name.
+        pub const PURPOSES: &[(&str, Purpose)] = &[$((stringify!($name), $name)),*];
+    };
+}
+
+purposes! {
+    /// The place of a sample on the film, and its first flight: film x, film y, free or aimed, the aimed one.
+    CAMERA = Purpose::one(0);
+    /// One step of the walk: free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves.
+    SEGMENT = Purpose::one(1);
+    /// The light point of next event estimation: light, two for the point on it, roulette.
+    NEE_LIGHT = Purpose::light_point(2);
+    /// The same for multiple-vertex next event estimation.
+    MVNEE_LIGHT = Purpose::light_point(3);
+    /// The same for once-more next event estimation.
+    OMNEE_LIGHT = Purpose::light_point(4);
+    /// The same for bridges.
+    BRIDGE_LIGHT = Purpose::light_point(5);
+    /// The inserted vertex of once-more next event estimation: turn, first angle, azimuth, -.
+    OMNEE_VERTEX = Purpose::one(6);
+    /// How many edges a bridge has: uniform or tabulated and the table's turn, the count, roll, the table's distance.
+    BRIDGE_COUNT = Purpose::one(7);
+    /// The light point of light importance sampling; its roulette is its companion's, too.
+    LIS_LIGHT = Purpose::light_point(8);
+    /// The light point of its companion: light, two for the point on it, -.
+    LIS_NEAR_LIGHT = Purpose::light_point(9);
+    /// The vertex made from the light: cosine, azimuth, flight, side.
+    LIS_VERTEX = Purpose::one(10);
+    /// The seeds' free flights: block k has those of seeds 4 k .. 4 k + 4.
+    MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_PATH / 4);
+    /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.
+    MVNEE_OFFSETS = Purpose::row(0x200, LONGEST_PATH / 2);
+    /// A bridge's free walk: block k has length of edge k, cosine and azimuth of the turn at its end, -.
+    BRIDGE_WALK = Purpose::row(0x400, LONGEST_PATH);
+}
+
+/// Bits of a block's number that say what it is for.
+const PURPOSE_BITS: u32 = 16;
+
+/// Number of the block that the vertex at `depth` uses for `purpose`, the first one of a row.
 #[inline(always)]
-pub fn block(depth: u32, purpose: u32) -> u32 {
-    depth << 16 | purpose
+pub fn block(depth: u32, purpose: Purpose) -> u32 {
+    depth << PURPOSE_BITS | purpose.first
+}
+
+/// [`block`] for eight rows.
+#[inline(always)]
+pub fn block_x8(depth: u32x8, purpose: Purpose) -> u32x8 {
+    depth << PURPOSE_BITS | u32x8::splat(purpose.first)
 }
 
 /// The seed under which light importance sampling draws its bridges and its seeds on the axis: with the frame's own they
@@ -132,6 +184,48 @@ pub fn uniform_x8(word: u32x8) -> f32x8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_two_decisions_of_a_sample_share_a_block() {
+        // What asks is a vertex of a path, the camera is vertex 0 and the light asks nothing.
+        for seed in [0, 1, u32::MAX] {
+            let mut keys = Vec::new();
+            for seed in [seed, lis_seed(seed)] {
+                for depth in 0..LONGEST_PATH {
+                    let numbers = PURPOSES.iter().flat_map(|(_, purpose)| purpose.numbers());
+                    keys.extend(numbers.map(|number| (seed, block(depth, Purpose::one(number)))));
+                }
+            }
+            keys.sort_unstable();
+            if let Some(pair) = keys.windows(2).find(|pair| pair[0] == pair[1]) {
+                let block = pair[0].1;
+                let (depth, number) = (block >> PURPOSE_BITS, block & ((1 << PURPOSE_BITS) - 1));
+                let asks = |purpose: &Purpose| purpose.numbers().any(|other| other == number);
+                let names: Vec<_> =
+                    PURPOSES.iter().filter(|(_, purpose)| asks(purpose)).map(|(name, _)| name).collect();
+                panic!("block {number:#x} at depth {depth} is asked for twice under one seed, by {names:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_have_a_block_for_every_vertex_of_the_longest_path() {
+        // A connection starts behind the camera, so that it has fewer edges than the path has segments.
+        let edges = LONGEST_PATH - 1;
+        let last = |purpose: Purpose| purpose.numbers().count() as u32 - 1;
+        assert!(last(BRIDGE_WALK) >= edges - 1);
+        // Counting looks for one seed more than fits.
+        assert!(last(MVNEE_FLIGHTS) >= edges / 4 && last(MVNEE_OFFSETS) >= edges / 2);
+    }
+
+    #[test]
+    fn blocks_of_lanes_are_those_of_rows() {
+        let depths = [0, 1, 2, 3, 7, 100, 1000, LONGEST_PATH - 1];
+        for (name, purpose) in PURPOSES {
+            let lanes = block_x8(u32x8::new(depths), *purpose).to_array();
+            assert_eq!(lanes, depths.map(|depth| block(depth, *purpose)), "{name}");
+        }
+    }
 
     #[test]
     fn lanes_draw_the_same_words_as_rows() {

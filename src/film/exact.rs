@@ -152,6 +152,25 @@ mod tests {
     }
 
     #[test]
+    fn errors_of_faint_pixels_are_known_beside_a_bright_light() {
+        // 2^-40 of the power of two above the light, in which roots are rounded.
+        let (light, root) = (100.0, 128.0 * 2.0_f64.powi(-40));
+        for faintness in [1.0, 1e-3, 1e-6, 1e-8, 1e-10] {
+            let samples: Vec<f32> =
+                (0..1000).map(|i| (light * faintness * f64::from(i * i % 977) / 977.0) as f32).collect();
+            let n = samples.len() as f64;
+            let mean = samples.iter().map(|x| f64::from(*x)).sum::<f64>() / n;
+            let variance = samples.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            let unit = Unit::for_radiance(light as f32);
+            let error = sum_of(unit, samples.iter()).standard_error(unit, samples.len() as u64);
+            // Half a unit off every root moves the mean square by no more than a unit times the mean, in the worst case.
+            let bound = 0.5 * root * mean / variance + 1e-9;
+            let relative = error / (variance / n).sqrt() - 1.0;
+            assert!(relative.abs() <= bound && bound < 0.05, "{faintness:e}: off by {relative:e}, may be by {bound:e}");
+        }
+    }
+
+    #[test]
     fn overflow_saturates() {
         let unit = Unit::for_radiance(1.0);
         let mut sum = sum_of(unit, [f32::MAX; 3].iter());

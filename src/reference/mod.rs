@@ -26,6 +26,7 @@ use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{bridge, lis, nee, omnee};
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath};
+use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
     PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
@@ -328,7 +329,7 @@ impl Walk<'_> {
 
     /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
     /// the roulette and is free. `purpose` is the random dimension of the technique's light point.
-    fn try_connection(&mut self, technique: Technique, purpose: u32, emitter: usize, rest: &[DVec3]) {
+    fn try_connection(&mut self, technique: Technique, purpose: Purpose, emitter: usize, rest: &[DVec3]) {
         let mut weight = self.weigh(emitter, rest);
         let contribution = roulette::reference::largest(&self.contribution(emitter, weight, rest.len() - 1));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);

@@ -16,13 +16,15 @@ use fogbow_kernels::{PathLengths, Walk as Limits};
 const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
-    let medium = Medium { extinction: 0.5, albedo: [albedo; 3], phase: HenyeyGreenstein { g: 0.5 } };
-    let disk = |z: f64, normal: DVec3| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, [1.0, 2.0, 3.0]);
+    let albedo = [albedo, 0.75 * albedo, 0.9 * albedo];
+    let medium = Medium { extinction: 0.5, albedo, phase: HenyeyGreenstein { g: 0.5 } };
+    let disk = |z: f64, normal: DVec3, radiance| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, radiance);
+    let disks = vec![disk(3.0, -DVec3::Z, [1.0, 2.0, 3.0]), disk(4.0, DVec3::Z, [4.0, 1.0, 2.0])];
     let bridge = Bridge::new(Roll::Aligned, &medium, lengths.max);
     Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
         medium,
-        lights: Lights::new(vec![disk(3.0, -DVec3::Z), disk(4.0, DVec3::Z)], Selection::IntensityDistance),
+        lights: Lights::new(disks, Selection::IntensityDistance),
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques {
             nee: true,
@@ -116,16 +118,17 @@ fn absorbers_are_not_aimed_in() {
     assert!((0..50).all(|sample| contributions(&free, 5, sample) == contributions(&aimed, 5, sample)));
 }
 
-/// Mean over pixels and samples, and its standard error, of the first channel of paths of each number of segments.
-fn means(frame: &Frame) -> Vec<(f64, f64)> {
+/// Mean over pixels and samples, and its standard error, of each channel of paths of each number of segments.
+fn means(frame: &Frame) -> Vec<[(f64, f64); 3]> {
     let (pixels, samples) = (16, 3000);
-    let mut sums = vec![(0.0, 0.0); frame.lengths.max as usize + 1];
+    let mut sums = vec![[(0.0, 0.0); 3]; frame.lengths.max as usize + 1];
     for (pixel, sample) in (0..pixels).flat_map(|pixel| (0..samples).map(move |sample| (pixel, sample))) {
-        let mut values = vec![0.0; sums.len()];
+        let mut values = vec![[0.0; 3]; sums.len()];
         for contribution in contributions(frame, pixel, sample) {
-            values[contribution.segments as usize] += contribution.radiance[0];
+            let value = &mut values[contribution.segments as usize];
+            *value = core::array::from_fn(|channel| value[channel] + contribution.radiance[channel]);
         }
-        for ((sum, squares), value) in sums.iter_mut().zip(values) {
+        for ((sum, squares), value) in sums.iter_mut().flatten().zip(values.into_iter().flatten()) {
             *sum += value;
             *squares += value * value;
         }
@@ -136,7 +139,7 @@ fn means(frame: &Frame) -> Vec<(f64, f64)> {
         (mean, ((squares / count - mean * mean) / count).sqrt())
     };
     // Views of a light are expectations and have no technique.
-    sums.into_iter().skip(2).map(estimate).collect()
+    sums.into_iter().skip(2).map(|channels| channels.map(estimate)).collect()
 }
 
 #[test]
@@ -172,8 +175,11 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ),
     ] {
         for (n, (found, expected)) in means(&frame).into_iter().zip(&truth).enumerate() {
-            let z = (found.0 - expected.0) / (found.1.powi(2) + expected.1.powi(2)).sqrt();
-            assert!(z.abs() < 4.0, "{name}, {} segments: {found:?}, expected {expected:?}, z = {z}", n + 2);
+            for (channel, (found, expected)) in found.into_iter().zip(expected).enumerate() {
+                let z = (found.0 - expected.0) / (found.1.powi(2) + expected.1.powi(2)).sqrt();
+                let name = format!("{name}, {} segments, channel {channel}", n + 2);
+                assert!(z.abs() < 4.0, "{name}: {found:?}, expected {expected:?}, z = {z}");
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, Walk};
+use fogbow_kernels::{LONGEST_PATH, PathLengths, Walk};
 use glam::DVec3;
 
 use super::cameras::Chosen;
@@ -35,8 +35,6 @@ const MOST_AIMED_LIGHTS: usize = 16;
 const SMALLEST_SURVIVAL: f64 = 0.01;
 /// Pixels of the largest film: it takes 12 GiB.
 const LARGEST_FILM: u64 = 1 << 27;
-/// Most vertices that may be asked to connect: those of the longest path.
-const MOST_STARTS: u32 = 1024;
 /// Largest exposure in stops either way: factors of 10^30.
 const MOST_STOPS: f64 = 100.0;
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
@@ -251,7 +249,7 @@ impl Check<'_> {
         let starts = match render.starts {
             Starts::First(count) => {
                 let remedy = "give a number from 1 to 1024, \"all\" or \"auto\"";
-                self.require((1..=MOST_STARTS).contains(&count), "render.starts", count, remedy)?;
+                self.require((1..=LONGEST_PATH).contains(&count), "render.starts", count, remedy)?;
                 count
             }
             Starts::All | Starts::Auto => u32::MAX,

@@ -117,8 +117,9 @@ impl Session {
         let tile_size = if reference == Reference::None { film::tile_size(region) } else { REFERENCE_TILE_SIZE };
         let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
             let bytes = Film::bytes(&scene.frame, region.pixels());
+            let place = scene.files.first().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
             let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
-            Error::failure(&scene.name, finding, "render a smaller image with --size, or parts of it with --crop")
+            Error::failure(place, finding, "render a smaller image with --size, or parts of it with --crop")
         })?;
         let (preparation, start, monitor) = (Preparation::default(), Instant::now(), Monitor::default());
         Ok(Self { scene, film, renderer, settings, preparation, start, monitor })

@@ -1,5 +1,7 @@
 //! What is in the images.
 
+use fogbow_testing::tolerances::SRGB_BYTE;
+
 use super::support::{Folder, header, plane};
 
 #[test]
@@ -71,16 +73,38 @@ fn the_hash_follows_the_scene_but_not_the_number_of_samples() {
 fn a_png_is_eight_bit_srgb_of_the_right_size() {
     let folder = Folder::with_scene();
     folder.done(&["render", "scene.toml", "-o", "a.png", "--size", "13x9"]);
-    let file = std::fs::File::open(folder.path("a.png")).expect("a file");
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
-    let info = reader.info();
+    let (info, pixels) = folder.png("a.png");
     assert_eq!((info.width, info.height), (13, 9));
     assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
     assert!(info.srgb.is_some());
-    let mut pixels = vec![0; reader.output_buffer_size().expect("a small image")];
-    reader.next_frame(&mut pixels).expect("pixels");
     assert_eq!(pixels.len(), 3 * 13 * 9);
     assert!(pixels.chunks(3).all(|rgb| rgb[0] == rgb[1] && rgb[1] == rgb[2]), "grey light gives a grey image");
+}
+
+/// The light of a pixel as a screen shows it, from the papers: Reinhard et al. 2002, Eq. 4, of the largest channel, with
+/// white at 16, then IEC 61966-2-1.
+fn shown(rgb: [f64; 3], exposure: f64) -> [f64; 3] {
+    let light = exposure * rgb.into_iter().fold(0.0, f64::max);
+    rgb.map(|channel| {
+        let linear = (exposure * channel * (1.0 + light / 256.0) / (1.0 + light)).clamp(0.0, 1.0);
+        255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    })
+}
+
+#[test]
+fn a_png_shows_the_colours_of_the_exr() {
+    let folder = Folder::with_edited_scene("radiance = 10", "radiance = [10, 4, 1]");
+    folder.done(&["render", "scene.toml", "-o", "a.png", "-o", "a.exr", "--size", "13x9", "--exposure", "-2"]);
+    let ((_, pixels), image) = (folder.png("a.png"), folder.image("a.exr"));
+    let planes = ["R", "G", "B"].map(|channel| plane(&image, channel));
+    let radiance: Vec<_> = (0..13 * 9).map(|i| planes.map(|plane| f64::from(plane[i]))).collect();
+    for (i, (found, rgb)) in pixels.chunks(3).zip(radiance).enumerate() {
+        let expected = shown(rgb, 0.25);
+        let close =
+            found.iter().zip(expected).all(|(found, expected)| (f64::from(*found) - expected).abs() < SRGB_BYTE);
+        assert!(close, "pixel {i} is {found:?} where {rgb:?} should look like {expected:?}");
+    }
+    assert!(pixels.chunks(3).any(|rgb| rgb[0] > rgb[1] && rgb[1] > rgb[2]), "red light gives a red image");
 }
 
 #[test]

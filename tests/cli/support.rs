@@ -136,6 +136,16 @@ impl Folder {
     pub fn image(&self, name: &str) -> Image {
         fogbow::image::exr::read_image(&self.path(name)).unwrap_or_else(|error| panic!("{error}"))
     }
+
+    /// What the PNG image called `name` says of itself, and its pixels.
+    #[track_caller]
+    pub fn png(&self, name: &str) -> (png::Info<'static>, Vec<u8>) {
+        let file = fs::File::open(self.path(name)).expect("a file");
+        let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a small image")];
+        reader.next_frame(&mut pixels).expect("pixels");
+        (reader.info().clone(), pixels)
+    }
 }
 
 /// What became of a run of the program.

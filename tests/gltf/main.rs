@@ -1,6 +1,7 @@
 //! glTF files: what good ones become, what is said about malformed ones, and that no bytes make the reader panic.
 
 mod cameras_and_lights;
+mod hash;
 mod hierarchy;
 mod malformed;
 mod materials;

@@ -4,7 +4,7 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::LANES;
 use crate::columns::paths::PathTable;
-use crate::random::{self, uniform_x8};
+use crate::random::{self, Purpose, uniform_x8};
 use crate::{Step, lanes};
 
 /// What the random numbers of eight connections are drawn from.
@@ -39,8 +39,8 @@ impl Sequence {
 
     /// Four uniform numbers of block `purpose`.
     #[inline(always)]
-    pub fn uniforms(&self, purpose: u32) -> [f32x8; 4] {
-        let block = self.depth << 16_u32 | u32x8::splat(purpose);
+    pub fn uniforms(&self, purpose: Purpose) -> [f32x8; 4] {
+        let block = random::block_x8(self.depth, purpose);
         random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
     }
 }
@@ -66,7 +66,7 @@ impl Draws {
     }
 
     /// Four uniform numbers of block `purpose`.
-    pub(super) fn uniforms(&self, purpose: u32) -> [f64; 4] {
+    pub(super) fn uniforms(&self, purpose: Purpose) -> [f64; 4] {
         random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed).map(random::uniform)
     }
 }

@@ -30,7 +30,7 @@ pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
             continue;
         }
         let depth = u32x8::splat(step.clock) - birth[b];
-        let block = depth << 16_u32 | u32x8::splat(random::SEGMENT);
+        let block = random::block_x8(depth, random::SEGMENT);
         let words = random::words_x8(pixel[b], sample[b], block, step.seed);
         flight[b] = neg_ln(f32x8::ONE - uniform_x8(words[0])) * mean_free_path;
         (cosine[b], azimuth[b]) = (words[1], words[2]);

@@ -6,6 +6,7 @@ pub mod simd;
 use crate::Step;
 use crate::columns::paths::PathTable;
 use crate::columns::queues::{Bucket, CandidateQueue};
+use crate::random::Purpose;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 
@@ -26,7 +27,7 @@ pub struct Threshold {
     /// threshold that depended on the sample would bias it.
     pub contribution: f32,
     /// The random block of the technique's light point, whose fourth word decides.
-    pub purpose: u32,
+    pub purpose: Purpose,
 }
 
 /// Keeps a candidate with probability `min(1, C / threshold)`, where C is the largest channel of

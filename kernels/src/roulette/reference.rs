@@ -9,6 +9,7 @@
 
 use super::{Columns, Threshold};
 use crate::accumulate::reference::contribution;
+use crate::random::Purpose;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 use crate::{Step, random};
@@ -34,7 +35,7 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
 }
 
 /// The number that decides: the fourth of the block in which a technique draws its light point.
-pub fn uniform(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> f64 {
+pub fn uniform(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32) -> f64 {
     let [_, _, _, word] = random::words(pixel, sample, random::block(depth, purpose), seed);
     random::uniform(word)
 }

@@ -128,6 +128,19 @@ pub fn fog_facing(near: f64, g: f32, size: [u32; 2]) -> Frame {
     fog(near, g, DVec3::NEG_Z, size)
 }
 
+/// Two lights of different shapes, sizes and colours in a coloured, absorbing medium: one more than the only one, and so few
+/// that the first and the last are all.
+pub fn two_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
+    let medium = Medium { extinction: 1.1, albedo: [0.6, 0.95, 0.8], phase: HenyeyGreenstein { g } };
+    let lights = vec![
+        Emitter::sphere(DVec3::new(-0.6, 0.3, 2.2), 0.3, [1.0, 4.0, 12.0]),
+        Emitter::disk(DVec3::new(0.7, -0.2, 1.7), DVec3::new(-0.8, 0.3, -0.6), 0.5, [9.0, 3.0, 0.5]),
+    ];
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size);
+    let frame = plain(camera, medium, Lights::new(lights, selection), 7, 13);
+    with_techniques(&frame, Active::Both, 3.0)
+}
+
 /// Three coloured lights of different sizes, one of which hides part of another, in a coloured, absorbing medium.
 pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let medium = Medium { extinction: 1.2, albedo: [0.9, 0.75, 0.5], phase: HenyeyGreenstein { g } };

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod frames;
 pub mod generated;
 pub mod meshes;
+pub mod quadrature;
 pub mod rays;
 pub mod recorded;
 pub mod render;

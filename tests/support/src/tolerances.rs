@@ -60,6 +60,10 @@ pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
 /// Transmittances of views: `exp` of an f32 whose rounding counts with its size, up to about 20.
 pub const TRANSMITTANCE: Tolerance = tolerance(1e-12, 4e-6);
 
+/// Lights seen directly: transmittance, and the profile of a spotlight at a cosine that is good to a few roundings, over what
+/// its steepest cone here leaves of them.
+pub const VIEW: f64 = 2e-5;
+
 /// Contributions and products of albedos: a handful of factors.
 pub const CONTRIBUTION: Tolerance = tolerance(1e-12, 2e-6);
 
@@ -109,3 +113,16 @@ pub const DIFFERENT_PATHS: f64 = 2e-3;
 
 /// Whole paths that took the same decisions: what is left of f32 after a few dozen operations per segment.
 pub const RADIANCE: Tolerance = tolerance(1e-9, 2e-3);
+
+/// Bytes of a PNG: half a step of rounding, and a little for radiances that were rounded to single precision before they
+/// were written elsewhere.
+pub const SRGB_BYTE: f64 = 0.51;
+
+/// Radiance under a shining plane: error of the quadrature, measured by a finer one, and what a disk leaves out of a plane.
+pub const HALF_SPACE: f64 = 1e-3;
+
+/// Light that was scattered once on its way from a disk: what finer steps along the ray and over the disk change.
+pub const SCATTERED_ONCE: f64 = 5e-4;
+
+/// Radiance in [W/(m^2 sr)] of lights of about 1: what the film's sums resolve, 4e-15 of the brightest light, is less.
+pub const FAINTEST: f64 = 1e-13;

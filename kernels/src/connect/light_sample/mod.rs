@@ -7,13 +7,14 @@ pub mod simd;
 use crate::Step;
 use crate::columns::paths::{PathTable, RayTable, VertexTable};
 use crate::columns::queues::CandidateQueue;
+use crate::random::Purpose;
 use crate::tables::lights::Lights;
 
 /// Which pairs of start and light point a technique connects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// The random dimension of the technique's light point.
-    pub purpose: u32,
+    pub purpose: Purpose,
     /// Longest distance between start and light point `[m]`; infinite if there is no limit.
     pub max_distance: f32,
     /// Whether the start must lie in front of the light: true of a technique that connects in a straight line.
@@ -26,7 +27,7 @@ pub struct Reach {
 
 impl Reach {
     /// Every start and every light point, with `purpose` as the random dimension.
-    pub const fn new(purpose: u32) -> Self {
+    pub const fn new(purpose: Purpose) -> Self {
         Self { purpose, max_distance: f32::INFINITY, facing: false, starts: u32::MAX, max_depth: u32::MAX }
     }
 
@@ -53,7 +54,7 @@ pub struct Columns<'a, 'q> {
 /// area. A vertex may if `depth <= max_depth` and `depth - first < starts`, where `first` is the depth of the last surface
 /// vertex, or 1.
 ///
-/// The first word of the block picks the light, the first of the EMITTER block one of its emitters. The second and third of
+/// The first word of the block picks the light, the first of the emitter's block one of its emitters. The second and third of
 /// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent
 /// towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle
 /// the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`. The light sum, where it is defined, is filled

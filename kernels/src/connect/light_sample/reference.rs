@@ -23,6 +23,7 @@ use glam::DVec3;
 use super::{Columns, Reach};
 use crate::columns::LANES;
 use crate::columns::queues::Candidate;
+use crate::random::Purpose;
 use crate::tables::lights::{Emitter, LEAST_SELECTION_DISTANCE, Light, Lights, Selection, Shape};
 use crate::{Step, random};
 
@@ -84,10 +85,10 @@ pub struct Draws {
 }
 
 /// The numbers of a vertex's light point.
-pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: u32, seed: u32) -> Draws {
-    let words = |purpose: u32| random::words(pixel, sample, random::block(depth, purpose), seed);
+pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32) -> Draws {
+    let words = |purpose: Purpose| random::words(pixel, sample, random::block(depth, purpose), seed);
     let [light, u, v, _] = words(purpose);
-    let [emitter, ..] = words(purpose + random::EMITTER);
+    let [emitter, ..] = words(purpose.emitter());
     Draws { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
 }
 

@@ -55,7 +55,7 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             let near: u32x8 = bytemuck::cast(near);
             first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
         }
-        let block = depth << 16_u32 | u32x8::splat(reach.purpose);
+        let block = random::block_x8(depth, reach.purpose);
         let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
 
         let sum = selection::light_sum(lights, start);
@@ -64,7 +64,7 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
         }
         let mut emitter = selection::choose(lights, start, sum, choice);
         if lights.has_meshes() {
-            let block = block + u32x8::splat(random::EMITTER);
+            let block = random::block_x8(depth, reach.purpose.emitter());
             let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
             emitter = emitters_of(lights, emitter, words);
         }

@@ -19,7 +19,7 @@ pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, 
 
 /// Places the inserted vertices of every bridge.
 ///
-/// The free walk starts at its own origin along z. Edge `k` (0 .. N) takes block `BRIDGE_WALK + k` at the depth of the
+/// The free walk starts at its own origin along z. Edge `k` (0 .. N) takes block k of `BRIDGE_WALK` at the depth of the
 /// start: its length is `-ln(1 - u)` of the first word; unless it is the last, the next two words are cosine (the inverse
 /// of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted in the
 /// [frame](crate::vec3x8::Vec3x8::frame) of its direction.

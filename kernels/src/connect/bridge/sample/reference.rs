@@ -83,7 +83,7 @@ impl Draws {
 
     /// The numbers behind the length of edge `k`, counted from 0, and behind cosine and azimuth of the turn at its end.
     pub fn edge(&self, k: usize) -> [f64; 3] {
-        let [length, cosine, azimuth, _] = self.uniforms(random::BRIDGE_WALK + k as u32);
+        let [length, cosine, azimuth, _] = self.uniforms(random::BRIDGE_WALK.nth(k as u32));
         [length, cosine, azimuth]
     }
 }

@@ -80,15 +80,14 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
 #[inline(always)]
 fn walk(sequence: &Sequence, phase: &HenyeyGreensteinX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
     let (mut position, mut direction) = (Vec3x8::ZERO, Vec3x8::splat([0.0, 0.0, 1.0]));
-    let mut block = random::BRIDGE_WALK;
-    for vertex in chain {
-        let [length, cosine, azimuth, _] = sequence.uniforms(block);
+    let edges = chain.len() as u32;
+    for (k, vertex) in (0..).zip(chain) {
+        let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
         position = direction.mul_add(neg_ln(f32x8::ONE - length), position);
         vertex.set_batch(b, position);
         direction = phase.sample(cosine).apply(direction, azimuth);
-        block += 1;
     }
-    let [length, ..] = sequence.uniforms(block);
+    let [length, ..] = sequence.uniforms(random::BRIDGE_WALK.nth(edges));
     direction.mul_add(neg_ln(f32x8::ONE - length), position)
 }
 

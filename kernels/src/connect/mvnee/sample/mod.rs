@@ -10,13 +10,13 @@ use crate::{PathLengths, Step};
 
 /// Counts the seeds of every connection: free flights along the axis until its length is exceeded.
 ///
-/// Seed `k` takes word `k mod 4` of block `MVNEE_FLIGHTS + k div 4`, with the depth of the start. A connection that
+/// Seed `k` takes word `k mod 4` of block `k div 4` of `MVNEE_FLIGHTS`, with the depth of the start. A connection that
 /// would make the path longer than `lengths.max` segments is marked as dropped.
 pub type CountKernel = fn(&Medium, PathLengths, Step, CountColumns<'_, '_>);
 
 /// Places the inserted vertices of every connection.
 ///
-/// Seed `k` takes words `2 (k mod 2)` (radius) and `2 (k mod 2) + 1` (azimuth) of block `MVNEE_OFFSETS + k div 2`, with
+/// Seed `k` takes words `2 (k mod 2)` (radius) and `2 (k mod 2) + 1` (azimuth) of block `k div 2` of `MVNEE_OFFSETS`, with
 /// the depth of the start. The radius is `alpha sqrt(u / (1 - u))` or `sigma sqrt(-2 ln(1 - u))`; the azimuth `2 pi u`
 /// counts from the tangent towards the bitangent of the axis' [frame](crate::vec3x8::Vec3x8::frame).
 pub type BuildKernel = fn(&Medium, &Mvnee, Step, BuildColumns<'_, '_>);

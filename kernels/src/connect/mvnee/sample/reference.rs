@@ -61,12 +61,12 @@ pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'
 impl Draws {
     /// The number behind the flight to seed `k`.
     pub fn flight(&self, k: usize) -> f64 {
-        self.uniforms(random::MVNEE_FLIGHTS + (k / 4) as u32)[k % 4]
+        self.uniforms(random::MVNEE_FLIGHTS.nth((k / 4) as u32))[k % 4]
     }
 
     /// The numbers behind radius and azimuth of the perturbation of seed `k`.
     pub fn offset(&self, k: usize) -> [f64; 2] {
-        let block = self.uniforms(random::MVNEE_OFFSETS + (k / 2) as u32);
+        let block = self.uniforms(random::MVNEE_OFFSETS.nth((k / 2) as u32));
         let radius = 2 * (k % 2);
         [block[radius], block[radius + 1]]
     }

@@ -31,7 +31,7 @@ fn mean_free_path(medium: &Medium) -> f32x8 {
 /// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
 #[inline(always)]
 fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
-    let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS + k as u32);
+    let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS.nth(k as u32));
     uniforms.map(|u| neg_ln(f32x8::ONE - u) * mean_free_path)
 }
 
@@ -109,7 +109,7 @@ fn place(
     let mut after = last * last;
     let inverse_total = f32x8::ONE / (before + after);
     for (k, two) in chain.chunks_mut(2).enumerate().rev() {
-        let [radius_0, azimuth_0, radius_1, azimuth_1] = sequence.uniforms(random::MVNEE_OFFSETS + k as u32);
+        let [radius_0, azimuth_0, radius_1, azimuth_1] = sequence.uniforms(random::MVNEE_OFFSETS.nth(k as u32));
         let draws = [(radius_0, azimuth_0), (radius_1, azimuth_1)];
         for (vertex, (u, v)) in two.iter_mut().zip(draws).rev() {
             let Vec3x8 { x: step, y: before, z: along } = vertex.batch(b);
