@@ -1,4 +1,37 @@
 //! fogbow renders light in dense, forward-scattering media.
+//!
+//! [`Scene`] is the short way from a scene to its pixels:
+//!
+//! ```
+//! use fogbow::{Scene, Target};
+//!
+//! # fn main() -> fogbow::error::Result<()> {
+//! let mut scene = Scene::load("scenes/fog-facing")?;
+//! scene.set("medium.phase.g", 0.6)?;
+//! scene.set("film.size", vec![32, 32])?;
+//!
+//! let image = scene.render(Target::Samples(16))?;
+//! let middle = image.pixel(16, 16);
+//! println!("{:?} +- {:?} W/(m^2 sr)", middle.mean, middle.standard_error);
+//! image.write(std::env::temp_dir().join("fog.png"))?;
+//! # assert!(middle.mean[0] > 0.1 && middle.samples == 16);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`session`] is the longer way, with everything to choose and to watch; [`wavefront`] the loop in which stages follow each
+//! other, and [`kernels`] the stages themselves, each with a scalar twin.
+//!
+//! # Speed
+//!
+//! Stages work on eight numbers at a time, as AVX2 does. Rust builds for the oldest processors unless told otherwise, and a
+//! dependency cannot tell it: **put these lines into `.cargo/config.toml`** beside the `Cargo.toml` of your workspace, or every
+//! render takes several times as long (and says so in [`Rendered::warnings`]).
+//!
+//! ```toml
+//! [target.'cfg(target_arch = "x86_64")']
+//! rustflags = ["-Ctarget-cpu=x86-64-v3"]
+//! ```
 
 pub mod cli;
 pub mod compare;
@@ -9,6 +42,7 @@ pub mod film;
 pub mod frame;
 pub mod gltf;
 pub mod image;
+mod library;
 pub mod metering;
 pub mod output;
 pub mod pilot;
@@ -20,3 +54,7 @@ pub mod stats;
 pub mod truncation;
 pub mod warning;
 pub mod wavefront;
+
+pub use fogbow_kernels as kernels;
+pub use library::{Rendered, Scene};
+pub use session::Target;

@@ -31,7 +31,7 @@ use document::{Document, Override};
 use schema::{Camera, CameraOrName, Film, NumberOrAuto, Scene};
 
 /// A scene that was read and found valid.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LoadedScene {
     /// What it is called: its folder's or file's name.
     pub name: String,

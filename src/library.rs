@@ -1,0 +1,124 @@
+//! The short way from a scene to its pixels, for programs.
+
+use std::path::{Path, PathBuf};
+
+use toml::Value;
+
+use crate::cpu;
+use crate::error::{Error, Result};
+use crate::film::Pixel;
+use crate::image::Format;
+use crate::scene::document::Override;
+use crate::scene::{self, LoadedScene};
+use crate::session::{Outcome, Session, Settings, Target};
+
+/// A scene that was read and found valid.
+///
+/// See the [front page](crate) for an example.
+#[derive(Debug)]
+pub struct Scene {
+    path: PathBuf,
+    changes: Vec<Override>,
+    loaded: LoadedScene,
+}
+
+impl Scene {
+    /// Reads the scene at `path`: a TOML file, a folder with a `scene.toml`, or a glTF file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or something in it is wrong.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref().to_path_buf();
+        Ok(Self { loaded: scene::load(&path, Vec::new())?, changes: Vec::new(), path })
+    }
+
+    /// Sets a key as in a scene file: `medium.phase.g`, `light[0].radius`, `film.size`. The scene is read again.
+    ///
+    /// # Errors
+    /// If there is no such key, or the value is of the wrong type or out of range; the scene then stays as it was.
+    pub fn set(&mut self, key: &str, value: impl Into<Value>) -> Result<()> {
+        let value = value.into();
+        let flag = format!("{key} = {value}");
+        let mut changes = self.changes.clone();
+        changes.push(Override { key: key.into(), value, flag, is_dedicated: false });
+        self.loaded = scene::load(&self.path, changes.clone())?;
+        self.changes = changes;
+        Ok(())
+    }
+
+    /// The same scene as the stages read it, with all its keys and warnings.
+    pub fn loaded(&self) -> &LoadedScene {
+        &self.loaded
+    }
+
+    /// Renders until `target`, on all processors.
+    ///
+    /// What the scene leaves open is chosen by a [pilot](crate::pilot), as the program does.
+    ///
+    /// # Errors
+    /// If there is not enough memory for the image.
+    pub fn render(&self, target: Target) -> Result<Rendered> {
+        let mut session = Session::new(self.loaded.clone(), Settings::default())?;
+        session.prepare(true, || false);
+        let outcome = session.run(target, || false, |_| {});
+        Ok(Rendered { session, outcome })
+    }
+}
+
+/// An image, and how it came about.
+pub struct Rendered {
+    session: Session,
+    outcome: Outcome,
+}
+
+impl Rendered {
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.session.scene.scene.film.size
+    }
+
+    /// Mean radiance of the pixel in column `x` and row `y`, [red, green, blue] in W/(m^2 sr), its standard error, and its
+    /// number of samples. Row 0 is the top.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    pub fn pixel(&self, x: u32, y: u32) -> Pixel {
+        self.session.film.pixel(x, y)
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
+        self.session.film.pixels()
+    }
+
+    /// Mean radiance of the image per channel, and its standard error [W/(m^2 sr)].
+    pub fn mean(&self) -> ([f64; 3], [f64; 3]) {
+        self.session.film.mean()
+    }
+
+    /// What a person should know of this image: what of the scene was not rendered as it is written, what its limit on the
+    /// length of paths left out, and whether this build is slow.
+    pub fn warnings(&self) -> Vec<String> {
+        let scene = self.session.scene.warnings.iter().map(ToString::to_string);
+        let left_out = self.session.preparation().left_out.filter(|left_out| left_out.matters());
+        scene.chain(left_out.map(|left_out| left_out.to_string())).chain(cpu::advice().map(String::from)).collect()
+    }
+
+    /// Writes the image; the name of `path` says the format, `.exr` or `.png`.
+    ///
+    /// # Errors
+    /// If it says neither, or the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        let Some(format) = Format::of(path) else {
+            let finding = "does not name an image format";
+            return Err(Error::failure(path.display(), finding, "end the name in .exr or .png"));
+        };
+        self.session.write(&self.outcome, path, format)
+    }
+
+    /// The finished render, with its film, statistics and all else.
+    pub fn session(&self) -> (&Session, &Outcome) {
+        (&self.session, &self.outcome)
+    }
+}

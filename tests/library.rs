@@ -1,0 +1,39 @@
+//! The library, as a program that depends on it uses it.
+
+use fogbow::{Scene, Target};
+
+const FOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/fog-facing");
+
+#[test]
+fn a_render_of_the_library_is_that_of_the_program() {
+    let mut scene = Scene::load(FOG).expect("a scene");
+    scene.set("film.size", vec![16, 16]).expect("a size");
+    scene.set("medium.phase.g", 0.6).expect("a mean cosine");
+    let image = scene.render(Target::Samples(4)).expect("an image");
+    let folder = tempfile::tempdir().expect("a folder");
+    let [library, program] = ["library.exr", "program.exr"].map(|name| folder.path().join(name));
+    image.write(&library).expect("written");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fogbow"));
+    let flags = ["--size", "16x16", "--samples", "4", "--set", "medium.phase.g=0.6", "--progress", "none", "-o"];
+    let run = command.args(["render", FOG]).args(flags).arg(&program).output().expect("the program");
+    assert!(run.status.success(), "{run:?}");
+    let [library, program] = [library, program].map(|path| fogbow::image::exr::read_image(&path).expect("an image"));
+    assert_eq!(library.channels, program.channels);
+    let red = library.channel("R").expect("red");
+    assert_eq!(image.pixel(3, 5).mean[0] as f32, red[5 * 16 + 3]);
+    assert_eq!(image.pixels().count(), 256);
+    assert!(image.warnings().iter().any(|warning| warning.starts_with("paths of more than 15 segments")));
+}
+
+#[test]
+fn what_cannot_be_set_leaves_the_scene_as_it_was() {
+    let mut scene = Scene::load(FOG).expect("a scene");
+    let before = scene.loaded().hash();
+    for (key, value) in [("medium.phase.g", 2.0), ("medium.mist", 1.0), ("light[7].radius", 1.0)] {
+        let error = scene.set(key, value).expect_err("out of range").to_string();
+        assert!(error.starts_with(&format!("error: {key} = ")), "{error}");
+    }
+    assert_eq!(scene.loaded().hash(), before);
+    let image = scene.render(Target::Noise(0.9)).expect("an image");
+    assert!(image.write("fog.jpg").expect_err("no format").to_string().contains("does not name an image format"));
+}
