@@ -29,7 +29,7 @@ use values::ImageOutput;
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// List every key of a scene file, with type, default and meaning.
+    /// List every key of a scene file with its type, default and meaning.
     #[arg(long)]
     help_scene: bool,
 }
@@ -38,9 +38,9 @@ struct Cli {
 enum Command {
     /// Render a scene to EXR and PNG images.
     Render(Box<RenderArgs>),
-    /// Compare two EXR images: differences, and whether noise explains them.
+    /// Compare two EXR images: how much they differ, and whether noise explains it.
     Compare(CompareArgs),
-    /// Say what a scene is and what it will cost, or what an image's header holds.
+    /// Describe a scene and what it costs to render, or an image and its header.
     Info(InfoArgs),
 }
 
@@ -51,24 +51,24 @@ enum Progress {
     Auto,
     /// A bar.
     Bar,
-    /// A line now and then.
+    /// A line every few seconds.
     Plain,
     /// One JSON object per line, on standard error.
     Json,
-    /// Lines that Open Job Description workers understand, on standard output.
+    /// Lines for Open Job Description workers, on standard output.
     Openjd,
-    /// Nothing but errors.
+    /// Only warnings and errors.
     None,
 }
 
 /// What the help page says beyond flags.
 const ABOUT_RENDERING: &str = "\
-Surfaces come from glTF files. They reflect diffusely, with the base colour of their material: metal, gloss, transparency and
-normal maps are not rendered so far, and a warning names the materials that have any. The back of a surface is black unless its
-material is doubleSided.
+Surfaces come from glTF files. They reflect diffusely, with the base colour of their material. Metal, gloss,
+transparency and normal maps are not rendered yet; a warning names the materials that use them. The back of a surface
+is black unless its material is doubleSided.
 
-Exit codes: 0 done, 1 failed, 2 wrong command line; 130, 143 and 129 ended by Ctrl-C, SIGTERM or SIGHUP, with what there was
-written.";
+Exit codes: 0 success, 1 failure, 2 wrong command line. Ctrl-C, SIGTERM or SIGHUP ends a render early: fogbow writes the
+image so far and exits with 130, 143 or 129.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_RENDERING)]
@@ -76,60 +76,61 @@ struct RenderArgs {
     /// The scene: a TOML file, a folder with a scene.toml, or a glTF file with a camera.
     #[arg(required_unless_present = "help_scene")]
     scene: Option<PathBuf>,
-    /// Where to write the image; .exr or .png, or exr:PATH or png:PATH for any other name; may be repeated. Default: the
-    /// scene's name with .exr.
+    /// Where to write the image: a name that ends in .exr or .png, or exr:PATH or png:PATH for any other name. May be
+    /// repeated. Default: the scene's name with .exr.
     #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", value_parser = values::image())]
     output: Vec<ImageOutput>,
-    /// Connection technique, or several with commas: path, nee, mvnee, omnee, bridge, lis.
+    /// Connection technique, or several separated by commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
     technique: Option<String>,
-    /// Longest MVNEE connection in expected segments.
+    /// Longest MVNEE connection, in expected segments (extinction times distance).
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
-    /// Longest path in segments, camera and light segment included.
+    /// Longest path, in segments, including the camera and light segments.
     #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = values::whole_number("--max-segments"))]
     max_segments: Option<i64>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true, value_parser = values::whole_number("--samples"))]
     samples: Option<i64>,
-    /// Render for so long, as 60s or 2min, and at least one sample per pixel.
+    /// Render for this long, for example 60s or 2min, but at least one sample per pixel.
     #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
     time: Option<Duration>,
-    /// Render until the noise is this share: the root mean square of the pixels' relative standard errors, without the
-    /// noisiest hundredth of them.
-    #[arg(long, value_name = "SHARE", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
+    /// Render until the noise falls to this fraction, for example 0.01 for 1 %. Noise is the root mean square of the
+    /// pixels' relative standard errors, leaving out the noisiest 1 % of the pixels.
+    #[arg(long, value_name = "FRACTION", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
-    /// Size of the image in pixels.
+    /// Size of the image in pixels, for example 1920x1080.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<[u32; 2]>,
-    /// Render only columns X0 to X1 and rows Y0 to Y1 (the last ones excluded) of the image.
+    /// Render only columns X0 to X1 and rows Y0 to Y1 of the image, not including X1 and Y1.
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = values::crop)]
     crop: Option<[u32; 4]>,
-    /// Exposure of PNG images in stops, or auto: the middle of the whole image becomes middle grey, whatever is cropped.
+    /// Exposure of PNG images in stops, or auto, which makes the log-average luminance of the whole image middle grey,
+    /// even if only a crop is rendered.
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
     exposure: Option<toml::Value>,
-    /// Seed of all random numbers.
+    /// Seed for all random numbers.
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed"))]
     seed: Option<i64>,
-    /// Worker threads. Default: one per processor. The image does not depend on it.
+    /// Number of worker threads; it does not change the image. Default: one per processor.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u32>,
-    /// Replace all stages, or the named one, by their scalar f64 twins.
+    /// Replace all stages, or only the one named, with their scalar f64 twins.
     #[arg(long, value_name = "STAGE", num_args = 0..=1, default_missing_value = "all", value_parser = values::stage)]
     reference: Option<Reference>,
-    /// Write counters and times of every stage as JSON.
+    /// Write statistics as JSON, with counters and times for every stage.
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,
-    /// Override any key of the scene; may be repeated.
+    /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
-    /// Name every place that a warning is about, not the first ones alone.
+    /// List every place that a warning is about, not only the first few.
     #[arg(short, long)]
     verbose: bool,
-    /// List every key of a scene file, with type, default and meaning.
+    /// List every key of a scene file with its type, default and meaning.
     #[arg(long)]
     help_scene: bool,
 }
@@ -138,24 +139,24 @@ struct RenderArgs {
 struct CompareArgs {
     /// The first image.
     a: PathBuf,
-    /// The second image, the reference of relative figures.
+    /// The second image, the reference for relative figures.
     b: PathBuf,
-    /// Print JSON.
+    /// Print the comparison as JSON.
     #[arg(long)]
     json: bool,
-    /// Write a picture of the difference: red where the first is brighter, blue where it is darker.
+    /// Write a picture of the difference: red where the first image is brighter, blue where it is darker.
     #[arg(long, value_name = "DIFF.png")]
     png: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 struct InfoArgs {
-    /// A scene file or folder, a glTF file, or an EXR image.
+    /// A TOML file, a folder with a scene.toml, a glTF file, or an EXR image.
     path: PathBuf,
-    /// Override any key of the scene; may be repeated.
+    /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
-    /// Name every place that a warning is about, not the first ones alone.
+    /// List every place that a warning is about, not only the first few.
     #[arg(short, long)]
     verbose: bool,
 }

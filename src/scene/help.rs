@@ -11,9 +11,10 @@ use super::schema::Scene;
 pub fn page() -> String {
     let schema = schema_for!(Scene).to_value();
     let mut page = String::from(
-        "A scene is a TOML file, or a glTF file, which may have the same keys in the extras of its scene, below \"fogbow\".\n\
-         Units: metres, 1/m, W/(m^2 sr). Unknown keys, wrong types and values out of range\n\
-         are errors. Every key can be overridden: --set medium.phase.g=0.6, --set light[0].radius=0.1\n",
+        "A scene is a TOML file or a glTF file. A glTF file may have the same keys in the extras of its scene, under \
+         \"fogbow\".\n\
+         Units are metres, 1/m and W/(m^2 sr). Unknown keys, wrong types and values out of range are errors.\n\
+         Every key can be overridden: --set medium.phase.g=0.6, --set light[0].radius=0.1\n",
     );
     for (name, property) in properties(&schema) {
         let (list, table) = match &property["items"] {

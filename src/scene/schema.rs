@@ -11,30 +11,31 @@ pub use values::{CameraOrName, NumberOrAuto, Spectrum, Starts, Techniques};
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// A glTF file, .gltf or .glb, relative to this one. Its meshes are surfaces that reflect diffusely, with their base
-    /// colour (factor, texture, colours of vertices), and hide what is behind. Those with an emissive material shine, every
-    /// triangle in the mean of its texture. Its point and spot lights shine beside those of this file. Absent: nothing is
-    /// solid.
+    /// A glTF file, .gltf or .glb, relative to this one. Its meshes are opaque surfaces that reflect diffusely with
+    /// their base colour (factor, texture and vertex colours). Meshes with an emissive material are lights; each
+    /// triangle emits the mean of its texture. Point and spot lights of the file are added to those of the scene.
+    /// Absent: no surfaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
-    /// Radius of what stands for the point lights (spheres) and spot lights (disks) of geometry `[m]`, > 0; a number
-    /// "radius" in the extras of a light (not of its node) is its own. Their intensities are read as W/sr, per channel,
-    /// where glTF has candela; their ranges are not read. A spot's intensity falls between its cone angles as glTF
-    /// recommends.
+    /// Radius `[m]`, > 0, of the spheres and disks that stand for the point and spot lights of geometry. A number
+    /// "radius" in the extras of a light (not of its node) overrides it for that light. Intensities are read as W/sr
+    /// per channel, where glTF has candela; ranges are ignored. A spot's intensity falls off between its cone angles as
+    /// glTF recommends.
     #[serde(default = "Scene::punctual_radius")]
     pub punctual_radius: f64,
-    /// The pinhole camera; or, before the first table, camera = "name": the camera of geometry whose node is called
-    /// so (or itself, where the node has no name), with near from its extras, or else 0. Absent: the first camera of geometry.
+    /// The pinhole camera. To use a camera of geometry instead, write camera = "name" before the first table: the name
+    /// of its node, or its own name if the node has none. Its near is then the one in its extras, or else 0. Absent:
+    /// the first camera of geometry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraOrName>,
-    /// The image. Absent: 512 rows, and columns by the aspect ratio of the glTF camera, or else 512.
+    /// The image. Absent: 512 rows; as many columns as the aspect ratio of the glTF camera asks for, or else 512.
     #[serde(default)]
     pub film: Film,
-    /// The medium around everything, unbounded and homogeneous; omit it for vacuum.
+    /// The medium around everything, unbounded and homogeneous. Absent: vacuum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub medium: Option<Medium>,
-    /// A light; repeat the table for more.
+    /// A light; repeat the table for each one.
     #[serde(default)]
     pub light: Vec<Light>,
     /// How to render.
@@ -52,16 +53,16 @@ impl Scene {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// Where the pinhole is `[m]`.
+    /// Position of the pinhole `[m]`.
     pub position: [f64; 3],
     /// A point on the viewing axis `[m]`.
     pub look_at: [f64; 3],
-    /// Upward in the image, made perpendicular to the viewing axis. Image right is forward x up.
+    /// The up direction in the image, made perpendicular to the viewing axis. Image right is forward x up.
     #[serde(default = "Camera::up")]
     pub up: [f64; 3],
-    /// Opening angle from the lower to the upper edge of the image, in (0, 180) degrees.
+    /// Angle of view from the lower to the upper edge of the image, in degrees, above 0 and below 180.
     pub vertical_fov_deg: f64,
-    /// Paths start on the plane at this distance from the pinhole, perpendicular to the viewing axis `[m]`, >= 0.
+    /// Distance `[m]`, >= 0, from the pinhole to the plane on which paths start, perpendicular to the viewing axis.
     #[serde(default)]
     pub near: f64,
 }
@@ -80,8 +81,8 @@ pub struct Film {
     #[serde(default = "Film::square")]
     #[schemars(extend("x-format" = "[width, height]"))]
     pub size: [u32; 2],
-    /// Exposure of PNG images in stops, -100 to 100: radiance is doubled by each before it is shown. Or "auto": the middle of
-    /// the whole image, the mean of its logarithms, becomes middle grey. EXR images hold radiance, whatever is said here.
+    /// Exposure of PNG images in stops, -100 to 100; each stop doubles the radiance that is shown. With "auto" the
+    /// log-average luminance of the whole image becomes middle grey. EXR images hold unexposed radiance in any case.
     #[serde(default)]
     pub exposure: NumberOrAuto,
 }
@@ -117,7 +118,7 @@ pub struct Medium {
     /// Absorption coefficient [1/m], >= 0.
     #[serde(default)]
     pub absorption: Spectrum,
-    /// Where a scattering event sends light.
+    /// How a scattering event redirects light.
     #[serde(default)]
     pub phase: Phase,
 }
@@ -129,7 +130,7 @@ pub struct Phase {
     /// The phase function.
     #[serde(rename = "type", default)]
     pub kind: PhaseKind,
-    /// Mean cosine of a scattering event, from -0.9999 to 0.9999; above 0 is forward.
+    /// Mean cosine of the scattering angle, from -0.9999 to 0.9999; above 0 is forward scattering.
     pub g: f64,
 }
 
@@ -157,20 +158,21 @@ pub struct Light {
     pub kind: LightKind,
     /// Centre `[m]`.
     pub center: [f64; 3],
-    /// Of a disk or spot: direction that the front faces, of any length but 0.
+    /// For a disk or spot: the direction that the front faces, of any length but 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "[x, y, z]"))]
     pub normal: Option<[f64; 3]>,
     /// Radius `[m]`, > 0.
     pub radius: f64,
-    /// Radiance of the surface or front [W/(m^2 sr)], >= 0; of a spot, what is focused: its front radiates
-    /// radiance (exponent + 1) / (2 pi) cos^exponent of the angle to the normal.
+    /// Radiance of the surface or front [W/(m^2 sr)], >= 0. For a spot this is what gets focused: its front emits
+    /// radiance * (exponent + 1) / (2 pi) * cos^exponent of the angle to the normal.
     pub radiance: Spectrum,
-    /// Of a spot, and only of a spot: how narrow it is, 0 to 10000.
+    /// For a spot only: how narrow it is, 0 to 10000; larger is narrower.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub exponent: Option<f64>,
-    /// Inner and outer angle of a spot of a model `[rad]`, which has the intensity of its cone instead of a power of the cosine.
+    /// Inner and outer angle of a spot of a model `[rad]`, which has the intensity of its cone instead of a power of
+    /// the cosine.
     #[serde(skip)]
     pub cone: Option<[f64; 2]>,
 }
@@ -179,11 +181,11 @@ pub struct Light {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightKind {
-    /// A flat disk that emits from its front, alike in all directions; its back is black and opaque.
+    /// A flat disk whose front emits the same radiance in all directions; its back is black and opaque.
     Disk,
-    /// The same, focused about its normal.
+    /// The same, focused around its normal.
     Spot,
-    /// A sphere that emits from all of its surface, alike in all directions.
+    /// A sphere whose whole surface emits the same radiance in all directions.
     Sphere,
 }
 
@@ -202,50 +204,51 @@ impl LightKind {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Render {
-    /// Connection technique, or a list of them; `path` is always among the competitors.
+    /// Connection technique, or a list of them; `path` is always active as well.
     pub technique: Techniques,
-    /// Longest path that counts, in segments, camera and light segment included, 1 to 1024.
+    /// Longest path that counts, in segments, including the camera and light segments, 1 to 1024.
     #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
     pub max_segments: u32,
-    /// Shortest path that counts, in segments, 1 to max_segments: 1 counts all, 2 leaves out directly seen light.
+    /// Shortest path that counts, in segments, 1 to max_segments: 1 counts all, 2 leaves out directly visible light.
     #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
     pub min_segments: u32,
     /// How bridges are rolled about their axis.
     pub roll: Roll,
-    /// Longest bridge in expected segments: extinction times distance, > 0. Absent: no limit.
+    /// Longest bridge, in expected segments (extinction times distance), > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub bridge_mesc: Option<f64>,
-    /// Most vertices that a bridge inserts. Absent: no limit but max_segments.
+    /// Largest number of vertices that a bridge inserts. Absent: limited only by max_segments.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "whole number"))]
     pub bridge_vertices: Option<u32>,
-    /// Vertices that connect, the first ones after the camera or the last surface: "all", a number from 1 to 1024, or "auto", what a
-    /// short pilot finds most efficient.
+    /// How many vertices connect, counted from the camera or the last surface: "all", a number from 1 to 1024, or
+    /// "auto", the number that a short pilot render finds most efficient.
     pub starts: Starts,
-    /// Probability with which a walk goes on from a vertex, 0.01 to 1, or "auto", from the same pilot.
+    /// Probability that a walk continues from a vertex, 0.01 to 1, or "auto", chosen by the same pilot.
     pub survival: NumberOrAuto,
-    /// Share of the camera's flights that are drawn towards the lights, 0 to 0.99, or "auto": 0.05 with bridges
-    /// and no more than 16 lights, 0 otherwise and with geometry.
+    /// Fraction of the camera's flights that are aimed at the lights, 0 to 0.99, or "auto": 0.05 for bridges with at
+    /// most 16 lights and no geometry, otherwise 0.
     pub aimed: NumberOrAuto,
-    /// Contribution below which connections play roulette before they are traced [W/(m^2 sr)], >= 0; 0 for none; or "auto":
-    /// with geometry the mean of the image if the same pilot finds that more efficient, otherwise 0.
+    /// Contribution [W/(m^2 sr)], >= 0, below which connections play Russian roulette before they are traced; 0 turns
+    /// it off. "auto" is the mean of the image if there is geometry and the same pilot finds that more efficient,
+    /// otherwise 0.
     pub roulette: NumberOrAuto,
-    /// Longest MVNEE connection in expected segments: extinction times distance, > 0. Absent: no limit.
+    /// Longest MVNEE connection, in expected segments (extinction times distance), > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub mesc: Option<f64>,
     /// Shape of MVNEE's perturbation.
     pub perturbation: Perturbation,
-    /// What joins a vertex of the path with the one that lis makes from the light; the settings of bridges, or mesc and
-    /// perturbation, hold for it.
+    /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc and
+    /// perturbation, apply to it.
     pub lis: LisShape,
     /// How a connection picks its light.
     pub light_selection: LightSelection,
     /// Samples per pixel, 1 to 2147483648.
     #[serde(deserialize_with = "values::whole::<1, 0x8000_0000, _>")]
     pub samples: u32,
-    /// Seed of all random numbers, 0 to 4294967295.
+    /// Seed for all random numbers, 0 to 4294967295.
     #[serde(deserialize_with = "values::whole::<0, { u32::MAX }, _>")]
     pub seed: u32,
 }
@@ -277,17 +280,17 @@ impl Default for Render {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Technique {
-    /// None: light is found only where a path meets it.
+    /// No connections: light is found only where a path hits it.
     Path,
     /// Next event estimation: one straight connection from every vertex.
     Nee,
-    /// Multiple-vertex next event estimation: connections through the medium.
+    /// Multiple-vertex next event estimation: connections through a chain of scattering events.
     Mvnee,
-    /// Once-more next event estimation: connections through exactly one inserted vertex; a companion of nee.
+    /// Once-more next event estimation: connections through exactly one inserted vertex; use it together with nee.
     Omnee,
     /// Bridges: connections shaped by a random walk.
     Bridge,
-    /// Light importance sampling: connections that end at a vertex made from the light, for spotlights.
+    /// Light importance sampling: connections that end at a vertex made from the light; for spotlights.
     Lis,
 }
 
@@ -309,9 +312,9 @@ impl Technique {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Roll {
-    /// Towards the phase function of the start.
+    /// Towards the angles that the phase function at the start favours.
     Aligned,
-    /// All angles alike.
+    /// All angles equally likely.
     Uniform,
 }
 
@@ -339,10 +342,10 @@ pub enum LisShape {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightSelection {
-    /// All alike.
+    /// All lights equally likely.
     Uniform,
-    /// By intensity.
+    /// In proportion to intensity.
     Intensity,
-    /// By intensity over distance.
+    /// In proportion to intensity over distance.
     IntensityDistance,
 }
