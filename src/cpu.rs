@@ -43,7 +43,7 @@ fn missing() -> Vec<&'static str> {
 /// rounded twice.
 pub fn advice() -> Option<&'static str> {
     cfg!(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")))).then_some(
-        "this build does without AVX2 and FMA and is several times slower than it could be: build it with \
+        "this build does not use AVX2 and FMA and is several times slower than it could be: rebuild it with \
          RUSTFLAGS=\"-Ctarget-cpu=x86-64-v3\"",
     )
 }
@@ -60,6 +60,6 @@ pub fn check() -> Result<()> {
     Err(Error::failure(
         "fogbow",
         format!("was built for a processor with {}, which this one lacks", missing.join(", ")),
-        "build it without them: RUSTFLAGS=\"-Ctarget-cpu=x86-64\" cargo build --release",
+        "rebuild it without them: RUSTFLAGS=\"-Ctarget-cpu=x86-64\" cargo build --release",
     ))
 }

@@ -1,6 +1,6 @@
 //! fogbow renders light in dense, forward-scattering media.
 //!
-//! [`Scene`] is the short way from a scene to its pixels:
+//! [`Scene`] is the quickest way from a scene to its pixels:
 //!
 //! ```
 //! use fogbow::{Scene, Target};
@@ -19,14 +19,14 @@
 //! # }
 //! ```
 //!
-//! [`session`] is the longer way, with everything to choose and to watch; [`wavefront`] the loop in which stages follow each
-//! other, and [`kernels`] the stages themselves, each with a scalar twin.
+//! [`session`] is the longer way, which lets you choose and watch everything; [`wavefront`] is the loop that runs the
+//! stages one after another, and [`kernels`] has the stages themselves, each with a scalar twin.
 //!
 //! # Speed
 //!
-//! Stages work on eight numbers at a time, as AVX2 does. Rust builds for the oldest processors unless told otherwise, and a
-//! dependency cannot tell it: **put these lines into `.cargo/config.toml`** beside the `Cargo.toml` of your workspace, or every
-//! render takes several times as long (and says so in [`Rendered::warnings`]).
+//! Stages work on eight numbers at a time, as AVX2 does. Unless told otherwise, Rust builds for the oldest processors,
+//! and a dependency cannot change that: **put these lines into `.cargo/config.toml`** next to the `Cargo.toml` of your
+//! workspace. Without them every render takes several times as long (and [`Rendered::warnings`] says so).
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']

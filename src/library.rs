@@ -1,4 +1,4 @@
-//! The short way from a scene to its pixels, for programs.
+//! The quickest way from a scene to its pixels, for programs.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
 use crate::session::{Outcome, Session, Settings, Target};
 
-/// A scene that was read and found valid.
+/// A scene that has been read and is valid.
 ///
 /// See the [front page](crate) for an example.
 #[derive(Debug)]
@@ -32,10 +32,10 @@ impl Scene {
         Ok(Self { loaded: scene::load(&path, Vec::new())?, changes: Vec::new(), path })
     }
 
-    /// Sets a key as in a scene file: `medium.phase.g`, `light[0].radius`, `film.size`. The scene is read again.
+    /// Sets a key of the scene file: `medium.phase.g`, `light[0].radius`, `film.size`. The scene is read again.
     ///
     /// # Errors
-    /// If there is no such key, or the value is of the wrong type or out of range; the scene then stays as it was.
+    /// If there is no such key, or the value has the wrong type or is out of range; the scene then stays as it was.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) -> Result<()> {
         let value = value.into();
         let flag = format!("{key} = {value}");
@@ -46,14 +46,14 @@ impl Scene {
         Ok(())
     }
 
-    /// The same scene as the stages read it, with all its keys and warnings.
+    /// The scene in the form that the stages read, with all its keys and warnings.
     pub fn loaded(&self) -> &LoadedScene {
         &self.loaded
     }
 
-    /// Renders until `target`, on all processors.
+    /// Renders until `target` is reached, on all processors.
     ///
-    /// What the scene leaves open is chosen by a [pilot](crate::pilot), as the program does.
+    /// As in the program, a [pilot](crate::pilot) chooses what the scene leaves open.
     ///
     /// # Errors
     /// If there is not enough memory for the image.
@@ -65,7 +65,7 @@ impl Scene {
     }
 }
 
-/// An image, and how it came about.
+/// An image, and how it was rendered.
 pub struct Rendered {
     session: Session,
     outcome: Outcome,
@@ -77,8 +77,8 @@ impl Rendered {
         self.session.scene.scene.film.size
     }
 
-    /// Mean radiance of the pixel in column `x` and row `y`, [red, green, blue] in W/(m^2 sr), its standard error, and its
-    /// number of samples. Row 0 is the top.
+    /// Mean radiance of the pixel in column `x` and row `y`, [red, green, blue] in W/(m^2 sr), its standard error, and
+    /// its number of samples. Row 0 is the top.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -96,18 +96,18 @@ impl Rendered {
         self.session.film.mean()
     }
 
-    /// What a person should know of this image: what of the scene was not rendered as it is written, what its limit on the
-    /// length of paths left out, and whether this build is slow.
+    /// What a person should know about this image: what in the scene was not rendered as written, how much light the
+    /// limit on path length left out, and whether this build is slow.
     pub fn warnings(&self) -> Vec<String> {
         let scene = self.session.scene.warnings.iter().map(ToString::to_string);
         let left_out = self.session.preparation().left_out.filter(|left_out| left_out.matters());
         scene.chain(left_out.map(|left_out| left_out.to_string())).chain(cpu::advice().map(String::from)).collect()
     }
 
-    /// Writes the image; the name of `path` says the format, `.exr` or `.png`.
+    /// Writes the image; the ending of `path`, `.exr` or `.png`, chooses the format.
     ///
     /// # Errors
-    /// If it says neither, or the file cannot be written.
+    /// If it is neither, or the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         let Some(format) = Format::of(path) else {
@@ -117,7 +117,7 @@ impl Rendered {
         self.session.write(&self.outcome, path, format)
     }
 
-    /// The finished render, with its film, statistics and all else.
+    /// The finished render, with its film, statistics and everything else.
     pub fn session(&self) -> (&Session, &Outcome) {
         (&self.session, &self.outcome)
     }

@@ -80,7 +80,7 @@ impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { max_segments, share, .. } = self;
         let percent = (1000.0 * share).round() / 10.0;
-        write!(f, "paths of more than {max_segments} segments are left out, {percent} % of the light: ")?;
+        write!(f, "paths of more than {max_segments} segments are left out, and with them {percent} % of the light: ")?;
         match self.sufficient {
             Some(limit) => write!(f, "--max-segments {limit} would leave out about 1 % or less"),
             None => write!(f, "even {LONGEST_PATH}, the largest possible limit, would leave out more than 1 %"),

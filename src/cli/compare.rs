@@ -30,7 +30,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let rows = bytes.chunks(3 * a.width).map(|row| row.iter().copied());
         let size = [a.width as u32, a.height as u32];
         output::write(path, |file| image::png::write_rows(file, size, rows, &[("scale", meaning.clone())]))?;
-        tell(format!("{}: full colour is {meaning}", path.display()));
+        tell(format!("{}: full colour stands for {meaning}", path.display()));
     }
     Ok(())
 }

@@ -22,7 +22,7 @@ pub fn finish(
     reporter: &Reporter,
 ) -> Result<ExitCode> {
     if stopped.is_some() {
-        reporter.line(format!("stopped after {} samples; writing what there is", outcome.stats.samples));
+        reporter.line(format!("stopped after {} samples; writing the results so far", outcome.stats.samples));
     }
     // What can be written is, also if something else cannot.
     let images: Vec<_> = outputs.iter().map(|image| session.write(outcome, &image.path, image.format)).collect();
@@ -30,7 +30,7 @@ pub fn finish(
     images.into_iter().chain([statistics]).collect::<Result<()>>()?;
     reporter.line(summary(session, outcome, outputs));
     if stopped.is_none() && session.film.mean().0 == [0.0; 3] {
-        reporter.warn("the image is black: no path found light");
+        reporter.warn("the image is black: no path reached a light");
     }
     refuse_drops(session, outcome, reporter)?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
@@ -69,13 +69,13 @@ fn refuse_drops(session: &Session, outcome: &Outcome, reporter: &Reporter) -> Re
     let Some((pixel, sample)) = stats.dropped.first else { return Ok(()) };
     let width = session.scene.frame.camera.width;
     let finding = format!(
-        "contributions that were not finite were dropped: {}, one of them in sample {sample} of pixel ({}, {})",
+        "non-finite contributions were dropped: {}, one of them in sample {sample} of pixel ({}, {})",
         stats.dropped.count,
         pixel % width,
         pixel / width
     );
     if stats.dropped.count as f64 > TOLERATED_DROPS * stats.samples as f64 {
-        let remedy = "the image is written but not to be trusted; please report the scene";
+        let remedy = "do not trust the image that was written, and please report the scene";
         return Err(Error::failure(&session.scene.name, finding, remedy));
     }
     reporter.warn(finding);

@@ -31,7 +31,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     let format = Format::of(path);
     if format == Some(Format::Png) {
         let remedy = "give a scene, or the EXR image of the same render";
-        return Err(Error::failure(path.display(), "PNG images are for the eye and hold no data", remedy));
+        return Err(Error::failure(path.display(), "is a PNG image, which holds no radiance", remedy));
     }
     if format == Some(Format::Exr) {
         describe_image(path)
@@ -79,7 +79,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
             let free_path = number(f64::from(1.0 / frame.medium.extinction), 4);
             say(format!("fog: mean free path {free_path} m, albedo {}, g {:?}", albedo(frame), medium.phase.g))?;
         }
-        _ if frame.surfaces.is_empty() => say("vacuum: only directly seen light counts")?,
+        _ if frame.surfaces.is_empty() => say("vacuum: only directly visible light counts")?,
         _ => say("vacuum")?,
     }
     if !frame.surfaces.is_empty() {
@@ -95,11 +95,11 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     warnings.iter().try_for_each(|warning| say(format!("warning: {}", warning_text(warning, verbose))))?;
     loaded.lights.iter().take(MOST_NAMED).try_for_each(|light| describe_light(light, loaded))?;
     if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
-        say(format!("and {more} more lights"))?;
+        say(format!("and {}", count(more, "more light")))?;
     }
     if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
         let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
-        say(format!("shining meshes: {shining}, of {}", count(triangles, "triangle")))?;
+        say(format!("emissive meshes: {shining}, with {}", count(triangles, "triangle")))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|technique| technique.name()).collect();
     say(format!(
@@ -138,10 +138,10 @@ fn describe_contents(contents: &Contents) -> Result<()> {
         say(format!("mesh {}: {}", quoted(name), count(*triangles, "triangle")))?;
     }
     if let Some(more @ 1..) = contents.meshes.len().checked_sub(MOST_NAMED) {
-        say(format!("and {more} more meshes"))?;
+        say(format!("and {more} more {}", if more == 1 { "mesh" } else { "meshes" }))?;
     }
     for (index, name) in contents.cameras.iter().enumerate() {
-        let renders = if contents.camera == Some(index) { ", which renders" } else { "" };
+        let renders = if contents.camera == Some(index) { ", used for the render" } else { "" };
         say(format!("camera {}{renders}", quoted(name)))?;
     }
     Ok(())
@@ -161,7 +161,7 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
         (LightKind::Spot, None, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
         (kind, ..) => format!("{} of", kind.name()),
     };
-    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera, {depth} mean free paths"))
+    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera ({depth} mean free paths)"))
 }
 
 /// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its limit

@@ -200,7 +200,7 @@ fn wrong_choice(error: &clap::Error) -> Option<Error> {
     Some(Error::usage(
         format!("{flag} {value}"),
         "is not one of the choices",
-        format!("choices are {}", choices.join(", ")),
+        format!("choose one of {}", choices.join(", ")),
     ))
 }
 
@@ -227,7 +227,11 @@ fn say(line: impl core::fmt::Display) -> Result<()> {
     match writeln!(std::io::stdout().lock(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             let finding = format!("cannot be written: {error}");
-            Err(Error::failure("standard output", finding, "check where it goes and the free space there"))
+            Err(Error::failure(
+                "standard output",
+                finding,
+                "check where standard output goes and whether there is free space",
+            ))
         }
         _ => Ok(()),
     }

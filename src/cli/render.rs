@@ -101,7 +101,7 @@ fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
     if x0 < x1 && y0 < y1 && x1 <= width && y1 <= height {
         return Ok(Region { x0, y0, x1, y1 });
     }
-    let finding = format!("the window is empty or not inside the image of {width}x{height} pixels");
+    let finding = format!("the window is empty or reaches outside the image of {width}x{height} pixels");
     let remedy = "give X0,Y0,X1,Y1 with 0 <= X0 < X1 <= width and 0 <= Y0 < Y1 <= height";
     Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
 }
@@ -114,7 +114,7 @@ fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<ImageOutput>> {
         output::check(path)?;
         if outputs[..index].iter().any(|before| output::are_same(&before.path, path)) {
             let flag = format!("--output {}", path.display());
-            return Err(Error::usage(flag, "names the same file as another output", "name every file once"));
+            return Err(Error::usage(flag, "names the same file as another output", "name each file only once"));
         }
     }
     Ok(outputs.to_vec())
@@ -126,7 +126,11 @@ fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) 
     let images = outputs.iter().map(|image| &image.path);
     if images.chain(&scene.files).any(|other| output::are_same(other, path)) {
         let flag = format!("--stats {}", path.display());
-        return Err(Error::usage(flag, "names the scene or an image", "give the statistics a file of their own"));
+        return Err(Error::usage(
+            flag,
+            "names a file of the scene or an image",
+            "write the statistics to a file of their own",
+        ));
     }
     Ok(())
 }

@@ -30,7 +30,7 @@ impl Signals {
         for signal in ENDING.into_iter().filter(|signal| !is_ignored(*signal)) {
             signals.watch_for(signal, stop).map_err(|error| {
                 let finding = format!("signal {signal} cannot be caught: {error}");
-                Error::failure("fogbow", finding, "start it from another shell")
+                Error::failure("fogbow", finding, "start fogbow from another shell")
             })?;
         }
         Ok(signals)

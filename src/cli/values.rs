@@ -52,7 +52,7 @@ pub fn stage(name: &str) -> Result<Reference> {
         return Ok(Reference::All);
     }
     let names: Vec<_> = Stage::ALL.iter().map(|stage| stage.name()).collect();
-    let remedy = format!("put the scene before --reference; stages are all, {}", names.join(", "));
+    let remedy = format!("name one of all, {}; if this is the scene, put it before --reference", names.join(", "));
     name.parse().map(Reference::One).or_else(|_| refuse("--reference", name, "is not a stage", &remedy))
 }
 
@@ -60,13 +60,13 @@ pub fn stage(name: &str) -> Result<Reference> {
 pub fn noise(text: &str) -> Result<f64> {
     match text.parse() {
         Ok(noise) if noise > 0.0 && noise < f64::INFINITY => Ok(noise),
-        _ => refuse("--noise", text, "is not a share above 0", "give a share, as 0.01 for one percent"),
+        _ => refuse("--noise", text, "is not a fraction above 0", "give a fraction, for example 0.01 for 1 %"),
     }
 }
 
 /// `--time`
 pub fn time(text: &str) -> Result<Duration> {
-    let remedy = "give numbers with units, as 90s, 5min or 1h 30m";
+    let remedy = "give numbers with units, for example 90s, 5min or 1h30m";
     humantime::parse_duration(text)
         .or_else(|error| refuse("--time", text, format!("is not a duration: {error}"), remedy))
 }
@@ -82,14 +82,16 @@ pub fn exposure(text: &str) -> Result<toml::Value> {
         return Ok(text.into());
     }
     let stops = text.parse::<f64>().map(toml::Value::from);
-    stops.or_else(|_| refuse("--exposure", text, "is not a number of stops", "give a number, as -1.5 or 2, or auto"))
+    stops.or_else(|_| {
+        refuse("--exposure", text, "is not a number of stops", "give a number, for example -1.5 or 2, or auto")
+    })
 }
 
 /// `--threads`
 pub fn threads(text: &str) -> Result<u32> {
     match text.parse() {
         Ok(threads @ 1..=1024) => Ok(threads),
-        _ => refuse("--threads", text, "is not a possible number of threads", "give a whole number from 1 to 1024"),
+        _ => refuse("--threads", text, "is not a valid number of threads", "give a whole number from 1 to 1024"),
     }
 }
 
@@ -101,7 +103,7 @@ pub fn whole_number(flag: &'static str) -> impl Fn(&str) -> Result<i64> + Clone 
 /// `--size`
 pub fn size(text: &str) -> Result<[u32; 2]> {
     let numbers = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    let remedy = "give width and height in pixels, as 1920x1080";
+    let remedy = "give width and height in pixels, for example 1920x1080";
     numbers.map_or_else(|| refuse("--size", text, "is not a size", remedy), Ok)
 }
 
@@ -109,8 +111,8 @@ pub fn size(text: &str) -> Result<[u32; 2]> {
 pub fn crop(text: &str) -> Result<[u32; 4]> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let numbers = numbers.and_then(|numbers| <[u32; 4]>::try_from(numbers).ok());
-    let remedy = "give first column and row and the ones after the last, as 0,0,64,64";
-    numbers.map_or_else(|| refuse("--crop", text, "is not a window of an image", remedy), Ok)
+    let remedy = "give X0,Y0,X1,Y1, not including X1 and Y1, for example 0,0,64,64";
+    numbers.map_or_else(|| refuse("--crop", text, "is not a crop window", remedy), Ok)
 }
 
 #[cfg(test)]

@@ -150,14 +150,14 @@ impl<'a> Accessors<'a> {
         let view = self.buffers.view(view)?;
         let stride = view.stride.unwrap_or(format.size());
         let finding = || format!("its elements of {} bytes are {stride} bytes apart in its bufferView", format.size());
-        require(stride >= format.size(), finding, "give a byteStride that an element fits in")?;
+        require(stride >= format.size(), finding, "give a byteStride that is at least the size of an element")?;
         Ok((part(view, accessor.byte_offset, accessor.count, stride, format)?, stride))
     }
 
     fn sparse(&self, accessor: &schema::Accessor, sparse: &schema::Sparse, format: Format) -> Checked<Sparse<'a>> {
         let count = sparse.count;
-        let finding = || format!("replaces {count} elements of {}", accessor.count);
-        require((1..=accessor.count).contains(&count), finding, "give a count from 1 to that of the accessor")?;
+        let finding = || format!("replaces {count} of {} elements", accessor.count);
+        require((1..=accessor.count).contains(&count), finding, "give a count from 1 to the count of the accessor")?;
         Ok(Sparse {
             indices: Box::new(self.sparse_indices(count, &sparse.indices).at(|| "indices")?),
             values: self
@@ -197,14 +197,16 @@ fn component(code: u64) -> Checked<Component> {
 /// From the first byte of the first of `count` elements to the last byte of the last.
 fn part<'a>(view: View<'a>, offset: usize, count: usize, stride: usize, format: Format) -> Checked<&'a [u8]> {
     let start = view.offset.saturating_add(offset);
-    let finding = || format!("its elements begin at byte {start} of the buffer, inside a {}", format.component.name());
+    let finding = || {
+        format!("its elements begin at byte {start} of the buffer, which is not aligned to {}", format.component.name())
+    };
     let aligned = offset.is_multiple_of(format.component.size()) && start.is_multiple_of(format.component.size());
     require(aligned, finding, "give offsets that are multiples of the size of a component")?;
     let length = (count - 1).checked_mul(stride).and_then(|length| length.checked_add(format.size()));
     let bytes = length.and_then(|length| view.bytes.get(offset..offset.checked_add(length)?));
     bytes.ok_or_else(|| {
         let finding = format!(
-            "its {count} elements ({format}) from byte {offset} on, {stride} bytes apart, leave its bufferView of {} bytes",
+            "its {count} elements ({format}) from byte {offset}, {stride} bytes apart, do not fit in its bufferView of {} bytes",
             view.bytes.len()
         );
         Fault::new(finding, EXPORT_AGAIN)

@@ -28,7 +28,7 @@ pub fn open(root: &Root, has_binary: bool, files: &mut Files<'_>) -> Checked<Sou
             None if index == 0 && has_binary => Ok(Source::Binary),
             None => Err(Fault::new(
                 "has neither a URI nor the binary part of a .glb file",
-                "give the buffer a URI; buffers that only an extension fills cannot be read",
+                "give the buffer a URI; buffers that are filled only by an extension cannot be read",
             )),
         };
         sources.push(source.at(|| label("buffer", index, None))?);
@@ -79,7 +79,7 @@ impl<'a> Buffers<'a> {
         let bytes = offset.checked_add(length).and_then(|end| buffer.get(offset..end));
         let Some(bytes) = bytes else {
             let finding = format!(
-                "its {length} bytes from byte {offset} on leave buffer {}, which has {}",
+                "its {length} bytes from byte {offset} do not fit in buffer {}, which has {}",
                 view.buffer,
                 buffer.len()
             );
@@ -98,6 +98,6 @@ impl<'a> Buffers<'a> {
 fn stated_part<'a>(buffer: &Buffer, bytes: &'a [u8]) -> Checked<&'a [u8]> {
     bytes.get(..buffer.byte_length).ok_or_else(|| {
         let finding = format!("its byteLength is {}, but there are {} bytes of data", buffer.byte_length, bytes.len());
-        Fault::new(finding, "correct byteLength, or copy or export the data again")
+        Fault::new(finding, "correct byteLength, or copy or export the file again")
     })
 }

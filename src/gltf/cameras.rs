@@ -23,7 +23,7 @@ pub fn read(cameras: &[schema::Camera], placed: &[Placed<'_>], warnings: &mut Wa
             continue;
         };
         if transforms::mirrors(placed.world) {
-            warnings.note("its camera is mirrored, but its image is not", || placed.label());
+            warnings.note("its camera is mirrored, but the image is not", || placed.label());
         }
         let name = placed.node.name.as_ref().or(camera.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| label("camera", index, None));
@@ -38,21 +38,18 @@ fn perspective(camera: &schema::Camera) -> Checked<Option<&Perspective>> {
         "perspective" => {}
         "orthographic" => return Ok(None),
         other => {
-            return Err(Fault::new(
-                format!("is of type {}", quoted(other)),
-                "give \"perspective\" or \"orthographic\"",
-            ));
+            return Err(Fault::new(format!("has type {}", quoted(other)), "give \"perspective\" or \"orthographic\""));
         }
     }
     let Some(lens) = &camera.perspective else {
-        return Err(Fault::new("has no perspective", "give a perspective with yfov and znear"));
+        return Err(Fault::new("has no perspective", "give the camera a perspective with yfov and znear"));
     };
     let Perspective { yfov, znear, aspect_ratio } = lens;
     let remedy = "give an angle above 0 and below pi, in radians";
     require(*yfov > 0.0 && *yfov < PI, || format!("its yfov is {yfov:?}"), remedy)?;
     require(*znear > 0.0, || format!("its znear is {znear:?}"), "give a distance above 0")?;
     let aspect = aspect_ratio.unwrap_or(1.0);
-    require(aspect > 0.0, || format!("its aspectRatio is {aspect:?}"), "give a quotient above 0, or leave it out")?;
+    require(aspect > 0.0, || format!("its aspectRatio is {aspect:?}"), "give a ratio above 0, or leave it out")?;
     Ok(Some(lens))
 }
 

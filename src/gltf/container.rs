@@ -48,7 +48,7 @@ fn binary<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'a>
     let finding = || format!("has {} bytes, but its header says {length}", bytes.len());
     require((HEADER..=bytes.len()).contains(&length), finding, EXPORT_AGAIN)?;
     if length < bytes.len() {
-        warnings.note("bytes after the end that the header states are not read", || "container");
+        warnings.note("bytes beyond the length that the header gives are ignored", || "container");
     }
     let mut chunks = Chunks { rest: &bytes[HEADER..length], index: 0 };
     let Some(first) = chunks.next().transpose()?.filter(|chunk| chunk.kind == JSON) else {
@@ -91,13 +91,13 @@ impl<'a> Iterator for Chunks<'a> {
 impl<'a> Chunks<'a> {
     fn read(&mut self) -> Checked<Chunk<'a>> {
         let Some((header, rest)) = self.rest.split_at_checked(CHUNK_HEADER) else {
-            return Err(Fault::new("the file ends inside the header of the chunk", EXPORT_AGAIN));
+            return Err(Fault::new("the file ends inside the header of this chunk", EXPORT_AGAIN));
         };
         let length = number(header, 0).unwrap_or(usize::MAX);
         let finding = || format!("its length is {length}, not a multiple of 4");
         require(length.is_multiple_of(4), finding, EXPORT_AGAIN)?;
         let Some((content, rest)) = rest.split_at_checked(length) else {
-            let finding = format!("its length is {length}, but {} bytes of the file are left", rest.len());
+            let finding = format!("its length is {length}, but only {} bytes of the file are left", rest.len());
             return Err(Fault::new(finding, EXPORT_AGAIN));
         };
         self.rest = rest;

@@ -10,7 +10,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::fault::{Checked, Fault};
 use fogbow_kernels::tables::textures::Image;
 
-const STORE_AGAIN: &str = "store the image again, as PNG or JPEG";
+const STORE_AGAIN: &str = "save the image again as PNG or JPEG";
 
 /// Formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub fn format(bytes: &[u8]) -> Checked<Format> {
     }
     let begins = |offset: usize, magic: &[u8]| bytes.get(offset..).is_some_and(|rest| rest.starts_with(magic));
     let finding = match OTHERS.iter().find(|(_, offset, magic)| begins(*offset, magic)) {
-        Some((name, ..)) => format!("is in the format {name}, which is not read"),
+        Some((name, ..)) => format!("is in {name} format, which is not supported"),
         None => "is neither PNG nor JPEG".into(),
     };
     Err(Fault::new(finding, STORE_AGAIN))

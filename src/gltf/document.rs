@@ -38,9 +38,9 @@ fn malformed(file: &str, container: &Container<'_>, path: &str, error: &serde_js
     let path = path.trim_end_matches(['.', '?']);
     let finding = if path.is_empty() { message.to_string() } else { format!("{path}: {message}") };
     let remedy = match error.classify() {
-        serde_json::error::Category::Data => "the value does not fit glTF 2.0: correct it, or export the file again",
-        serde_json::error::Category::Eof => "the JSON ends too early: copy or export the file again",
-        _ => "this is not JSON: correct it, or export the file again",
+        serde_json::error::Category::Data => "correct the value, which does not fit glTF 2.0, or export the file again",
+        serde_json::error::Category::Eof => "copy or export the file again: its JSON ends too early",
+        _ => "correct the JSON, or export the file again",
     };
     Error::failure(place, finding, remedy)
 }
@@ -55,10 +55,10 @@ pub fn check(root: &Root, warnings: &mut Warnings) -> Checked<()> {
     let unread = root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str()));
     let unread: Vec<String> = unread.take(MOST_NAMED).map(|name| quoted(name)).collect();
     if !unread.is_empty() {
-        warnings.note("not read", || format!("extensionsUsed: {}", unread.join(", ")));
+        warnings.note("these extensions are ignored", || format!("extensionsUsed: {}", unread.join(", ")));
     }
     if !root.animations.is_empty() {
-        warnings.note("animations are not read; nodes stand as the file places them", || "animation 0");
+        warnings.note("animations are ignored; nodes stay where the file places them", || "animation 0");
     }
     Ok(())
 }
@@ -72,7 +72,7 @@ pub fn is_quantized(root: &Root) -> bool {
 fn version(root: &Root) -> Checked<()> {
     let remedy = "export the model as glTF 2.0";
     let Some(asset) = &root.asset else {
-        return Err(Fault::new("there is no asset, and so no version of glTF", remedy).at("asset"));
+        return Err(Fault::new("is missing, and with it the version of glTF", remedy).at("asset"));
     };
     let major = asset.version.split_once('.').map_or(asset.version.as_str(), |(major, _)| major);
     let finding = || format!("version is {}", quoted(&asset.version));
@@ -85,9 +85,7 @@ fn version(root: &Root) -> Checked<()> {
 /// What to do about a file that requires the extension `name`.
 pub fn remedy(name: &str) -> &'static str {
     match name {
-        DRACO | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "export the model without compression of meshes"
-        }
+        DRACO | "EXT_meshopt_compression" | "KHR_meshopt_compression" => "export the model without mesh compression",
         "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
             "export the model with textures in PNG or JPEG"
         }

@@ -87,7 +87,7 @@ impl Sparse<'_> {
         let indices = self.indices.indices()?;
         for pair in indices.windows(2) {
             let finding = || format!("its sparse index {} follows {}", pair[1], pair[0]);
-            require(pair[0] < pair[1], finding, "give sparse indices that increase")?;
+            require(pair[0] < pair[1], finding, "give sparse indices in increasing order")?;
         }
         let last = indices.last().copied().unwrap_or(0) as usize;
         let finding = || format!("its sparse index {last} is not below its count, {count}");

@@ -77,7 +77,7 @@ pub fn entry<'a, T>(list: &'a [T], kind: &str, index: usize) -> Checked<&'a T> {
             len => format!("refers to {kind} {index}, but the last one is {}", len - 1),
         };
         let article = if kind.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
-        Fault::new(finding, format!("refer to {article} {kind} of the file; indices begin with 0"))
+        Fault::new(finding, format!("refer to {article} {kind} in the file; indices begin at 0"))
     })
 }
 

@@ -59,9 +59,12 @@ impl<'a> Files<'a> {
 
     fn read(&self, path: &Path) -> Checked<Vec<u8>> {
         let name = path.to_string_lossy();
-        let remedy = "put the file where the model refers to it, or store the model as one .glb file";
+        let remedy = "put the file where the model refers to it, or save the model as one .glb file";
         let Some(folder) = self.folder else {
-            return Err(Fault::new(format!("its file {} has no folder to be in", quoted(&name)), remedy));
+            return Err(Fault::new(
+                format!("its file {} cannot be found: the model has no folder", quoted(&name)),
+                remedy,
+            ));
         };
         content(&folder.join(path))
             .map_err(|finding| Fault::new(format!("its file {} {finding}", quoted(&name)), remedy))
@@ -75,7 +78,7 @@ pub fn content(path: &Path) -> core::result::Result<Vec<u8>, String> {
     }
     let size = path.metadata().map_or(0, |metadata| metadata.len());
     if size > LARGEST_FILE {
-        return Err(format!("has {size} bytes, more than the 4 GiB that are read"));
+        return Err(format!("has {size} bytes, more than the limit of 4 GiB"));
     }
     std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
 }

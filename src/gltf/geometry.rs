@@ -53,7 +53,7 @@ impl Geometry {
         let near = |position: &[f32; 3]| position.iter().all(|x| f64::from(x.abs()) <= LARGEST_COORDINATE);
         if let Some(vertex) = moved.iter().position(|position| !near(position)) {
             let finding = format!("puts vertex {:?} at {:?}", mesh.positions[vertex], moved[vertex]);
-            return Err(Fault::new(finding, "give smaller positions or transforms: coordinates may be 1e9 m at most"));
+            return Err(Fault::new(finding, "give smaller positions or transforms: coordinates may be at most 1e9 m"));
         }
         let mirrored = transforms::mirrors(world);
         self.triangles.extend(mesh.triangles.iter().map(|triangle| {

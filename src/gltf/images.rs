@@ -49,11 +49,11 @@ pub fn open<'a>(images: &'a [schema::Image], used: &[usize], files: &mut Files<'
 }
 
 fn open_one(image: &schema::Image, files: &mut Files<'_>) -> Checked<Source> {
-    let remedy = "give it one of the two";
+    let remedy = "give the image exactly one of the two";
     match (&image.uri, image.buffer_view) {
         (Some(uri), None) => files.open(uri).map(Source::File),
         (None, Some(view)) => Ok(Source::View(view)),
-        (Some(_), Some(_)) => Err(Fault::new("has a URI and a bufferView", remedy)),
+        (Some(_), Some(_)) => Err(Fault::new("has both a URI and a bufferView", remedy)),
         (None, None) => Err(Fault::new("has neither a URI nor a bufferView", remedy)),
     }
 }

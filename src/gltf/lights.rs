@@ -20,7 +20,7 @@ pub fn read(root: &Root, placed: &[Placed<'_>], warnings: &mut Warnings) -> Chec
         let light = entry(lights, "light", index).at(|| placed.label())?;
         let label = || label("light", index, light.name.as_deref());
         if light.range.is_some() {
-            warnings.note("its range is not read; light goes on for ever", label);
+            warnings.note("its range is ignored; its light reaches any distance", label);
         }
         let name = placed.node.name.as_ref().or(light.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| format!("light {index}"));
@@ -58,7 +58,7 @@ fn kind(light: &schema::Light) -> Checked<LightKind> {
         "point" => Ok(LightKind::Point),
         "directional" => Ok(LightKind::Directional),
         "spot" => {
-            let remedy = "give a spot table with innerConeAngle and outerConeAngle, both of which may be left out";
+            let remedy = "give the light a spot object; its innerConeAngle and outerConeAngle are optional";
             let spot = light.spot.as_ref().ok_or_else(|| Fault::new("has no spot", remedy))?;
             let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
             let finding = || format!("its cone is from {inner:?} to {outer:?}");
@@ -67,8 +67,6 @@ fn kind(light: &schema::Light) -> Checked<LightKind> {
             require(ok, finding, "give angles with 0 <= inner <= outer <= pi / 2 and 0 < outer, in radians")?;
             Ok(LightKind::Spot { inner: inner.min(FRAC_PI_2), outer: outer.min(FRAC_PI_2) })
         }
-        other => {
-            Err(Fault::new(format!("is of type {}", quoted(other)), "give \"point\", \"spot\" or \"directional\""))
-        }
+        other => Err(Fault::new(format!("has type {}", quoted(other)), "give \"point\", \"spot\" or \"directional\"")),
     }
 }

@@ -36,15 +36,13 @@ impl Limits {
     /// Whether a scene of `count` vertices or triangles, which `what` says, can be read.
     pub fn elements(&self, count: u64, what: &str) -> Checked<()> {
         let Self { elements, .. } = self;
-        let finding =
-            || format!("has {count} {what} with all instances written out, more than the {elements} it may have");
+        let finding = || format!("has {count} {what} with all instances counted, more than the limit of {elements}");
         require(count <= *elements, finding, "use fewer instances, or split the model")
     }
 
     /// Whether images of `count` texels can be read.
     pub fn texels(&self, count: u64) -> Checked<()> {
-        let finding =
-            || format!("brings the texels of all images to {count}, more than the {} they may have", self.texels);
+        let finding = || format!("brings the texels of all images to {count}, more than the limit of {}", self.texels);
         require(count <= self.texels, finding, "use smaller images")
     }
 }

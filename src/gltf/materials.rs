@@ -18,7 +18,7 @@ pub fn read(
     let read = |(index, material): (usize, &schema::Material)| {
         let label = || label("material", index, material.name.as_deref());
         if material.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
-            warnings.note("alpha is not read; the surface is opaque", label);
+            warnings.note("its alpha is ignored; the surface is opaque", label);
         }
         read_one(material, textures).at(label)
     };
@@ -33,15 +33,13 @@ pub fn note_what_is_diffuse(materials: &[schema::Material], triangles: &[Triangl
         let label = || label("material", index, material.name.as_deref());
         let surface = &material.pbr_metallic_roughness;
         if surface.metallic_factor > 0.0 {
-            warnings.note(
-                "is metallic (metallicFactor is 1 unless the file says otherwise) and rendered as diffuse",
-                label,
-            );
+            warnings
+                .note("is metallic (metallicFactor is 1 unless the file sets it) and is rendered as diffuse", label);
         } else if surface.roughness_factor < 1.0 || surface.metallic_roughness_texture.is_some() {
-            warnings.note("is glossy and rendered as diffuse, without highlights", label);
+            warnings.note("is glossy and is rendered as diffuse, without highlights", label);
         }
         if material.normal_texture.is_some() {
-            warnings.note("has a normal map, which is not read; the surface is as flat as its triangles", label);
+            warnings.note("has a normal map, which is ignored; the surface is as flat as its triangles", label);
         }
     }
 }
@@ -98,7 +96,7 @@ fn read_texture(info: &schema::TextureInfo, textures: &mut Textures<'_>) -> Chec
     let identity = schema::TextureTransform::default();
     let transform = info.extensions.transform.as_ref().unwrap_or(&identity);
     let set = transform.tex_coord.unwrap_or(info.tex_coord);
-    require(set < 2, || format!("its texCoord is {set}"), "use TEXCOORD_0 or TEXCOORD_1: no others are read")?;
+    require(set < 2, || format!("its texCoord is {set}"), "use TEXCOORD_0 or TEXCOORD_1: no others are supported")?;
     let offset = transform.offset.map(|x| x as f32);
     let scale = transform.scale.map(|x| x as f32);
     let rotation = transform.rotation as f32;

@@ -98,8 +98,7 @@ fn plan<'a>(
         };
         entry(meshes, "mesh", mesh).at(|| placed.label())?;
         if placed.node.skin.is_some() {
-            let finding =
-                "skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores";
+            let finding = "skins are ignored; the mesh keeps its bind pose and, unlike in glTF, its node's transform";
             warnings.note(finding, || placed.label());
         }
         nodes.entry(mesh).or_default().push(placed);
@@ -151,7 +150,7 @@ fn read(planned: &Planned<'_>, planner: &Planner<'_>, warnings: &mut Warnings) -
     for plan in &planned.plans {
         let place = || label("primitive", plan.index, None);
         let warn = || {
-            let finding = "colours of vertices that are not from 0 to 1 are clamped";
+            let finding = "vertex colours outside 0 to 1 are clamped";
             warnings.note(finding, || format!("{}, {}", planned.label(), place()));
         };
         read_primitive(&mut mesh, &mut first_vertices, plan, planner, warn).at(place)?;

@@ -73,7 +73,7 @@ pub fn load(path: &Path) -> Result<Model> {
 /// # Errors
 /// As [`load`].
 pub fn load_from(path: &Path, origin: impl Fn(Option<DVec3>) -> DVec3) -> Result<Model> {
-    let remedy = "give the path of a .gltf or .glb file that may be read";
+    let remedy = "give the path of a readable .gltf or .glb file";
     let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
     parse_from(&path.display().to_string(), &bytes, path.parent(), &origin)
 }

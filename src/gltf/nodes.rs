@@ -22,7 +22,7 @@ impl Placed<'_> {
     pub fn forward(&self) -> Checked<DVec3> {
         let remedy = "give it a scale above 0 along z";
         transforms::direction(-self.world.matrix3.z_axis)
-            .ok_or_else(|| Fault::new("its transform leaves nothing of its z axis, along which it should look", remedy))
+            .ok_or_else(|| Fault::new("its transform flattens its z axis, which should give its direction", remedy))
     }
 
     /// What it is called in messages.
@@ -75,7 +75,7 @@ fn parents(nodes: &[Node]) -> Checked<Vec<Option<usize>>> {
             entry(nodes, "node", *child).at(|| "children").at(label)?;
             if let Some(other) = parents[*child].replace(index) {
                 let finding = format!("is a child of node {other} and of node {index}");
-                let remedy = "list every node as the child of one node, once";
+                let remedy = "list each node only once, as the child of one node";
                 return Err(Fault::new(finding, remedy).at(node_label(*child, &nodes[*child])));
             }
         }
@@ -94,7 +94,7 @@ fn refuse_cycles(nodes: &[Node], parents: &[Option<usize>]) -> Checked<()> {
     match reached.iter().position(|reached| !reached) {
         None => Ok(()),
         Some(index) => {
-            let fault = Fault::new("is above or below itself in the hierarchy", "remove the cycle from the children");
+            let fault = Fault::new("is in or below a cycle of the hierarchy", "remove the cycle from the children");
             Err(fault.at(node_label(index, &nodes[index])))
         }
     }
@@ -109,10 +109,10 @@ fn roots(root: &Root, parents: &[Option<usize>]) -> Checked<Vec<usize>> {
     let mut listed = vec![false; parents.len()];
     for index in &scene.nodes {
         entry(&root.nodes, "node", *index).at(place)?;
-        let finding = || format!("lists node {index}, which is a child of another");
-        require(parents[*index].is_none(), finding, "list the topmost nodes only").at(place)?;
+        let finding = || format!("lists node {index}, which is a child of another node");
+        require(parents[*index].is_none(), finding, "list only the topmost nodes").at(place)?;
         let twice = core::mem::replace(&mut listed[*index], true);
-        require(!twice, || format!("lists node {index} twice"), "list every node once").at(place)?;
+        require(!twice, || format!("lists node {index} twice"), "list each node only once").at(place)?;
     }
     Ok(scene.nodes.clone())
 }

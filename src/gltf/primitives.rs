@@ -56,20 +56,20 @@ impl<'a> Planner<'a> {
             return Ok(None);
         };
         if !primitive.targets.is_empty() {
-            warnings.note("morph targets are not read; the mesh keeps its basic shape", &place);
+            warnings.note("morph targets are ignored; the mesh keeps its base shape", &place);
         }
         let (material, used) = self.material(primitive)?;
         let attributes = attributes(primitive, used)?;
         self.require_data(primitive, &attributes)?;
         if used.iter().zip(&attributes.texcoords).any(|(used, texcoords)| *used && texcoords.is_none()) {
-            let finding = "its material has a texture, but it has no texture coordinates for it; they are (0, 0)";
+            let finding = "its material has a texture, but there are no texture coordinates for it; (0, 0) is used";
             warnings.note(finding, &place);
         }
         let vertices = self.reader.position_elements(&attributes)?.count;
         let corners = self.reader.index_elements(primitive)?.map_or(vertices, |indices| indices.count);
         let triangles = mode.triangles(corners);
         if mode.corners(triangles) != corners {
-            warnings.note("vertices that do not make a whole triangle are left out", place);
+            warnings.note("vertices that do not complete a triangle are left out", place);
         }
         Ok(Some(Plan { index, primitive, mode, attributes, material, vertices, triangles }))
     }
@@ -78,7 +78,7 @@ impl<'a> Planner<'a> {
     fn require_data(&self, primitive: &Primitive, attributes: &Attributes) -> Checked<()> {
         let positions = self.reader.accessors.accessors.get(attributes.positions);
         let absent = positions.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none());
-        let finding = || format!("its positions are only in {}, which is not read", quoted(DRACO));
+        let finding = || format!("its positions are only in {}, which is not supported", quoted(DRACO));
         require(!absent || !primitive.extensions.contains_key(DRACO), finding, remedy(DRACO))
     }
 
@@ -105,7 +105,7 @@ fn mode(primitive: &Primitive) -> Checked<Option<Mode>> {
 fn attributes(primitive: &Primitive, used: UsedSets) -> Checked<Attributes> {
     let attribute = |name: &str| primitive.attributes.get(name).copied();
     let Some(positions) = attribute("POSITION") else {
-        return Err(Fault::new("has no POSITION", "give every primitive positions"));
+        return Err(Fault::new("has no POSITION", "give every primitive a POSITION attribute"));
     };
     let texcoords = [attribute("TEXCOORD_0").filter(|_| used[0]), attribute("TEXCOORD_1").filter(|_| used[1])];
     Ok(Attributes { positions, texcoords, colors: attribute("COLOR_0") })
@@ -148,5 +148,5 @@ impl Mode {
 
 /// Whether the mesh has primitives at all.
 pub fn require_primitives(mesh: &schema::Mesh) -> Checked<()> {
-    require(!mesh.primitives.is_empty(), || "is empty", "give a mesh one primitive or more").at(|| "primitives")
+    require(!mesh.primitives.is_empty(), || "is empty", "give the mesh at least one primitive").at(|| "primitives")
 }

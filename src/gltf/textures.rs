@@ -41,9 +41,11 @@ impl<'a> Textures<'a> {
     fn read(&mut self, index: usize) -> Checked<Texture> {
         let texture = &self.root.textures[index];
         let Some(source) = texture.source else {
-            let remedy = "give the texture a source in PNG or JPEG";
+            let remedy = "give the texture a PNG or JPEG image as source";
             let fault = match texture.extensions.keys().next() {
-                Some(name) => Fault::new(format!("its only image is in {}, which is not read", quoted(name)), remedy),
+                Some(name) => {
+                    Fault::new(format!("its only image is in {}, which is not supported", quoted(name)), remedy)
+                }
                 None => Fault::new("has no source", remedy),
             };
             return Err(fault);

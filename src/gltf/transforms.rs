@@ -17,7 +17,7 @@ pub fn local(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) -
     let transform = match &node.matrix {
         Some(_) if has_parts => {
             let finding = "has a matrix and also translation, rotation or scale";
-            return Err(Fault::new(finding, "leave one of them out"));
+            return Err(Fault::new(finding, "leave out the matrix or the others"));
         }
         Some(matrix) => from_matrix(matrix)?,
         None => from_parts(node, warnings, &place)?,
@@ -32,7 +32,7 @@ pub fn local(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) -
 
 /// Whether a transform, perhaps a composed one, still is one.
 pub fn finite(transform: DAffine3) -> Checked<()> {
-    require(transform.is_finite(), || "its transform is not finite", "give finite numbers of ordinary size")
+    require(transform.is_finite(), || "its transform is not finite", "give finite numbers that are not too large")
 }
 
 /// Whether a transform turns right hands into left ones. One that flattens them, by a scale of 0 along an axis, turns none.
@@ -69,7 +69,7 @@ fn from_parts(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) 
     let finding = || format!("its rotation is {:?}", [x, y, z, w]);
     require(length > 0.0 && length.is_finite(), finding, "give a quaternion of length 1")?;
     if (length - 1.0).abs() > UNIT {
-        warnings.note("its rotation is not a unit quaternion; it is normalized", place);
+        warnings.note("its rotation is not a unit quaternion and is normalized", place);
     }
     let translation = DVec3::from(node.translation.unwrap_or_default());
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation / length, translation))

@@ -15,7 +15,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-const BESIDE: &str = "put the file beside the model, or in a folder there, and refer to it by its relative path";
+const BESIDE: &str = "put the file in the folder of the model or below, and refer to it by its relative path";
 
 /// What a URI stands for.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ pub fn resolve(uri: &str) -> Checked<Target> {
     match split_scheme(uri) {
         Some(("data", rest)) => data(rest).map(Target::Data),
         Some((scheme, _)) => {
-            let finding = format!("its URI {} is of scheme {}, which is not read", quoted(uri), quoted(scheme));
+            let finding = format!("its URI {} has scheme {}, which is not supported", quoted(uri), quoted(scheme));
             Err(Fault::new(finding, BESIDE))
         }
         None => relative(uri).map(Target::File),
@@ -48,7 +48,7 @@ fn split_scheme(uri: &str) -> Option<(&str, &str)> {
 
 /// The content of a data URI after its scheme: a media type, `;base64,` and the text.
 fn data(rest: &str) -> Checked<Vec<u8>> {
-    let remedy = "write data:application/octet-stream;base64, and the bytes in base64";
+    let remedy = "write data:application/octet-stream;base64, followed by the bytes in base64";
     let Some((media_type, text)) = rest.split_once(',') else {
         return Err(Fault::new(format!("its data URI {} has no comma", quoted(rest)), remedy));
     };
@@ -75,7 +75,7 @@ fn relative(uri: &str) -> Checked<PathBuf> {
             _ => return Err(Fault::new(finding(), BESIDE)),
         }
     }
-    require(!normal.as_os_str().is_empty(), || format!("its URI {} names no file", quoted(uri)), BESIDE)?;
+    require(!normal.as_os_str().is_empty(), || format!("its URI {} does not name a file", quoted(uri)), BESIDE)?;
     Ok(normal)
 }
 

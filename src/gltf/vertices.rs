@@ -119,9 +119,9 @@ impl<'a> Reader<'a> {
             };
             let found = indices[at];
             let restart = || format!("index {at} is {found}, which would restart the primitive");
-            require(found != largest, restart, "split the primitive: glTF has no restart")?;
+            require(found != largest, restart, "split the primitive: glTF has no primitive restart")?;
             let finding = || format!("index {at} is {found}, but there are {count} vertices");
-            require(false, finding, "refer to vertices of the primitive")?;
+            require(false, finding, "refer only to vertices of the primitive")?;
             Ok(indices)
         };
         read().at(|| label("accessor", primitive.indices.unwrap_or_default(), None)).at(|| "indices")

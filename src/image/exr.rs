@@ -75,7 +75,7 @@ fn fault(path: &Path, error: exr::error::Error) -> Error {
         _ if read.is_ok() && start.is_empty() => failure("is empty".into(), "give an EXR image"),
         _ if !MAGIC.starts_with(&start) => failure("is not an EXR image".into(), "give an EXR image"),
         error if matches!(error, Io(_)) || error.to_string().contains("missing bytes") => {
-            failure("is truncated: it ends before the image does".into(), "copy or render it again")
+            failure("is truncated: the file ends before the image does".into(), "copy or render it again")
         }
         error => failure(format!("is a damaged EXR image: {error}"), "copy or render it again"),
     }
@@ -87,7 +87,7 @@ fn check_size(path: &Path) -> Result<()> {
     let area = |header: &Header| header.layer_size.width().saturating_mul(header.layer_size.height());
     let Some(header) = meta.headers.iter().find(|header| area(header) > LARGEST_IMAGE) else { return Ok(()) };
     let size = header.layer_size;
-    let finding = format!("has {}x{} pixels, more than the {LARGEST_IMAGE} that are read", size.0, size.1);
+    let finding = format!("has {}x{} pixels, more than the limit of {LARGEST_IMAGE}", size.0, size.1);
     Err(Error::failure(path.display(), finding, "give a smaller image"))
 }
 

@@ -57,7 +57,7 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Resu
 }
 
 fn failed(path: &Path, error: impl core::fmt::Display) -> Error {
-    let remedy = "check free space and permissions where it is to go";
+    let remedy = "check the free space and the permissions at the destination";
     Error::failure(path.display(), format!("cannot be written: {error}"), remedy)
 }
 
@@ -88,8 +88,8 @@ fn temporary(path: &Path, file: &Path) -> Result<tempfile::NamedTempFile> {
         // The rest is the temporary file's name, which says nothing to anybody.
         let reason = error.to_string();
         let reason = reason.split(" at path ").next().unwrap_or(&reason);
-        let finding = format!("no file can be made in {}: {reason}", folder.display());
-        Error::failure(path.display(), finding, "give a path in a folder that exists and can be written")
+        let finding = format!("no file can be created in {}: {reason}", folder.display());
+        Error::failure(path.display(), finding, "give a path in a folder that exists and is writable")
     })
 }
 

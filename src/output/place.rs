@@ -51,7 +51,7 @@ pub fn of(path: &Path) -> Result<Place> {
     if path.to_string_lossy().ends_with(std::path::is_separator) {
         return Err(refuse("is a folder".into()));
     }
-    let (end, metadata) = follow(path).map_err(|error| refuse(format!("cannot be a file: {error}")))?;
+    let (end, metadata) = follow(path).map_err(|error| refuse(format!("cannot be used as a file: {error}")))?;
     let Some(metadata) = metadata else { return Ok(Place::Regular(end)) };
     let kind = metadata.file_type();
     if let Some(what) = unsuitable(kind) {
@@ -86,7 +86,7 @@ fn follow(path: &Path) -> io::Result<(PathBuf, Option<std::fs::Metadata>)> {
         }
         path = folder(&path).join(path.read_link()?);
     }
-    Err(io::Error::other("its symbolic links lead in a circle"))
+    Err(io::Error::other("its symbolic links form a loop"))
 }
 
 /// Whether `path` stands for a file that some process has open.
@@ -108,7 +108,7 @@ fn unsuitable(kind: FileType) -> Option<&'static str> {
     {
         use std::os::unix::fs::FileTypeExt;
         if kind.is_block_device() {
-            return Some("a disk, whose content would be lost");
+            return Some("a disk, whose contents would be lost");
         }
         if kind.is_socket() {
             return Some("a socket");

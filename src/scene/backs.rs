@@ -26,8 +26,9 @@ pub fn seen(frame: &Frame, size: [u32; 2], file: &str, looks: &[Material]) -> Op
     let seen = pixels.iter().enumerate().filter(|(_, pixels)| **pixels > 0);
     let places: Vec<_> = seen.map(|(index, _)| label("material", index, looks[index].name.as_deref())).collect();
     let share = 100.0 * pixels.iter().sum::<u64>() as f64 / region.pixels() as f64;
-    let finding =
-        format!("the camera sees its back, which is black, in {share:.1} % of the image: make it doubleSided");
+    let finding = format!(
+        "black backs of its surfaces cover {share:.1} % of the image: make the material doubleSided to light them"
+    );
     (!places.is_empty()).then(|| Warning { places, ..Warning::new(file, finding) })
 }
 

@@ -26,12 +26,12 @@ pub fn read(path: &Path) -> Result<(Document, Model)> {
     let model = gltf::load_from(path, |camera| camera.map_or(DVec3::ZERO, origin::around))?;
     let own = model.extras.scene.as_ref().and_then(|extras| extras.get("fogbow"));
     let keys = own.map_or(Ok(Table::new()), keys).map_err(|finding| {
-        let remedy = "write in it what a scene.toml would say; fogbow render --help-scene lists every key";
+        let remedy = "write an object with the keys of a scene.toml; fogbow render --help-scene lists them";
         Error::failure(path.display(), format!("{EXTRAS} {finding}"), remedy)
     })?;
     if keys.contains_key("geometry") {
-        let finding = format!("{EXTRAS} has a geometry, which is this file");
-        return Err(Error::failure(path.display(), finding, "leave it out"));
+        let finding = format!("{EXTRAS} has the key geometry, but the geometry is this file");
+        return Err(Error::failure(path.display(), finding, "leave the key out"));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Ok((Document::of_model(&path.display().to_string(), &name, keys), model))
@@ -48,7 +48,7 @@ fn keys(own: &Json) -> Read<Table> {
 fn from_json(json: &Json, path: &str) -> Read<Value> {
     Ok(match json {
         Json::Null if path.is_empty() => return Err("is null, not an object".into()),
-        Json::Null => return Err(format!("has null at {path:?}, which is not a value")),
+        Json::Null => return Err(format!("has null at {path:?}, which is not allowed")),
         Json::Bool(value) => Value::Boolean(*value),
         Json::Number(number) => match number.as_i64() {
             Some(integer) => Value::Integer(integer),

@@ -32,8 +32,8 @@ pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>
         }
         (Some(CameraOrName::Name(name)), Some(loaded)) => of_model(loaded, named(name, document, loaded)?),
         (Some(CameraOrName::Name(name)), None) => {
-            let finding = format!("camera is {name:?}, but there is no geometry that it could be in");
-            Err(document.error("camera", finding, "name a glTF file as geometry, or write a [camera] table"))
+            let finding = format!("camera is {name:?}, but there is no geometry to take it from");
+            Err(document.error("camera", finding, "set geometry to a glTF file, or write a [camera] table"))
         }
         (None, Some(loaded)) if !loaded.model.cameras.is_empty() => of_model(loaded, 0),
         (None, loaded) => Err(missing(document, loaded)),
@@ -43,12 +43,10 @@ pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>
 /// The error that there is no camera at all.
 fn missing(document: &Document, loaded: Option<&Loaded>) -> Error {
     let (finding, remedy) = match loaded {
-        None => {
-            ("missing key `camera`".into(), "write a [camera] table, or name a glTF file with a camera as geometry")
-        }
+        None => ("missing key `camera`".into(), "write a [camera] table, or set geometry to a glTF file with a camera"),
         Some(_) if document.is_model() => (
             "has no perspective camera".into(),
-            "write a scene.toml with [camera] and this file as geometry, or give camera.position, camera.look_at and \
+            "write a scene.toml with a [camera] table and this file as geometry, or give camera.position, camera.look_at and \
              camera.vertical_fov_deg with --set",
         ),
         Some(Loaded { file, .. }) => {
@@ -69,12 +67,12 @@ fn named(name: &str, document: &Document, loaded: &Loaded) -> Result<usize> {
         (Some(index), 0) => Ok(index),
         (Some(_), others) => {
             let what = format!("{} cameras of that name", others + 1);
-            wrong(&what, "give every node with a camera a name of its own in the glTF file".into())
+            wrong(&what, "give each node that has a camera a unique name in the glTF file".into())
         }
         (None, _) if model.cameras.is_empty() => wrong("no perspective camera", "write a [camera] table".into()),
         (None, _) => {
             let names = model::list(model.cameras.iter().map(|camera| camera.name.as_str()));
-            wrong("none of that name", format!("name one of its cameras: {names}"))
+            wrong("no camera of that name", format!("name one of its cameras: {names}"))
         }
     }
 }
@@ -116,7 +114,7 @@ impl Chosen<'_> {
         let finding = format!("{vertical_fov_deg:?}");
         at.require(ok, "vertical_fov_deg", finding, "give an angle between 0 and 180 degrees")?;
         let ok = (0.0..=LARGEST).contains(&near);
-        at.require(ok, "near", format!("{near:?}"), "give a distance from 0 m to 1e9 m")?;
+        at.require(ok, "near", format!("{near:?}"), "give a distance from 0 to 1e9 m")?;
         Ok(Pinhole::new(position - origin, forward, upward, vertical_fov_deg.to_radians(), near, film.size))
     }
 }

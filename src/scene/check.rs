@@ -79,10 +79,10 @@ fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
     let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
     let distance = start.distance(DVec3::from(center));
     let finding = format!(
-        "{center:?}, and the camera is inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
+        "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
     );
-    let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; inside \
-                  a sphere all is black";
+    let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; a \
+                  sphere is black inside";
     light.source.require(distance >= radius, "center", finding, remedy)
 }
 
@@ -103,7 +103,7 @@ impl Check<'_> {
 
     fn film_size(&self, size: [u32; 2]) -> Result<()> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let remedy = format!("give a width and a height of 1 or more with at most {LARGEST_FILM} pixels");
+        let remedy = format!("give a width and a height of 1 or more, and at most {LARGEST_FILM} pixels in all");
         self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)
     }
 
@@ -115,7 +115,7 @@ impl Check<'_> {
 
     fn coefficient(&self, path: &str, value: Spectrum) -> Result<[f64; 3]> {
         let ok = value.0.iter().all(|x| (0.0..=LARGEST).contains(x));
-        self.require(ok, path, value, "give finite coefficients of 0/m or more, at most 1e9/m")?;
+        self.require(ok, path, value, "give finite coefficients from 0/m to 1e9/m")?;
         Ok(value.0)
     }
 
@@ -131,8 +131,8 @@ impl Check<'_> {
             let coloured = if scattering == [scattering[0]; 3] { "medium.absorption" } else { "medium.scattering" };
             return Err(self.document.error(
                 coloured,
-                format!("extinction (scattering + absorption) is {extinction:?}, different between channels"),
-                "make it the same in all channels: only grey extinction can be rendered so far",
+                format!("extinction (scattering + absorption) is {extinction:?}, which differs between channels"),
+                "make it the same in all channels: coloured extinction is not rendered yet",
             ));
         }
         let g = medium.phase.g;
@@ -147,13 +147,13 @@ impl Check<'_> {
     fn no_light(&self, suns: &[String]) -> Error {
         let remedy = match self.document.is_model() {
             true => {
-                "put a point light, a spot light or an emissive material into the file, write a scene.toml with [[light]] \
-                 and this file as geometry, or give one with --set 'light=[{ type = \"sphere\", center = [0, 3, 0], \
-                 radius = 0.1, radiance = 100 }]'"
+                "add a point light, a spot light or an emissive material to the file, write a scene.toml with a [[light]] \
+                 table and this file as geometry, or add a light with --set 'light=[{ type = \"sphere\", \
+                 center = [0, 3, 0], radius = 0.1, radiance = 100 }]'"
             }
             false => {
-                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without any \
-                 the image is black"
+                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without a \
+                 light the image is black"
             }
         };
         let finding = match suns {
@@ -161,7 +161,7 @@ impl Check<'_> {
             suns => {
                 let names = model::list(suns.iter().map(String::as_str));
                 format!(
-                    "the scene has no light: directional lights (suns) shine from nowhere and are left out: {names}"
+                    "the scene has no light: directional lights (suns) are not rendered yet and are left out: {names}"
                 )
             }
         };
@@ -200,11 +200,11 @@ impl Check<'_> {
         let mesc = self.expected_segments("render.mesc", render.mesc)?;
         let bridge_mesc = self.expected_segments("render.bridge_mesc", render.bridge_mesc)?;
         let names = &render.technique.0;
-        let remedy = "name a technique: path, nee, mvnee, omnee, bridge, lis";
+        let remedy = "name at least one technique: path, nee, mvnee, omnee, bridge, lis";
         self.require(!names.is_empty(), "render.technique", "an empty list", remedy)?;
         if let Some(twice) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
-            let finding = format!("a list with {} in it twice", twice.1.name());
-            return Err(self.wrong("render.technique", finding, "name every technique once"));
+            let finding = format!("a list that names {} twice", twice.1.name());
+            return Err(self.wrong("render.technique", finding, "name each technique only once"));
         }
         let offset = match render.perturbation {
             Perturbation::Ggx => Offset::Ggx,
@@ -264,10 +264,10 @@ impl Check<'_> {
         let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";
         self.require(aimed == 0.0 || frame.surfaces.is_empty(), "render.aimed", format!("{aimed:?}"), remedy)?;
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
-        self.require(ok, "render.aimed", format!("{aimed:?}"), "give a share from 0 to 0.99, or \"auto\"")?;
+        self.require(ok, "render.aimed", format!("{aimed:?}"), "give a fraction from 0 to 0.99, or \"auto\"")?;
         let roulette = render.roulette.0.unwrap_or(0.0);
         let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
+        let remedy = "give a radiance from 0 to 1e30 W/(m^2 sr), or \"auto\"";
         self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
         Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
     }

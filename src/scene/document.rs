@@ -39,7 +39,7 @@ impl Override {
     pub fn parse(text: &str) -> Result<Self> {
         let flag = format!("--set {text}");
         let Some((key, value)) = text.split_once('=') else {
-            return Err(Error::usage(flag, "has no '='", "write key=value, as in medium.phase.g=0.6"));
+            return Err(Error::usage(flag, "has no '='", "write key=value, for example medium.phase.g=0.6"));
         };
         let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
         let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
@@ -104,8 +104,8 @@ impl Document {
         let file = path.display().to_string();
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
-            let remedy = "give a scene: a TOML file in UTF-8, or a folder with a scene.toml";
-            Error::failure(place_at(&file, &valid, valid.len()), "is not a text file in UTF-8", remedy)
+            let remedy = "give a scene: a TOML file in UTF-8, a glTF file, or a folder with a scene.toml";
+            Error::failure(place_at(&file, &valid, valid.len()), "is not a UTF-8 text file", remedy)
         })?;
         Self::parse(&file, &text)
     }
@@ -118,7 +118,7 @@ impl Document {
         let malformed = |error: toml::de::Error| {
             let place = error.span().map_or_else(|| file.to_string(), |span| place_at(file, text, span.start));
             let finding = plain::words(error.message());
-            Error::failure(place, finding, "a scene file is TOML; see fogbow render --help-scene")
+            Error::failure(place, finding, "write valid TOML; fogbow render --help-scene lists the keys of a scene")
         };
         let mut places = BTreeMap::new();
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());
@@ -136,8 +136,8 @@ impl Document {
         for Override { key, value, flag, .. } in dedicated {
             let now = self.value(&key);
             if now.is_none_or(|now| meaning(now) != meaning(&value)) {
-                let finding = format!("{} says something else", self.place_below(&key));
-                return Err(Error::usage(flag, finding, "give one of them"));
+                let finding = format!("contradicts {}", self.place_below(&key));
+                return Err(Error::usage(flag, finding, "give only one of the two"));
             }
         }
         Ok(())
@@ -168,13 +168,13 @@ impl Document {
     pub fn apply(&mut self, change: Override) -> Result<()> {
         let steps = steps(&change.key);
         let refuse = |finding: String| {
-            Error::usage(&change.flag, finding, "name a key of the scene; see fogbow render --help-scene")
+            Error::usage(&change.flag, finding, "name a key of the scene; fogbow render --help-scene lists them")
         };
         let Some((last, parents)) = steps.split_last() else {
             return Err(refuse("the key is empty".into()));
         };
         if steps.len() > LONGEST_KEY {
-            return Err(refuse(format!("no key has {} parts", steps.len())));
+            return Err(refuse(format!("the key has {} parts, more than any key of a scene", steps.len())));
         }
         let mut at = &mut self.values;
         for step in parents {
@@ -229,7 +229,7 @@ fn read_small(path: &Path) -> Result<Vec<u8>> {
     if bytes.len() as u64 <= LARGEST_FILE {
         return Ok(bytes);
     }
-    let finding = format!("has more than {} MiB, too much for a scene", LARGEST_FILE >> 20);
+    let finding = format!("is larger than {} MiB, too large for a scene", LARGEST_FILE >> 20);
     Err(Error::failure(
         path.display(),
         finding,
@@ -285,11 +285,11 @@ fn enter<'a>(at: &'a mut Value, step: &Step) -> core::result::Result<&'a mut Val
         }
         (Value::Array(array), Step::Index(index)) => {
             let len = array.len();
-            array.get_mut(*index).ok_or_else(|| format!("entry {index} of a list of {len} does not exist"))
+            array.get_mut(*index).ok_or_else(|| format!("there is no entry {index} in a list of {len}"))
         }
         (Value::Array(_), Step::Key(key)) => Err(format!("a list has entries [0], [1] and so on, not {key}")),
         (_, Step::Key(key)) => Err(format!("a plain value has no {key}")),
-        (_, Step::Index(index)) => Err(format!("only lists have an entry {index}")),
+        (_, Step::Index(index)) => Err(format!("only a list has an entry {index}")),
     }
 }
 

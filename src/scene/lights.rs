@@ -43,7 +43,7 @@ pub fn emitter(source: &Source<'_>, light: &Light, origin: DVec3) -> Result<Emit
     let radius = source.radius("radius", light.radius)?;
     let Spectrum(radiance) = light.radiance;
     let ok = radiance.iter().all(|x| (0.0..=LARGEST_RADIANCE).contains(x));
-    let remedy = "give a finite radiance of 0 or more, at most 1e30 W/(m^2 sr)";
+    let remedy = "give a finite radiance from 0 to 1e30 W/(m^2 sr)";
     source.require(ok, "radiance", light.radiance, remedy)?;
     let (normal, exponent) = (normal(source, light)?, exponent(source, light)?);
     let Some(normal) = normal else { return Ok(Emitter::sphere(center, radius, radiance)) };
@@ -60,12 +60,12 @@ fn normal(source: &Source<'_>, light: &Light) -> Result<Option<DVec3>> {
     match (light.kind, light.normal) {
         (LightKind::Sphere, None) => Ok(None),
         (LightKind::Sphere, Some(normal)) => {
-            let remedy = "leave the normal out: a sphere shines in all directions";
-            Err(source.wrong("normal", format!("{normal:?}, where the light is a sphere"), remedy))
+            let remedy = "leave the normal out: a sphere emits in all directions";
+            Err(source.wrong("normal", format!("{normal:?}, but the light is a sphere"), remedy))
         }
         (LightKind::Disk | LightKind::Spot, Some(normal)) => source.direction("normal", normal).map(Some),
         (kind @ (LightKind::Disk | LightKind::Spot), None) => {
-            let finding = format!("missing, where the light is a {}", kind.name());
+            let finding = format!("missing, but the light is a {}", kind.name());
             Err(source.wrong("normal", finding, "give the direction that the front faces, [x, y, z]"))
         }
     }
@@ -77,12 +77,11 @@ fn exponent(source: &Source<'_>, light: &Light) -> Result<Option<f64>> {
         (LightKind::Disk | LightKind::Sphere, None) => Ok(None),
         (kind @ (LightKind::Disk | LightKind::Sphere), Some(exponent)) => {
             let kind = kind.name();
-            let remedy =
-                format!("write type = \"spot\", or leave the exponent out: a {kind} shines alike in all directions");
-            Err(source.wrong("exponent", format!("{exponent:?}, where the light is a {kind}"), &remedy))
+            let remedy = format!("write type = \"spot\", or leave the exponent out: a {kind} is not focused");
+            Err(source.wrong("exponent", format!("{exponent:?}, but the light is a {kind}"), &remedy))
         }
         (LightKind::Spot, None) => {
-            Err(source.wrong("exponent", "missing, where the light is a spot", "give an exponent from 0 to 10000"))
+            Err(source.wrong("exponent", "missing, but the light is a spot", "give an exponent from 0 to 10000"))
         }
         (LightKind::Spot, Some(exponent)) => {
             let ok = (0.0..=LARGEST_EXPONENT).contains(&exponent);

@@ -132,8 +132,8 @@ fn read(document: &Document) -> Result<Scene> {
         let finding = plain::words(error.inner().message());
         let finding = if path == "." { finding } else { format!("{path}: {finding}") };
         let remedy = match (path.as_str(), document.values.get("light")) {
-            ("light", Some(toml::Value::Table(_))) => "write [[light]]: every light is a table of a list",
-            _ => "fogbow render --help-scene lists every key, its type and range",
+            ("light", Some(toml::Value::Table(_))) => "write [[light]]: lights are a list of tables",
+            _ => "see fogbow render --help-scene for every key with its type and range",
         };
         document.error(&path, finding, remedy)
     })
@@ -143,7 +143,7 @@ fn read(document: &Document) -> Result<Scene> {
 fn no_medium(document: &Document) -> Option<Warning> {
     let medium = document.values.get("medium")?.as_table()?;
     let is_empty = ["scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
-    let finding = "medium has neither scattering nor absorption: it is vacuum";
+    let finding = "medium has neither scattering nor absorption, so it is vacuum";
     is_empty.then(|| Warning::new(document.place("medium"), finding))
 }
 

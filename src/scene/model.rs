@@ -40,7 +40,7 @@ fn check_emission(loaded: &Loaded) -> Result<()> {
         let ok = material.emission.iter().all(|x| *x <= LARGEST_RADIANCE as f32);
         let source = Source::Object(format!("{}: {}", loaded.file, label("material", index, material.name.as_deref())));
         let finding = format!("{:?}", material.emission);
-        source.require(ok, "emission", finding, "scale it down: at most 1e30 W/(m^2 sr)")?;
+        source.require(ok, "emission", finding, "scale it down to 1e30 W/(m^2 sr) or less")?;
     }
     Ok(())
 }
@@ -50,10 +50,10 @@ fn load(geometry: &str, scene: &Scene, document: &Document) -> Result<Loaded> {
     let file = path.display().to_string();
     if !path.is_file() {
         let finding = match path.is_dir() {
-            true => format!("geometry is {geometry:?}: {file} is a folder"),
-            false => format!("geometry is {geometry:?}: there is no file {file}"),
+            true => format!("geometry is {geometry:?}, but {file} is a folder"),
+            false => format!("geometry is {geometry:?}, but there is no file {file}"),
         };
-        let remedy = "name a .gltf or .glb file, relative to the folder of the scene";
+        let remedy = "give the path of a .gltf or .glb file, relative to the folder of the scene";
         return Err(document.error("geometry", finding, remedy));
     }
     Ok(Loaded { model: gltf::load_from(&path, |camera| origin::of_scene(scene, camera))?, file })
@@ -69,7 +69,7 @@ impl Loaded {
 /// The number under `key` of the extras of an object, if there is one.
 pub fn number(source: &Source<'_>, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
     let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
-    let remedy = "give a number, in metres, or leave it out";
+    let remedy = "give a number in metres, or leave it out";
     value.as_f64().map(Some).ok_or_else(|| source.wrong(&format!("extras.{key}"), value, remedy))
 }
 

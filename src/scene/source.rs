@@ -44,14 +44,14 @@ impl Source<'_> {
     /// The point at `key`.
     pub fn position(&self, key: &str, value: [f64; 3]) -> Result<DVec3> {
         let ok = value.iter().all(|x| x.abs() <= LARGEST);
-        self.require(ok, key, format!("{value:?}"), "give three finite coordinates of at most 1e9 m")?;
+        self.require(ok, key, format!("{value:?}"), "give three finite coordinates from -1e9 to 1e9 m")?;
         Ok(DVec3::from(value))
     }
 
     /// The vector at `key`, which has a direction.
     pub fn direction(&self, key: &str, value: [f64; 3]) -> Result<DVec3> {
         let direction = self.position(key, value)?;
-        let remedy = "give a direction, a vector that is not zero";
+        let remedy = "give a direction: a vector other than zero";
         self.require(direction.length() > 1e-30, key, format!("{value:?}"), remedy)?;
         Ok(direction)
     }
@@ -59,7 +59,7 @@ impl Source<'_> {
     /// The radius at `key`.
     pub fn radius(&self, key: &str, value: f64) -> Result<f64> {
         let ok = (SMALLEST_RADIUS..=LARGEST).contains(&value);
-        self.require(ok, key, format!("{value:?}"), "give a radius above 0 m, from 1e-9 to 1e9 m")?;
+        self.require(ok, key, format!("{value:?}"), "give a radius from 1e-9 to 1e9 m")?;
         Ok(value)
     }
 }

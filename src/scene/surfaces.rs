@@ -72,8 +72,8 @@ pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<Warning> {
     };
     let averaged: Vec<_> = model.materials.iter().enumerate().filter_map(averaged).collect();
     let own = [
-        (suns, "directional lights are not rendered so far: it does not shine"),
-        (averaged, "its emission has a texture; every triangle shines in the mean of it"),
+        (suns, "directional lights are not rendered yet and are left out"),
+        (averaged, "its emission has a texture; each triangle emits the mean of it"),
     ];
     let own = own.into_iter().filter(|(places, _)| !places.is_empty());
     let own = own.map(|(places, finding)| Warning { places, ..Warning::new(file, finding) });

@@ -112,14 +112,18 @@ impl Session {
         let region = settings.region.unwrap_or_else(|| Region::whole(width, height));
         let Settings { threads, detailed_stats, reference, .. } = settings;
         let renderer = Renderer::new(Workers { threads, lanes: None, detailed_stats }).map_err(|error| {
-            Error::failure("--threads", format!("threads cannot be started: {error}"), "ask for fewer threads")
+            Error::failure(
+                "--threads",
+                format!("threads cannot be started: {error}"),
+                "give a smaller number of threads",
+            )
         })?;
         let tile_size = if reference == Reference::None { film::tile_size(region) } else { REFERENCE_TILE_SIZE };
         let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
             let bytes = Film::bytes(&scene.frame, region.pixels());
             let place = scene.files.first().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
-            let finding = format!("a film of {} pixels takes {} MiB: {error}", region.pixels(), bytes >> 20);
-            Error::failure(place, finding, "render a smaller image with --size, or parts of it with --crop")
+            let finding = format!("a film of {} pixels needs {} MiB: {error}", region.pixels(), bytes >> 20);
+            Error::failure(place, finding, "render a smaller image with --size, or part of it with --crop")
         })?;
         let (preparation, start, monitor) = (Preparation::default(), Instant::now(), Monitor::default());
         Ok(Self { scene, film, renderer, settings, preparation, start, monitor })

@@ -26,9 +26,9 @@ const MOST_SAMPLES: u32 = 1 << 31;
 /// When a render is done.
 #[derive(Clone, Copy, Debug)]
 pub enum Target {
-    /// After so many samples per pixel.
+    /// After this many samples per pixel.
     Samples(u32),
-    /// After so long.
+    /// After this much time.
     Time(Duration),
     /// At this relative noise.
     Noise(f64),

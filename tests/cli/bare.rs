@@ -35,7 +35,11 @@ fn another_geometry_takes_the_place_of_a_bare_model() {
     let folder = with_model(|_| {});
     folder.write("other.gltf", model().to_string().replace("\"Eye\"", "\"Lens\""));
     render(&folder, &["--set", "geometry=other.gltf", "--set", "camera=Lens"]);
-    folder.refused(&["render", "room.gltf", "--set", "geometry=x"], 2, "--set geometry=x: geometry is \"x\": there is");
+    folder.refused(
+        &["render", "room.gltf", "--set", "geometry=x"],
+        2,
+        "--set geometry=x: geometry is \"x\", but there is",
+    );
 }
 
 #[cfg(target_os = "linux")]
@@ -116,8 +120,8 @@ fn keys_in_extras_are_checked_like_a_scene_file() {
     refused(json!({ "medium": { "scattering": -1 } }), ": medium.scattering is -1.0\n");
     refused(json!({ "medium": { "phase": {} } }), ": medium.phase: missing key `g`");
     refused(json!({ "render": { "samples": 1.5 } }), ": render.samples: this is the number `1.5`");
-    refused(json!({ "camera": "Lens" }), ": camera is \"Lens\", but room.gltf has none of that name");
-    refused(json!({ "geometry": "other.glb" }), " has a geometry");
+    refused(json!({ "camera": "Lens" }), ": camera is \"Lens\", but room.gltf has no camera of that name");
+    refused(json!({ "geometry": "other.glb" }), " has the key geometry, but");
     refused(json!({ "medium": { "scattering": null } }), " has null at \"medium.scattering\"");
     refused(json!("fog"), " is \"fog\", not an object");
     refused(json!(null), " is null, not an object");
@@ -136,10 +140,10 @@ fn a_bare_model_is_described_with_its_contents() {
         "room: 768x512 pixels, 64 samples each, seed 1",
         "vacuum",
         "mesh \"Wall\": 2 triangles",
-        "camera \"Eye\", which renders",
+        "camera \"Eye\", used for the render",
         "camera \"Lamp\"",
-        "light \"Lamp\": spot with a cone of 0 to 28.65 degrees and radius 0.05 m at 2 m from the camera, 0 mean free paths",
-        "shining meshes: 1, of 2 triangles",
+        "light \"Lamp\": spot with a cone of 0 to 28.65 degrees and radius 0.05 m at 2 m from the camera (0 mean free paths)",
+        "emissive meshes: 1, with 2 triangles",
     ];
     for line in lines {
         assert!(run.stdout.lines().any(|found| found == line), "{line:?} is missing\n{run}");
@@ -152,7 +156,7 @@ fn what_is_called_a_model_but_is_none_is_refused() {
     folder.write("fog.glb", super::support::SCENE);
     folder.write("scene.GLTF", "{}");
     folder.refused(&["render", "fog.glb"], 1, "fog.glb: is not glTF: ");
-    folder.refused(&["render", "scene.GLTF"], 1, "scene.GLTF: asset: there is no asset");
+    folder.refused(&["render", "scene.GLTF"], 1, "scene.GLTF: asset: is missing");
     folder.refused(&["info", "missing.glb"], 1, "missing.glb: cannot be read: ");
 }
 

@@ -98,7 +98,7 @@ fn images_of_other_programs_can_be_compared() {
 fn a_picture_shows_where_images_differ() {
     let folder = renders();
     let run = folder.done(&["compare", "a.exr", "b.exr", "--png", "d.png"]);
-    assert_eq!(run.stderr, "d.png: full colour is 3 standard errors\n");
+    assert_eq!(run.stderr, "d.png: full colour stands for 3 standard errors\n");
     let file = std::fs::File::open(folder.path("d.png")).expect("a file");
     let reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
     assert_eq!((reader.info().width, reader.info().height), (8, 8));
@@ -123,7 +123,7 @@ fn images_that_cannot_be_compared_are_refused() {
     let lacking = "colour.exr, grey.exr: the second image has no channel R, only Y\n";
     folder.refused(&["compare", "colour.exr", "grey.exr"], 1, lacking);
     folder.refused(&["compare", "a.exr", "b.exr", "--png", "b.exr"], 2, "--png b.exr: does not name a PNG image\n");
-    folder.refused(&["compare", "a.exr", "b.exr", "--png", "no/d.png"], 1, "no/d.png: no file can be made in no: ");
+    folder.refused(&["compare", "a.exr", "b.exr", "--png", "no/d.png"], 1, "no/d.png: no file can be created in no: ");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn an_image_that_is_not_whole_is_called_truncated() {
     let whole = std::fs::read(folder.path("a.exr")).expect("an image");
     for length in [1, 3, 100, 1000, whole.len() / 2, whole.len() - 1] {
         folder.write("part.exr", &whole[..length]);
-        let beginning = "part.exr: is truncated: it ends before the image does\n";
+        let beginning = "part.exr: is truncated: the file ends before the image does\n";
         folder.refused(&["info", "part.exr"], 1, beginning);
         folder.refused(&["compare", "a.exr", "part.exr"], 1, beginning);
     }

@@ -78,7 +78,7 @@ fn an_exposure_is_a_number_of_stops() {
     ] {
         folder.refused(&["render", "scene.toml", "-o", "a.png", "--exposure", value], 2, beginning);
     }
-    let beginning = "--exposure 1.0: --set film.exposure=2 says something else\n";
+    let beginning = "--exposure 1.0: contradicts --set film.exposure=2\n";
     folder.refused(&["render", "scene.toml", "--exposure", "1", "--set", "film.exposure=2"], 2, beginning);
 }
 

@@ -11,11 +11,11 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
     fs::create_dir(folder.path("folder.exr")).expect("a folder");
     let long = format!("{}.exr", "x".repeat(300));
     let cases = [
-        ("nowhere/a.exr", "nowhere/a.exr: no file can be made in nowhere: "),
+        ("nowhere/a.exr", "nowhere/a.exr: no file can be created in nowhere: "),
         ("folder.exr", "folder.exr: is a folder\n"),
         ("a.exr/", "a.exr/: is a folder\n"),
-        ("scene.toml/a.exr", "scene.toml/a.exr: cannot be a file: "),
-        (&long, &format!("{long}: cannot be a file: ")),
+        ("scene.toml/a.exr", "scene.toml/a.exr: cannot be used as a file: "),
+        (&long, &format!("{long}: cannot be used as a file: ")),
     ];
     for (output, beginning) in cases {
         // So many samples would take hours.
@@ -40,7 +40,7 @@ fn an_output_names_its_format() {
 fn statistics_do_not_replace_the_image_or_the_scene() {
     let folder = Folder::with_scene();
     for stats in ["a.exr", "scene.toml"] {
-        let beginning = format!("--stats {stats}: names the scene or an image\n");
+        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
 }
@@ -55,7 +55,11 @@ fn a_folder_without_write_permission_is_refused() {
     if fs::write(folder.path("locked/probe"), "").is_ok() {
         return; // root may write anywhere
     }
-    folder.refused(&["render", "scene.toml", "-o", "locked/a.exr"], 1, "locked/a.exr: no file can be made in locked: ");
+    folder.refused(
+        &["render", "scene.toml", "-o", "locked/a.exr"],
+        1,
+        "locked/a.exr: no file can be created in locked: ",
+    );
 }
 
 #[test]
@@ -79,7 +83,7 @@ fn a_file_is_named_once() {
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", other], 2, &beginning);
     }
     for stats in ["sub/../a.exr", "sub/../scene.toml"] {
-        let beginning = format!("--stats {stats}: names the scene or an image\n");
+        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
         folder.refused(&["render", ".", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
 }
@@ -203,7 +207,7 @@ fn symbolic_links_are_followed_and_stay() {
     folder.refused(
         &["render", "scene.toml", "-o", "circle.exr"],
         1,
-        "circle.exr: cannot be a file: its symbolic links",
+        "circle.exr: cannot be used as a file: its symbolic links",
     );
     let beginning = "--output link.exr: names the same file as another output\n";
     folder.refused(&["render", "scene.toml", "-o", "elsewhere/a.exr", "-o", "link.exr"], 2, beginning);

@@ -13,7 +13,7 @@ fn an_override_names_a_key_that_exists() {
     refused(&["--set", "foo"], "--set foo: has no '='\n");
     refused(&["--set", "=1"], "--set =1: the key is empty\n");
     refused(&["--set", "foo=1"], "--set foo=1: foo: unknown key `foo`");
-    refused(&["--set", "light[3].radius=1"], "--set light[3].radius=1: entry 3 of a list of 1 does not exist\n");
+    refused(&["--set", "light[3].radius=1"], "--set light[3].radius=1: there is no entry 3 in a list of 1\n");
     refused(&["--set", "light[-1].radius=1"], "--set light[-1].radius=1: a list has entries [0], [1]");
     refused(&["--set", "medium.scattering.x=1"], "--set medium.scattering.x=1: there is no medium.scattering.x");
     refused(&["--set", "medium.scattering.x.y=1"], "--set medium.scattering.x.y=1: a plain value has no x\n");
@@ -24,7 +24,7 @@ fn an_override_is_checked_like_the_scene() {
     refused(&["--set", "light[0].radius=-1"], "--set light[0].radius=-1: light[0].radius is -1.0\n");
     refused(
         &["--set", "camera=3"],
-        "--set camera=3: camera: this is the whole number `3`, expected a table, or the name of a camera of geometry\n",
+        "--set camera=3: camera: this is the whole number `3`, expected a table, or the name of a camera in geometry\n",
     );
     refused(&["--set", "medium.absorption=[1, 2, 3]"], "--set medium.absorption=[1, 2, 3]: extinction");
     refused(&["--technique", "bdpt"], "--technique bdpt: render.technique: unknown name `bdpt`");
@@ -53,12 +53,12 @@ fn an_override_with_a_second_line_does_not_smuggle_another() {
 #[test]
 fn a_flag_and_an_override_do_not_contradict_each_other() {
     for (flags, beginning) in [
-        (["--samples", "4", "--set", "render.samples=8"], "--samples 4: --set render.samples=8 says something else\n"),
-        (["--size", "8x8", "--set", "film.size[1]=9"], "--size 8x8: --set film.size[1]=9 says something else\n"),
-        (["--seed", "3", "--set", "render={ seed = 4 }"], "--seed 3: --set render={ seed = 4 } says something else\n"),
+        (["--samples", "4", "--set", "render.samples=8"], "--samples 4: contradicts --set render.samples=8\n"),
+        (["--size", "8x8", "--set", "film.size[1]=9"], "--size 8x8: contradicts --set film.size[1]=9\n"),
+        (["--seed", "3", "--set", "render={ seed = 4 }"], "--seed 3: contradicts --set render={ seed = 4 }\n"),
         (
             ["--technique", "nee", "--set", "render.technique=[\"nee\", \"mvnee\"]"],
-            "--technique nee: --set render.technique=[\"nee\", \"mvnee\"] says something else\n",
+            "--technique nee: contradicts --set render.technique=[\"nee\", \"mvnee\"]\n",
         ),
     ] {
         refused(&flags, beginning);
@@ -74,7 +74,7 @@ fn a_flag_and_an_override_do_not_contradict_each_other() {
 fn a_technique_is_named_once() {
     refused(
         &["--technique", "nee,mvnee,nee"],
-        "--technique nee,mvnee,nee: render.technique is a list with nee in it twice",
+        "--technique nee,mvnee,nee: render.technique is a list that names nee twice",
     );
 }
 
@@ -91,14 +91,14 @@ fn an_override_may_begin_a_table() {
     folder.done(&["render", "scene.toml", "-o", "b.exr"]);
     assert_eq!(folder.image("a.exr").channels, folder.image("b.exr").channels);
     let run = folder.done(&["render", "vacuum.toml", "-o", "c.exr", "--set", "medium.phase.g=0.5"]);
-    let warning = "warning: --set medium.phase.g=0.5: medium has neither scattering nor absorption: it is vacuum\n";
+    let warning = "warning: --set medium.phase.g=0.5: medium has neither scattering nor absorption, so it is vacuum\n";
     assert!(run.stderr.starts_with(warning), "{run}");
 }
 
 #[test]
 fn a_very_long_key_is_refused_at_once() {
     let set = format!("{}a=1", "a.".repeat(50_000));
-    refused(&["--set", &set], &format!("--set {set}: no key has 50001 parts\n"));
+    refused(&["--set", &set], &format!("--set {set}: the key has 50001 parts, more than any key of a scene\n"));
 }
 
 #[test]
@@ -107,16 +107,16 @@ fn a_value_that_does_not_parse_comes_with_an_example() {
         refused(&["--size", size], &format!("--size {size}: is not a size\n  help: give width and height"));
     }
     for crop in ["1,2,3", "a,b,c,d", "-1,0,1,1"] {
-        refused(&["--crop", crop], &format!("--crop {crop}: is not a window of an image\n  help: give first column"));
+        refused(&["--crop", crop], &format!("--crop {crop}: is not a crop window\n  help: give X0,Y0,X1,Y1"));
     }
     for time in ["5", "abc", "-1s", "1h2"] {
         refused(&["--time", time], &format!("--time {time}: is not a duration: "));
     }
     for noise in ["0", "-1", "nan", "inf", "x"] {
-        refused(&["--noise", noise], &format!("--noise {noise}: is not a share above 0\n"));
+        refused(&["--noise", noise], &format!("--noise {noise}: is not a fraction above 0\n"));
     }
     for threads in ["0", "-1", "1025", "many", "1.5"] {
-        refused(&["--threads", threads], &format!("--threads {threads}: is not a possible number of threads\n"));
+        refused(&["--threads", threads], &format!("--threads {threads}: is not a valid number of threads\n"));
     }
     for flag in ["--samples", "--max-segments", "--seed"] {
         refused(&[flag, "1.5"], &format!("{flag} 1.5: is not a whole number\n"));
@@ -124,7 +124,7 @@ fn a_value_that_does_not_parse_comes_with_an_example() {
     refused(&["--mesc", "x"], "--mesc x: is not a number\n");
     refused(
         &["--progress", "loud"],
-        "--progress loud: is not one of the choices\n  help: choices are auto, bar, plain, json",
+        "--progress loud: is not one of the choices\n  help: choose one of auto, bar, plain, json",
     );
 }
 
@@ -141,7 +141,7 @@ fn a_window_lies_inside_the_image() {
     for crop in ["0,0,9,8", "4,4,4,4", "5,0,4,8", "8,8,9,9"] {
         refused(
             &["--crop", crop],
-            &format!("--crop {crop}: the window is empty or not inside the image of 8x8 pixels"),
+            &format!("--crop {crop}: the window is empty or reaches outside the image of 8x8 pixels"),
         );
     }
 }

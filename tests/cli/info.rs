@@ -11,7 +11,7 @@ fn a_scene_is_described_with_its_cost() {
         let lines: Vec<_> = run.stdout.lines().collect();
         assert_eq!(lines[0], "mist: 8x8 pixels, 4 samples each, seed 1", "{run}");
         assert_eq!(lines[1], "fog: mean free path 1.429 m, albedo 1, g 0.5");
-        assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera, 2.10 mean free paths");
+        assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera (2.10 mean free paths)");
         assert_eq!(lines[3], "technique mvnee, paths of 1 to 24 segments");
         assert_eq!(lines[4], "vertices that connect: all, survival 1");
         assert!(lines[5].starts_with("cost: 256 samples, ") && lines[5].contains(" samples/s; film 1 MiB"), "{run}");
@@ -23,7 +23,7 @@ fn a_scene_is_described_with_its_cost() {
 fn a_medium_that_does_nothing_is_vacuum() {
     let folder = Folder::with_edited_scene("scattering = 0.7", "scattering = 0");
     let run = folder.done(&["info", "scene.toml"]);
-    assert!(run.stdout.contains("\nvacuum: only directly seen light counts\n"), "{run}");
+    assert!(run.stdout.contains("\nvacuum: only directly visible light counts\n"), "{run}");
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn what_is_neither_scene_nor_image_is_refused() {
     folder.refused(&["info", "missing"], 1, "missing: cannot be read: ");
     folder.refused(&["info", "missing.exr"], 1, "missing.exr: cannot be read: ");
     folder.refused(&["info", "fake.exr"], 1, "fake.exr: is not an EXR image\n");
-    folder.refused(&["info", "a.png"], 1, "a.png: PNG images are for the eye");
+    folder.refused(&["info", "a.png"], 1, "a.png: is a PNG image, which");
     let beginning = format!("{}: light[0].radius is 0.0\n", folder.place("radius"));
     folder.refused(&["info", "scene.toml"], 1, &beginning);
 }

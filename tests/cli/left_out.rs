@@ -8,10 +8,10 @@ use super::support::{Folder, header};
 fn a_limit_that_leaves_out_light_is_told_with_one_that_would_do() {
     let folder = Folder::with_edited_scene("max_segments = 24", "max_segments = 4");
     let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--stats", "s.json", "--progress", "none"]);
-    let start = "warning: paths of more than 4 segments are left out, ";
+    let start = "warning: paths of more than 4 segments are left out, and with them ";
     assert!(run.stderr.starts_with(start) && run.stderr.lines().count() == 1, "{run}");
     let words: Vec<&str> = run.stderr.split_whitespace().collect();
-    let share: f64 = words[10].parse().unwrap_or_else(|_| panic!("{words:?}"));
+    let share: f64 = words[13].parse().unwrap_or_else(|_| panic!("{words:?}"));
     assert!((10.0..30.0).contains(&share), "{run}");
 
     let text = std::fs::read_to_string(folder.path("s.json")).expect("statistics");
@@ -41,5 +41,5 @@ fn programs_get_the_warning_as_a_message() {
 fn a_black_image_is_called_black() {
     let folder = Folder::with_edited_scene("normal = [0, 0, -1]", "normal = [0, 0, 1]");
     let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", "medium.scattering=0"]);
-    assert!(run.stderr.ends_with("warning: the image is black: no path found light\n"), "{run}");
+    assert!(run.stderr.ends_with("warning: the image is black: no path reached a light\n"), "{run}");
 }

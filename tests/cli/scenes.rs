@@ -149,7 +149,7 @@ fn a_film_that_memory_cannot_hold_is_refused_and_not_a_crash() {
     let output = shell.current_dir(folder.path(".")).args(["-c", &render]).output().expect("a shell");
     let stderr = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.status.code(), Some(1), "{stderr}");
-    assert!(stderr.starts_with("error: scene.toml: a film of 121000000 pixels takes 3231 MiB: "), "{stderr}");
+    assert!(stderr.starts_with("error: scene.toml: a film of 121000000 pixels needs 3231 MiB: "), "{stderr}");
     assert!(stderr.contains("\n  help: render a smaller image with --size"), "{stderr}");
     assert_eq!(folder.names(), ["scene.toml"]);
 }
@@ -175,7 +175,7 @@ fn files_that_are_no_scenes_are_told_apart() {
     folder.refused(&["render", "missing.toml"], 1, "missing.toml: cannot be read: ");
     folder.refused(&["render", "empty.toml"], 1, "empty.toml: missing key `camera`\n");
     folder.refused(&["render", "prose.toml"], 1, "prose.toml:2:4: ");
-    folder.refused(&["render", "latin1.toml"], 1, "latin1.toml:2:7: is not a text file in UTF-8\n");
+    folder.refused(&["render", "latin1.toml"], 1, "latin1.toml:2:7: is not a UTF-8 text file\n");
     folder.refused(&["render", "deep.toml"], 1, "deep.toml:1:");
     folder.refused(&["render", "huge.toml"], 1, "huge.toml:1:8: this is the whole number `99999999999999999999`");
     folder.refused(&["render", "here"], 1, "here: is a folder without a scene.toml\n");
@@ -285,11 +285,11 @@ fn strange_values_are_rendered_or_refused() {
 #[test]
 fn geometry_that_is_not_there_or_not_gltf_is_refused() {
     let folder = Folder::with_edited_scene("[camera]", "geometry = \"fog.glb\"\n[camera]");
-    let beginning = format!("{}: geometry is \"fog.glb\": there is no file", folder.place("geometry"));
+    let beginning = format!("{}: geometry is \"fog.glb\", but there is no file", folder.place("geometry"));
     folder.refused(&["render", "scene.toml"], 1, &beginning);
     folder.refused(&["render", "scene.toml", "--set", "geometry=scene.toml"], 1, "scene.toml: is not glTF");
     folder.write("models/room.glb", "");
-    let beginning = "--set geometry=models: geometry is \"models\": models is a folder\n";
+    let beginning = "--set geometry=models: geometry is \"models\", but models is a folder\n";
     folder.refused(&["render", "scene.toml", "--set", "geometry=models"], 2, beginning);
 }
 
@@ -298,7 +298,7 @@ fn a_spot_has_an_exponent_and_a_disk_has_none() {
     let refused = |change: &str, code: i32, beginning: &str| {
         Folder::with_scene().refused(&["render", "scene.toml", "--set", change], code, beginning);
     };
-    refused("light[0].exponent=3", 2, "--set light[0].exponent=3: light[0].exponent is 3.0, where the light is a disk");
+    refused("light[0].exponent=3", 2, "--set light[0].exponent=3: light[0].exponent is 3.0, but the light is a disk");
     let spot = |exponent: &str| format!("type = \"spot\"\nexponent = {exponent}");
     let folder = Folder::with_edited_scene("type = \"disk\"", &spot("-1"));
     let beginning = format!("{}: light[0].exponent is -1.0", folder.place("exponent"));
@@ -317,16 +317,16 @@ fn a_disk_has_a_normal_and_a_sphere_has_neither_normal_nor_exponent() {
         folder.refused(&["render", "scene.toml"], 1, &format!("{}: light[0].{finding}", folder.place(place)));
     };
     let folder = Folder::with_edited_scene("normal = [0, 0, -1]\n", "");
-    refused_there(&folder, "[[light]]", "normal is missing, where the light is a disk\n");
+    refused_there(&folder, "[[light]]", "normal is missing, but the light is a disk\n");
     let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
-    refused_there(&folder, "normal", "normal is [0.0, 0.0, -1.0], where the light is a sphere\n");
+    refused_there(&folder, "normal", "normal is [0.0, 0.0, -1.0], but the light is a sphere\n");
     let sphere = |line: &str| {
         let folder = Folder::with_edited_scene("type = \"disk\"", "type = \"sphere\"");
         let scene = std::fs::read_to_string(folder.path("scene.toml")).expect("a scene");
         folder.write("scene.toml", scene.replace("normal = [0, 0, -1]", line));
         folder
     };
-    refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, where the light is a sphere\n");
+    refused_there(&sphere("exponent = 3"), "exponent", "exponent is 3.0, but the light is a sphere\n");
     sphere("").done(&["render", "scene.toml"]);
 }
 
@@ -334,10 +334,10 @@ fn a_disk_has_a_normal_and_a_sphere_has_neither_normal_nor_exponent() {
 #[test]
 fn inputs_without_end_or_too_large_are_refused_by_size() {
     let folder = Folder::with_scene();
-    folder.refused(&["render", "/dev/zero"], 1, "/dev/zero: has more than 64 MiB, too much for a scene\n");
+    folder.refused(&["render", "/dev/zero"], 1, "/dev/zero: is larger than 64 MiB, too large for a scene\n");
     for (name, finding) in [
-        ("big.toml", "has more than 64 MiB, too much for a scene\n"),
-        ("big.glb", "has 1099511627776 bytes, more than the 4 GiB that are read\n"),
+        ("big.toml", "is larger than 64 MiB, too large for a scene\n"),
+        ("big.glb", "has 1099511627776 bytes, more than the limit of 4 GiB\n"),
     ] {
         // A hole: it takes no space.
         let file = std::fs::File::create(folder.path(name)).expect("a file");

@@ -13,7 +13,7 @@ fn refused_setting(line: &str, finding: &str, remedy: &str) {
 
 #[test]
 fn settings_of_bridges_are_of_the_right_type() {
-    let listed = "fogbow render --help-scene lists every key";
+    let listed = "see fogbow render --help-scene for every key";
     let starts = "expected a whole number from 1 to 1024, \"all\" or \"auto\"\n";
     for (written, shown) in [
         ("-1", "whole number `-1`"),
@@ -54,7 +54,7 @@ fn settings_of_bridges_are_in_range() {
     for count in ["0", "1025", "4294967295"] {
         refused_setting(&format!("starts = {count}"), &format!("render.starts is {count}\n"), remedy);
     }
-    refused_setting("aimed = 1", "render.aimed is 1.0\n", "give a share from 0 to 0.99, or \"auto\"");
+    refused_setting("aimed = 1", "render.aimed is 1.0\n", "give a fraction from 0 to 0.99, or \"auto\"");
     for (written, shown) in
         [("0", "0.0"), ("1.5", "1.5"), ("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("0.001", "0.001")]
     {
@@ -62,7 +62,7 @@ fn settings_of_bridges_are_in_range() {
         refused_setting(&format!("survival = {written}"), &format!("render.survival is {shown}\n"), remedy);
     }
     for (written, shown) in [("-1", "-1.0"), ("nan", "NaN"), ("inf", "inf"), ("1e31", "1e31")] {
-        let remedy = "give a radiance of 0 or more, at most 1e30 W/(m^2 sr), or \"auto\"";
+        let remedy = "give a radiance from 0 to 1e30 W/(m^2 sr), or \"auto\"";
         refused_setting(&format!("roulette = {written}"), &format!("render.roulette is {shown}\n"), remedy);
     }
     for (written, shown) in [("0", "0.0"), ("-3", "-3.0"), ("nan", "NaN"), ("inf", "inf")] {

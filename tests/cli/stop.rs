@@ -61,7 +61,7 @@ fn ctrl_c_writes_the_image_and_says_so() {
     assert_eq!((code, stdout.as_str()), (Some(130), ""), "{stderr}");
     let lines: Vec<_> = stderr.lines().collect();
     let [.., stopped, summary] = lines.as_slice() else { panic!("{stderr}") };
-    assert!(stopped.starts_with("stopped after ") && stopped.ends_with("writing what there is"), "{stderr}");
+    assert!(stopped.starts_with("stopped after ") && stopped.ends_with("writing the results so far"), "{stderr}");
     assert!(summary.starts_with("a.exr, a.png: mvnee, "), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "a.png", "scene.toml"]);
 
@@ -107,7 +107,7 @@ fn an_image_that_cannot_be_written_does_not_take_the_others_with_it() {
     std::fs::remove_dir(folder.path("gone")).expect("an empty folder");
     let (code, _, stderr) = interrupted(child);
     assert_eq!(code, Some(1), "{stderr}");
-    assert!(stderr.starts_with("error: gone/b.exr: no file can be made in gone: "), "{stderr}");
+    assert!(stderr.starts_with("error: gone/b.exr: no file can be created in gone: "), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "a.png", "c.exr", "scene.toml"]);
 }
 
@@ -125,7 +125,7 @@ fn ctrl_c_ends_the_choice_of_a_setting_too() {
     }
     let (code, _, stderr) = interrupted(child);
     assert_eq!(code, Some(130), "{stderr}");
-    assert!(stderr.contains("stopped after ") && stderr.contains("writing what there is"), "{stderr}");
+    assert!(stderr.contains("stopped after ") && stderr.contains("writing the results so far"), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
 }
 

@@ -117,5 +117,5 @@ fn disks_are_refused() {
         println!("not run: only root may make a device");
         return;
     }
-    folder.refused(&["render", "scene.toml", "-o", "a.exr"], 1, "a.exr: is a disk, whose content would be lost\n");
+    folder.refused(&["render", "scene.toml", "-o", "a.exr"], 1, "a.exr: is a disk, whose contents would be lost\n");
 }

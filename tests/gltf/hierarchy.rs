@@ -106,7 +106,7 @@ fn rotations_are_normalized() {
     file.json["nodes"] = json!([{ "mesh": mesh, "rotation": [0, 0, 3, 3], "name": "Lamp" }]);
     let model = file.model();
     assert!(near(model.positions[1], [0.0, 1.0, 0.0]), "{:?}", model.positions);
-    assert_eq!(warnings(&model), ["node 0 \"Lamp\": its rotation is not a unit quaternion; it is normalized"]);
+    assert_eq!(warnings(&model), ["node 0 \"Lamp\": its rotation is not a unit quaternion and is normalized"]);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn cameras_and_spots_need_their_z_axis() {
     let upright = camera([0.0, 0.0, 2.0]).model();
     assert_eq!((upright.cameras[0].forward, upright.cameras[0].up[2]), ([0.0, 0.0, -1.0], 0.0));
     let error = camera([1.0, 1.0, 0.0]).error();
-    assert!(error.contains("node 0 \"Eye\": its transform leaves nothing of its z axis"), "{error}");
+    assert!(error.contains("node 0 \"Eye\": its transform flattens its z axis"), "{error}");
     assert!(error.contains("give it a scale above 0 along z"), "{error}");
 }
 

@@ -37,7 +37,7 @@ fn lists_strips_and_fans_become_triangles() {
 
 #[test]
 fn what_is_no_whole_triangle_is_left_out() {
-    let warning = ["mesh 0, primitive 0: vertices that do not make a whole triangle are left out"];
+    let warning = ["mesh 0, primitive 0: vertices that do not complete a triangle are left out"];
     let (triangles, warnings) = joined(4, None);
     assert_eq!((triangles.as_slice(), warnings.as_slice()), (&[[0, 1, 2]][..], &warning.map(String::from)[..]));
     for (mode, indices) in [(4, &[0u16, 1][..]), (5, &[0, 1]), (6, &[0])] {
@@ -184,7 +184,7 @@ fn colors_are_clamped() {
         let model = file.model();
         (model.colors[0], warnings(&model))
     };
-    let warning = vec!["mesh 0, primitive 0: colours of vertices that are not from 0 to 1 are clamped".to_string()];
+    let warning = vec!["mesh 0, primitive 0: vertex colours outside 0 to 1 are clamped".to_string()];
     assert_eq!(with_color([1.1, 0.25, 1e30]), ([1.0, 0.25, 1.0], warning.clone()));
     assert_eq!(with_color([-0.1, 0.25, 1.0]), ([0.0, 0.25, 1.0], warning));
     assert_eq!(with_color([1.0001, 0.25, -0.0001]), ([1.0, 0.25, 0.0], Vec::new()), "rounding");
@@ -231,10 +231,10 @@ fn what_moves_stands_still() {
     let model = file.model();
     assert_eq!(model.positions, TRIANGLE);
     let expected = [
-        "extensionsUsed: \"KHR_materials_ior\", \"VENDOR_x\": not read",
-        "animation 0: animations are not read; nodes stand as the file places them",
-        "node 0 \"dancer\": skins are not read; the mesh keeps its basic pose, and its node's transform, which glTF ignores",
-        "mesh 0, primitive 0: morph targets are not read; the mesh keeps its basic shape",
+        "extensionsUsed: \"KHR_materials_ior\", \"VENDOR_x\": these extensions are ignored",
+        "animation 0: animations are ignored; nodes stay where the file places them",
+        "node 0 \"dancer\": skins are ignored; the mesh keeps its bind pose and, unlike in glTF, its node's transform",
+        "mesh 0, primitive 0: morph targets are ignored; the mesh keeps its base shape",
     ];
     assert_eq!(warnings(&model), expected);
 }

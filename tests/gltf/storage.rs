@@ -73,7 +73,7 @@ fn bytes_after_the_container_are_not_read() {
     let mut bytes = textured().glb();
     bytes.extend(b"junk");
     let model = gltf::parse("a.glb", &bytes, None).expect("valid");
-    assert_eq!(warnings(&model), ["a.glb: container: bytes after the end that the header states are not read"]);
+    assert_eq!(warnings(&model), ["a.glb: container: bytes beyond the length that the header gives are ignored"]);
 }
 
 #[test]
@@ -106,16 +106,16 @@ fn files_that_cannot_be_read_are_named() {
         ("folder", 1, "its file \"folder\" is not a regular file"),
         ("folder/short.bin", 6, "its byteLength is 6, but there are 5 bytes of data"),
         ("folder/short.bin", u64::MAX, "its byteLength is 18446744073709551615, but there are 5 bytes of data"),
-        ("https://nowhere.invalid/a.bin", 1, "is of scheme \"https\", which is not read"),
-        ("file:///etc/hostname", 1, "is of scheme \"file\""),
-        ("C:/a.bin", 1, "is of scheme \"C\""),
+        ("https://nowhere.invalid/a.bin", 1, "has scheme \"https\", which is not supported"),
+        ("file:///etc/hostname", 1, "has scheme \"file\""),
+        ("C:/a.bin", 1, "has scheme \"C\""),
         ("/etc/hostname", 1, "is an absolute path"),
         ("../a.bin", 1, "leads out of the model's folder"),
         ("folder/%2E%2E/%2e%2E/a.bin", 1, "leads out of the model's folder"),
         ("..\\a.bin", 1, "leads out of the model's folder"),
         ("a%00b", 1, "cannot be read: "),
         ("%ff", 1, "is not UTF-8 when decoded"),
-        ("", 1, "names no file"),
+        ("", 1, "does not name a file"),
         ("data:text/plain,abc", 1, "its data URI of type \"text/plain\" is not base64"),
         ("data:;base64,a*c=", 1, "is not valid base64: "),
         ("data:;base64,AAAAA", 1, "is not valid base64: "),
@@ -137,7 +137,7 @@ fn pipes_are_refused_rather_than_waited_for() {
         assert!(refused(&folder, "pipe", 1).contains("its file \"pipe\" is not a regular file"));
         let path = folder.path().join("pipe");
         let error = gltf::load(&path).expect_err("a pipe").to_string();
-        let says = format!("error: {}: is not a regular file\n  help: give the path of a ", path.display());
+        let says = format!("error: {}: is not a regular file\n  help: give the path of a readable ", path.display());
         assert!(error.starts_with(&says), "{error}");
     }
 }
@@ -154,5 +154,8 @@ fn models_from_memory_have_no_files_beside_them() {
     file.json["buffers"] = json!([{ "uri": "a.bin", "byteLength": 1 }]);
     let bytes = file.json.to_string();
     let error = gltf::parse("a.gltf", bytes.as_bytes(), None).expect_err("no folder").to_string();
-    assert!(error.starts_with("error: a.gltf: buffer 0: its file \"a.bin\" has no folder to be in\n"), "{error}");
+    assert!(
+        error.starts_with("error: a.gltf: buffer 0: its file \"a.bin\" cannot be found: the model has no folder\n"),
+        "{error}"
+    );
 }

@@ -27,7 +27,7 @@ impl<'de> Deserialize<'de> for CameraOrName {
             type Value = CameraOrName;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table, or the name of a camera of geometry")
+                f.write_str("a table, or the name of a camera in geometry")
             }
 
             fn visit_str<E: de::Error>(self, name: &str) -> Result<CameraOrName, E> {

@@ -16,9 +16,9 @@ fn buffer_views() {
     let place = "mesh 0 \"Wall\", primitive 0, POSITION, accessor 0";
     let cases = [
         (view(json!({ "buffer": 1, "byteLength": 1 })), "refers to buffer 1, but the last one is 0"),
-        (part(100_000, 1), "its 1 bytes from byte 100000 on leave buffer 0, which has "),
-        (part(0, 100_000), "its 100000 bytes from byte 0 on leave buffer 0"),
-        (part(u64::MAX, 2), "its 2 bytes from byte 18446744073709551615 on leave buffer 0"),
+        (part(100_000, 1), "its 1 bytes from byte 100000 do not fit in buffer 0, which has "),
+        (part(0, 100_000), "its 100000 bytes from byte 0 do not fit in buffer 0"),
+        (part(u64::MAX, 2), "its 2 bytes from byte 18446744073709551615 do not fit in buffer 0"),
         (part(u64::MAX, u64::MAX), "its 18446744073709551615 bytes from byte "),
         (stride(0), "its byteStride is 0\n"),
         (stride(13), "its byteStride is 13\n"),
@@ -58,12 +58,12 @@ fn accessors() {
             at(POSITIONS, "count"),
             json!(5),
             format!(
-                "{position}its 5 elements (VEC3 of FLOAT) from byte 0 on, 12 bytes apart, leave its bufferView of 48 bytes\n"
+                "{position}its 5 elements (VEC3 of FLOAT) from byte 0, 12 bytes apart, do not fit in its bufferView of 48 bytes\n"
             ),
         ),
         (at(POSITIONS, "count"), json!(u64::MAX), format!("{position}its 18446744073709551615 elements")),
         (at(POSITIONS, "count"), json!(u64::MAX / 12 + 2), format!("{position}its 1537228672809129303 elements")),
-        (at(POSITIONS, "byteOffset"), json!(4), format!("{position}its 4 elements (VEC3 of FLOAT) from byte 4 on")),
+        (at(POSITIONS, "byteOffset"), json!(4), format!("{position}its 4 elements (VEC3 of FLOAT) from byte 4,")),
         (at(POSITIONS, "byteOffset"), json!(u64::MAX - 3), format!("{position}its ")),
         (at(POSITIONS, "byteOffset"), json!(2), format!("{position}its elements begin at byte ")),
         (at(TEXCOORDS, "type"), json!("VEC3"), format!("{}is VEC3 of FLOAT\n", place("TEXCOORD_0", TEXCOORDS))),
@@ -100,14 +100,14 @@ fn sparse_accessors() {
     let at = |key: &str| format!("/accessors/{MOVED}/sparse/{key}");
     let place = format!("mesh 0 \"Wall\", primitive 1, POSITION, accessor {MOVED}");
     let cases = [
-        (at("count"), json!(0), "sparse: replaces 0 elements of 4\n"),
-        (at("count"), json!(5), "sparse: replaces 5 elements of 4\n"),
+        (at("count"), json!(0), "sparse: replaces 0 of 4 elements\n"),
+        (at("count"), json!(5), "sparse: replaces 5 of 4 elements\n"),
         (at("count"), json!(3), "sparse, indices: its 3 elements (SCALAR of UNSIGNED_BYTE) "),
         (at("indices/componentType"), json!(I16), "sparse, indices: are SHORT\n"),
         (at("indices/componentType"), json!(9), "sparse, indices: its componentType is 9\n"),
         (at("indices/bufferView"), json!(99), "sparse, indices: refers to bufferView 99"),
         (at("values/bufferView"), json!(99), "sparse, values: refers to bufferView 99"),
-        (at("values/byteOffset"), json!(12), "sparse, values: its 2 elements (VEC3 of FLOAT) from byte 12 on"),
+        (at("values/byteOffset"), json!(12), "sparse, values: its 2 elements (VEC3 of FLOAT) from byte 12,"),
         (at("values/byteOffset"), json!(u64::MAX - 3), "sparse, values: its "),
     ];
     for (pointer, value, expected) in cases {

@@ -10,7 +10,7 @@ use super::{changed, refuse};
 fn versions_and_extensions() {
     let draco = "KHR_draco_mesh_compression";
     refuse(&[
-        ("/asset", Value::Null, "asset: there is no asset, and so no version of glTF"),
+        ("/asset", Value::Null, "asset: is missing, and with it the version of glTF"),
         ("/asset/version", json!("1.0"), "asset: version is \"1.0\""),
         ("/asset/version", json!("20.0"), "asset: version is \"20.0\""),
         ("/asset/version", json!(""), "asset: version is \"\""),
@@ -24,8 +24,8 @@ fn versions_and_extensions() {
         ("/extensionsRequired", json!(["\u{1b}[31m\n"]), "extensionsRequired: requires \"\\u{1b}[31m\\n\"\n"),
     ]);
     let remedies = [
-        (draco, "without compression of meshes"),
-        ("EXT_meshopt_compression", "without compression of meshes"),
+        (draco, "without mesh compression"),
+        ("EXT_meshopt_compression", "without mesh compression"),
         ("KHR_texture_basisu", "textures in PNG or JPEG"),
         ("EXT_texture_webp", "textures in PNG or JPEG"),
         ("KHR_materials_unlit", "without this extension"),
@@ -65,7 +65,7 @@ fn text_that_is_not_json() {
         (b"glTF", "error: a.gltf: ends after 4 bytes, inside its header"),
         (b"solid cube", "error: a.gltf: is not glTF: "),
         (b"[]", "error: a.gltf: is not glTF: "),
-        (b"{\n  \"asset\": }", "error: a.gltf:2:12: asset: expected value\n  help: this is not JSON"),
+        (b"{\n  \"asset\": }", "error: a.gltf:2:12: asset: expected value\n  help: correct the JSON"),
         (b"{\n  \"asset\": {", "error: a.gltf:2:12: asset: EOF while parsing"),
         (b"{ \"asset\": { \"version\": \"2.0\" } } x", "error: a.gltf:1:35: trailing characters"),
     ];
@@ -76,7 +76,7 @@ fn text_that_is_not_json() {
     let nested = format!("{{ \"scenes\": [{{ \"extras\": {}{} }}] }}", "[".repeat(100_000), "]".repeat(100_000));
     assert!(error(nested.as_bytes()).contains("recursion limit"), "{}", error(nested.as_bytes()));
     let ignored = format!("{{ \"other\": {}{} }}", "[".repeat(100_000), "]".repeat(100_000));
-    assert!(error(ignored.as_bytes()).contains("there is no asset"), "{}", error(ignored.as_bytes()));
+    assert!(error(ignored.as_bytes()).contains("asset: is missing"), "{}", error(ignored.as_bytes()));
     let large = b"{ \"asset\": { \"version\": \"2.0\" }, \"nodes\": [{ \"scale\": [1e999, 1, 1] }] }";
     assert!(error(large).contains("nodes[0].scale[0]: number out of range"), "{}", error(large));
     assert!(error(b"{ \"asset\": { \"version\": \"\xff\" } }").contains("asset.version: invalid unicode"));
@@ -99,7 +99,7 @@ fn containers() {
         (put(8, length + 4), &format!("a.glb: has {length} bytes, but its header says {}\n", length + 4)),
         (put(8, 3), &format!("a.glb: has {length} bytes, but its header says 3\n")),
         (put(8, 12), "a.glb: chunk 0: its first chunk is not of type JSON\n"),
-        (put(8, 16), "a.glb: chunk 0: the file ends inside the header of the chunk\n"),
+        (put(8, 16), "a.glb: chunk 0: the file ends inside the header of this chunk\n"),
         (put(12, json + 1), &format!("a.glb: chunk 0: its length is {}, not a multiple of 4\n", json + 1)),
         (put(12, u32::MAX - 3), "a.glb: chunk 0: its length is 4294967292, but "),
         (put(16, 7), "a.glb: chunk 0: its first chunk is not of type JSON\n"),

@@ -23,9 +23,9 @@ fn images() {
     let cases: [(&[u8], &str); 12] = [
         (b"", "is neither PNG nor JPEG\n"),
         (b"solid", "is neither PNG nor JPEG\n"),
-        (b"\xabKTX 20\xbb\r\n\x1a\n", "is in the format KTX2, which is not read\n"),
-        (b"RIFF\x10\0\0\0WEBPVP8 ", "is in the format WebP, which is not read\n"),
-        (b"GIF89a", "is in the format GIF, which is not read\n"),
+        (b"\xabKTX 20\xbb\r\n\x1a\n", "is in KTX2 format, which is not supported\n"),
+        (b"RIFF\x10\0\0\0WEBPVP8 ", "is in WebP format, which is not supported\n"),
+        (b"GIF89a", "is in GIF format, which is not supported\n"),
         (&png[..8], "is a corrupt PNG image: "),
         (&png[..60], "is a corrupt PNG image: "),
         (&flipped, "is a corrupt PNG image: "),

@@ -48,7 +48,7 @@ fn compressed_meshes() {
     assert_eq!(file.model().triangles.len(), 8);
     file.json["accessors"][POSITIONS].as_object_mut().expect("an accessor").remove("bufferView");
     let expected = "error: test.glb: mesh 0 \"Wall\", primitive 0: its positions are only in \
-                    \"KHR_draco_mesh_compression\", which is not read\n  help: export the model without compression";
+                    \"KHR_draco_mesh_compression\", which is not supported\n  help: export the model without mesh compression";
     assert!(file.error().starts_with(expected), "{}", file.error());
 }
 
@@ -59,13 +59,13 @@ fn hierarchies() {
     refuse(&[
         ("/scene", json!(1), "refers to scene 1, but the last one is 0\n"),
         ("/scenes/0/nodes/0", json!(4), "scene 0: refers to node 4, but the last one is 3\n"),
-        ("/scenes/0/nodes/0", json!(1), "scene 0: lists node 1, which is a child of another\n"),
+        ("/scenes/0/nodes/0", json!(1), "scene 0: lists node 1, which is a child of another node\n"),
         ("/scenes/0/nodes/0", json!(3), "scene 0: lists node 3 twice\n"),
         ("/nodes/0/children", json!([1, 2, 4]), "node 0 \"Root\", children: refers to node 4, but the last one is 3\n"),
         ("/nodes/0/children", json!([1, 2, 2]), "node 2: is a child of node 0 and of node 0\n"),
         ("/nodes/3/children", json!([2]), "node 2: is a child of node 0 and of node 3\n"),
-        ("/nodes/1/children", json!([0]), "node 0 \"Root\": is above or below itself in the hierarchy\n"),
-        ("/nodes/3/children", json!([3]), "node 3: is above or below itself in the hierarchy\n"),
+        ("/nodes/1/children", json!([0]), "node 0 \"Root\": is in or below a cycle of the hierarchy\n"),
+        ("/nodes/3/children", json!([3]), "node 3: is in or below a cycle of the hierarchy\n"),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "node 0 \"Root\": its rotation is [0.0, 0.0, 0.0, 0.0]\n"),
         ("/nodes/0/rotation", json!([1e300, 1e300, 0, 0]), "node 0 \"Root\": its rotation is [1e300, "),
         ("/nodes/1/scale", json!([1e308, 1e308, 1e308]), "node 1, mesh 0 \"Wall\": puts vertex "),
@@ -116,7 +116,7 @@ fn materials_and_textures() {
             "/textures/0",
             json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } }),
             &format!(
-                "{place}, baseColorTexture, texture 0: its only image is in \"KHR_texture_basisu\", which is not read\n"
+                "{place}, baseColorTexture, texture 0: its only image is in \"KHR_texture_basisu\", which is not supported\n"
             ),
         ),
         (
@@ -126,7 +126,7 @@ fn materials_and_textures() {
         ),
         ("/samplers/0/wrapS", json!(1), &format!("{place}, baseColorTexture, texture 0, sampler 0, wrapS: is 1\n")),
         ("/images/0", json!({}), "image 0: has neither a URI nor a bufferView\n"),
-        ("/images/0/uri", json!("a.png"), "image 0: has a URI and a bufferView\n"),
+        ("/images/0/uri", json!("a.png"), "image 0: has both a URI and a bufferView\n"),
         ("/images/0/bufferView", json!(99), "image 0: refers to bufferView 99"),
     ]);
 }
@@ -136,7 +136,7 @@ fn cameras() {
     let lens = "/cameras/0/perspective";
     refuse(&[
         ("/nodes/2/camera", json!(1), "node 2: refers to camera 1, but the last one is 0\n"),
-        ("/cameras/0/type", json!("fisheye"), "camera 0 \"Eye\": is of type \"fisheye\"\n"),
+        ("/cameras/0/type", json!("fisheye"), "camera 0 \"Eye\": has type \"fisheye\"\n"),
         (lens, Value::Null, "camera 0 \"Eye\": has no perspective\n"),
         (&format!("{lens}/yfov"), json!(0), "camera 0 \"Eye\": its yfov is 0.0\n"),
         (&format!("{lens}/yfov"), json!(3.2), "camera 0 \"Eye\": its yfov is 3.2\n"),
@@ -157,7 +157,7 @@ fn lights() {
             "node 2: refers to light 1, but the last one is 0\n",
         ),
         ("/extensions", json!({}), "node 2: refers to light 0, but the file has none\n"),
-        (&format!("{light}/type"), json!("area"), "light 0 \"Lamp\": is of type \"area\"\n"),
+        (&format!("{light}/type"), json!("area"), "light 0 \"Lamp\": has type \"area\"\n"),
         (&format!("{light}/spot"), Value::Null, "light 0 \"Lamp\": has no spot\n"),
         (&format!("{light}/color"), json!([1, -1, 0]), "light 0 \"Lamp\": its color is [1.0, -1.0, 0.0]\n"),
         (&format!("{light}/color"), json!([1e39, 0, 0]), "light 0 \"Lamp\": its color is [1e39, 0.0, 0.0]\n"),
