@@ -181,6 +181,8 @@ struct Attributes {
 struct MaterialEntry {
     name: &'static str,
     pbr_metallic_roughness: Surface,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    emissive_factor: Option<[f64; 3]>,
     double_sided: bool,
 }
 
@@ -193,10 +195,11 @@ struct Surface {
 }
 
 impl From<Material> for MaterialEntry {
-    fn from(Material { name, albedo: [red, green, blue] }: Material) -> Self {
+    fn from(Material { name, albedo: [red, green, blue], emission }: Material) -> Self {
         let base_color_factor = [red, green, blue, 1.0];
         let surface = Surface { base_color_factor, metallic_factor: 0.0, roughness_factor: 1.0 };
-        Self { name, pbr_metallic_roughness: surface, double_sided: false }
+        let emissive_factor = (emission != [0.0; 3]).then_some(emission);
+        Self { name, pbr_metallic_roughness: surface, emissive_factor, double_sided: false }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The geometry of fogbow's scenes, from a few numbers each.
 //!
 //! A scene is a function that composes shapes into a [`Model`]; [`glb::encode`] makes a binary glTF file of it. The same
-//! program writes the same bytes every time. Cameras and lights stand in the scene's `scene.toml`, not here.
+//! program writes the same bytes every time. Cameras and lights stand in the scene's `scene.toml`, not here,
+//! but for what shines as a surface.
 //!
 //! Lengths are in metres, y is up. Triangles are counter-clockwise seen from their front, so that the normal by the
 //! right-hand rule points out of solids and towards the side of a sheet that is not black.
@@ -10,6 +11,7 @@ pub mod colonnade;
 pub mod cornell_fog;
 pub mod dense_plate;
 pub mod glb;
+pub mod godrays;
 pub mod mesh;
 pub mod model;
 pub mod shapes;
@@ -19,6 +21,6 @@ pub use mesh::Mesh;
 pub use model::{Material, Model, Object};
 
 /// All models.
-pub fn models() -> [Model; 4] {
-    [dense_plate::model(), cornell_fog::model(), spotlight::model(), colonnade::model()]
+pub fn models() -> [Model; 5] {
+    [dense_plate::model(), cornell_fog::model(), spotlight::model(), colonnade::model(), godrays::model()]
 }

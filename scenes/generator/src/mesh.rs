@@ -58,6 +58,23 @@ impl Mesh {
         self.mapped(|p| DVec3::new(2.0 * pivot.x - p.x, p.y, 2.0 * pivot.z - p.z))
     }
 
+    /// The mesh turned about the vertical axis through the origin, from +z towards +x.
+    #[must_use]
+    pub fn turned(self, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        self.mapped(|p| DVec3::new(cos * p.x + sin * p.z, p.y, cos * p.z - sin * p.x))
+    }
+
+    /// The mesh stretched along the axes.
+    ///
+    /// # Panics
+    /// If a factor is not positive: mirrors turn triangles inside out.
+    #[must_use]
+    pub fn stretched(self, by: DVec3) -> Self {
+        assert!(by.cmpgt(DVec3::ZERO).all(), "a mesh stretched by {by}");
+        self.mapped(|position| position * by)
+    }
+
     /// The mesh with its vertices put elsewhere by a proper rigid motion: mirrors would turn triangles inside out.
     fn mapped(mut self, motion: impl Fn(DVec3) -> DVec3) -> Self {
         for position in &mut self.positions {

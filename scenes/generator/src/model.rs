@@ -43,12 +43,19 @@ pub struct Material {
     pub name: &'static str,
     /// Share of the light that is reflected, linear RGB.
     pub albedo: [f64; 3],
+    /// Radiance of the front, linear RGB `[W/(m^2 sr)]`, at most 1.
+    pub emission: [f64; 3],
 }
 
 impl Material {
     /// A material of any colour.
     pub const fn new(name: &'static str, albedo: [f64; 3]) -> Self {
-        Self { name, albedo }
+        Self { name, albedo, emission: [0.0; 3] }
+    }
+
+    /// A material that shines and reflects nothing.
+    pub const fn shining(name: &'static str, emission: [f64; 3]) -> Self {
+        Self { name, albedo: [0.0; 3], emission }
     }
 
     /// A material that reflects all colours alike.

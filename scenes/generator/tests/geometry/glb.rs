@@ -47,6 +47,7 @@ impl File {
         Surface {
             name: node["name"].as_str().expect("a name").to_owned(),
             albedo: [0, 1, 2].map(|i| surface["baseColorFactor"][i].as_f64().expect("a number")),
+            emission: [0, 1, 2].map(|i| material["emissiveFactor"][i].as_f64().unwrap_or(0.0)),
             double_sided: material["doubleSided"].as_bool().expect("a flag"),
             positions,
             triangles: triangles.to_vec(),

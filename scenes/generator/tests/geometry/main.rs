@@ -6,6 +6,7 @@ mod cornell_fog;
 mod dense_plate;
 mod files;
 mod glb;
+mod godrays;
 mod scene;
 mod spotlight;
 mod surfaces;

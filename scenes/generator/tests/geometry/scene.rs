@@ -6,7 +6,7 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 5] = ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight", "colonnade"];
+pub const SCENES: [&str; 6] = ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight", "colonnade", "godrays"];
 
 /// The folder of a scene.
 pub fn folder(name: &str) -> PathBuf {

@@ -8,6 +8,7 @@ use glam::DVec3;
 pub struct Surface {
     pub name: String,
     pub albedo: [f64; 3],
+    pub emission: [f64; 3],
     pub double_sided: bool,
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[usize; 3]>,
