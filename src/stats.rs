@@ -6,7 +6,6 @@ use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
-use fogbow_kernels::random::{self, Purpose};
 
 use crate::film::{ExactSum, Unit};
 use crate::frame::Frame;
@@ -62,17 +61,6 @@ impl Connector {
             Self::Omnee => techniques.omnee,
             Self::Bridge => techniques.bridge.is_some(),
             Self::Lis => techniques.lis.is_some(),
-        }
-    }
-
-    /// The random dimension of its light points.
-    pub fn light_purpose(self) -> Purpose {
-        match self {
-            Self::Nee => random::NEE_LIGHT,
-            Self::Mvnee => random::MVNEE_LIGHT,
-            Self::Omnee => random::OMNEE_LIGHT,
-            Self::Bridge => random::BRIDGE_LIGHT,
-            Self::Lis => random::LIS_LIGHT,
         }
     }
 }

@@ -88,9 +88,9 @@ purposes! {
     OMNEE_VERTEX = Purpose::one(6);
     /// How many edges a bridge has: uniform or tabulated and the table's turn, the count, roll, the table's distance.
     BRIDGE_COUNT = Purpose::one(7);
-    /// The light point of light importance sampling; its roulette is its companion's, too.
+    /// The same for light importance sampling.
     LIS_LIGHT = Purpose::light_point(8);
-    /// The light point of its companion: light, two for the point on it, -.
+    /// The same for its companion.
     LIS_NEAR_LIGHT = Purpose::light_point(9);
     /// The vertex made from the light: cosine, azimuth, flight, side.
     LIS_VERTEX = Purpose::one(10);

@@ -234,8 +234,7 @@ impl Walk<'_> {
     /// Connects the last vertex in a straight line.
     fn connect_straight(&mut self, technique: Technique, reach: Reach) {
         if let Some((emitter, point)) = self.light_point(reach) {
-            let purpose = if technique == Technique::Lis { random::LIS_LIGHT } else { reach.purpose };
-            self.try_connection(technique, purpose, emitter, &[point]);
+            self.try_connection(technique, reach.purpose, emitter, &[point]);
         }
     }
 

@@ -8,7 +8,7 @@ use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
 use fogbow_kernels::pipeline::{Pipeline, Stage};
-use fogbow_kernels::random;
+use fogbow_kernels::random::{self, Purpose};
 use fogbow_kernels::{PathLengths, Step};
 
 use super::settle::Settle;
@@ -65,19 +65,19 @@ impl Wavefront<'_> {
         stats.connections(connector).tried += connections.len as u64;
         let bucket = connections.direct();
         let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
-        settle.connection(connector, bucket, connections);
+        settle.connection(connector, reach.purpose, bucket, connections);
     }
 
     fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, mvnee.reach(), stats);
         self.join_by_mvnee(frame, pipeline, mvnee, (frame.lengths, self.step), stats);
-        self.settle_buckets(Connector::Mvnee, 0, frame, pipeline, stats);
+        self.settle_buckets(Connector::Mvnee, random::MVNEE_LIGHT, 0, frame, pipeline, stats);
     }
 
     fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
         self.sample_lights(frame, pipeline, bridge.reach(), stats);
         self.join_by_bridge(frame, pipeline, bridge, (frame.lengths, self.step), stats);
-        self.settle_buckets(Connector::Bridge, 0, frame, pipeline, stats);
+        self.settle_buckets(Connector::Bridge, random::BRIDGE_LIGHT, 0, frame, pipeline, stats);
     }
 
     /// Counts and places the seeds between the ends of the connections, for paths of `lengths` up to there.
@@ -139,7 +139,7 @@ impl Wavefront<'_> {
         stats.run(Stage::LisJoin, rows(bridged.len), || {
             (pipeline.lis_join)(lis_sample::JoinColumns { buckets, ends, candidates: bridged, chains });
         });
-        self.settle_buckets(Connector::Lis, 1, frame, pipeline, stats);
+        self.settle_buckets(Connector::Lis, random::LIS_LIGHT, 1, frame, pipeline, stats);
     }
 
     fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
@@ -152,13 +152,15 @@ impl Wavefront<'_> {
         });
         let bucket = Bucket { inserted: 1, ..connections.direct() };
         let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
-        settle.connection(Connector::Omnee, bucket, connections);
+        settle.connection(Connector::Omnee, random::OMNEE_LIGHT, bucket, connections);
     }
 
-    /// What becomes of connections that were sorted and built; `appended` vertices were inserted since they were sorted.
+    /// What becomes of connections that were sorted and built, to light points of `purpose`; `appended` vertices were
+    /// inserted since they were sorted.
     fn settle_buckets(
         &mut self,
         connector: Connector,
+        purpose: Purpose,
         appended: usize,
         frame: &Frame,
         pipeline: &Pipeline,
@@ -169,7 +171,7 @@ impl Wavefront<'_> {
         let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
         for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
             let bucket = Bucket { inserted: bucket.inserted + appended, ..*bucket };
-            settle.connection(connector, bucket, bridged);
+            settle.connection(connector, purpose, bucket, bridged);
         }
     }
 }

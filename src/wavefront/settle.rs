@@ -6,6 +6,7 @@ use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::{Pipeline, Stage};
+use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::{Step, accumulate, mis_weight, occlusion};
 
@@ -27,13 +28,19 @@ pub(super) struct Settle<'a, 'q> {
 }
 
 impl<'q> Settle<'_, 'q> {
-    /// All of them, for candidates that nothing has traced yet.
-    pub fn connection(&mut self, connector: Connector, mut bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+    /// All of them, for candidates with light points of `purpose` that nothing has traced yet.
+    pub fn connection(
+        &mut self,
+        connector: Connector,
+        purpose: Purpose,
+        mut bucket: Bucket,
+        candidates: &mut CandidateQueue<'q>,
+    ) {
         self.count_work(bucket, candidates);
         self.weigh(bucket, candidates);
         let weighted = self.count(bucket, candidates);
         if self.frame.roulette > 0.0 {
-            self.drop_faint(connector, bucket, candidates);
+            self.drop_faint(purpose, bucket, candidates);
         }
         let kept = self.count(bucket, candidates);
         if !self.frame.surfaces.is_empty() {
@@ -66,9 +73,9 @@ impl<'q> Settle<'_, 'q> {
         work.terms += terms;
     }
 
-    fn drop_faint(&mut self, connector: Connector, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
+    fn drop_faint(&mut self, purpose: Purpose, bucket: Bucket, candidates: &mut CandidateQueue<'q>) {
         let Self { frame, pipeline, step, paths, .. } = self;
-        let threshold = Threshold { contribution: frame.roulette, purpose: connector.light_purpose() };
+        let threshold = Threshold { contribution: frame.roulette, purpose };
         self.stats.run(Stage::Roulette, rows(bucket.len), || {
             let columns = roulette::Columns { bucket, candidates, paths };
             (pipeline.roulette)(&frame.medium, &frame.lights, threshold, *step, columns);
