@@ -43,7 +43,7 @@ fn missing() -> Vec<&'static str> {
 /// rounded twice.
 pub fn advice() -> Option<&'static str> {
     cfg!(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")))).then_some(
-        "this build does not use AVX2 and FMA and is several times slower than it could be: rebuild it with \
+        "this build does not use AVX2 and FMA and takes up to twice as long as it could: rebuild it with \
          RUSTFLAGS=\"-Ctarget-cpu=x86-64-v3\"",
     )
 }

@@ -26,7 +26,7 @@
 //!
 //! Stages work on eight numbers at a time, as AVX2 does. Unless told otherwise, Rust builds for the oldest processors,
 //! and a dependency cannot change that: **put these lines into `.cargo/config.toml`** next to the `Cargo.toml` of your
-//! workspace. Without them every render takes several times as long (and [`Rendered::warnings`] says so).
+//! workspace. Without them every render takes up to twice as long (and [`Rendered::warnings`] says so).
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']
