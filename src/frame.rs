@@ -51,6 +51,11 @@ impl Frame {
         if self.stays_straight() { 1 } else { self.walk.segments.min(self.lengths.max) }
     }
 
+    /// Whether anything is solid.
+    pub fn is_solid(&self) -> bool {
+        !self.surfaces.is_empty()
+    }
+
     /// Whether nothing turns light.
     pub fn stays_straight(&self) -> bool {
         self.medium.never_scatters() && self.surfaces.is_empty()

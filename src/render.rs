@@ -100,8 +100,8 @@ impl Renderer {
         self.pool.broadcast(|_| {
             let arena = Bump::new();
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
-            let mut wavefront = Wavefront::new_in(&arena, frame, lanes);
-            let mut stats = empty.clone();
+            let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
+            wavefront.stats = empty.clone();
             while !monitor.stop.load(Ordering::Relaxed) {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= blocks {
@@ -110,11 +110,11 @@ impl Renderer {
                 let (pass, tile) = (index / film.tile_count() as u64, index % film.tile_count() as u64);
                 let start = samples.start + pass as u32 * SAMPLES_PER_BLOCK;
                 let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
-                let before = stats.samples;
-                wavefront.render(frame, pipeline, block, &mut film.tile(tile as usize), &mut stats);
-                monitor.samples.fetch_add(stats.samples - before, Ordering::Relaxed);
+                let before = wavefront.stats.samples;
+                wavefront.render(block, &mut film.tile(tile as usize));
+                monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
             }
-            total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&stats);
+            total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&wavefront.stats);
         });
         total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
     }

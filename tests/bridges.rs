@@ -4,6 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
+use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::counts::CountTable;
@@ -11,9 +12,7 @@ use fogbow_kernels::connect::bridge::reference::{Start, count_probability, densi
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
-use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::phase::reference as phase;
-use fogbow_kernels::pipeline::SIMD;
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
@@ -66,10 +65,10 @@ fn settings(frame: &Frame) -> Bridge {
 /// arrives, and the chain from the start to the light point.
 fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(DVec3, &[DVec3])) {
     after_walks(frame, samples, events, |wavefront| {
-        recorded::build_bridges(wavefront, frame, &settings(frame));
+        recorded::build_bridges(wavefront, &settings(frame));
         for bucket in wavefront.buckets.buckets() {
             for row in bucket.rows() {
-                let candidate = wavefront.bridged.row(row);
+                let candidate = wavefront.candidates.bridged.row(row);
                 let inserted =
                     wavefront.chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
                 let ends = [candidate.start, candidate.point].map(vector);
@@ -86,11 +85,11 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
     let cells = longest as usize + 1;
     let (mut found, mut expected) = (vec![0.0; cells], vec![0.0; cells]);
     after_walks(frame, COUNTED, events, |wavefront| {
-        recorded::build_bridges(wavefront, frame, &bridge);
-        for row in 0..wavefront.connections.len {
+        recorded::build_bridges(wavefront, &bridge);
+        for row in 0..wavefront.candidates.connections.len {
             let inserted = wavefront.buckets.count.rows()[row];
             found[if inserted == DROPPED { 0 } else { inserted as usize + 1 }] += 1.0;
-            let connection = wavefront.connections.row(row);
+            let connection = wavefront.candidates.connections.row(row);
             let way = vector(connection.point) - vector(connection.start);
             let start = start(events, vector(connection.arriving));
             let mut rest = 1.0;
@@ -264,9 +263,9 @@ fn one_vertex_of_a_bridge_matches_its_density() {
 /// The chains of once-more next event estimation from the first vertices of many walks.
 fn omnee_chains(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3; 3])) {
     after_walks(frame, samples, 1, |wavefront| {
-        recorded::connect(wavefront, frame, omnee::reach(frame.lengths));
-        let fogbow::wavefront::Wavefront { paths, connections, chains, step, .. } = wavefront;
-        (SIMD.omnee_build)(&frame.medium, *step, omnee_sample::BuildColumns { paths, connections, chains });
+        wavefront.light_sample(omnee::reach(frame.lengths));
+        wavefront.omnee_build();
+        let Wavefront { candidates: Candidates { connections, .. }, chains, .. } = wavefront;
         for row in 0..connections.len {
             let connection = connections.row(row);
             visit(&[connection.start, chains.vertices[0].row(row), connection.point].map(vector));

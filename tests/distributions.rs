@@ -2,17 +2,17 @@
 
 use bumpalo::Bump;
 use fogbow::frame::Frame;
-use fogbow::wavefront::Wavefront;
-use fogbow_kernels::accumulate::reference::contribution;
+use fogbow::wavefront::{Source, Wavefront};
+use fogbow_kernels::accumulate::reference::added;
+use fogbow_kernels::columns::queues::Candidate;
+use fogbow_kernels::connect::light_sample::Reach;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
-use fogbow_kernels::connect::light_sample::{self, Reach};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
-use fogbow_kernels::roulette::{self, Threshold};
 use fogbow_kernels::tables::lights::{Emitter, Selection, Shape};
-use fogbow_kernels::{Walk, mis_weight, random};
+use fogbow_kernels::{Walk, random};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts};
@@ -94,16 +94,16 @@ fn random_walks_have_the_moments_of_the_phase_function() {
         let frame = frame(g);
         let (mut along, mut squared) = (Moments::default(), Moments::default());
         let arena = Bump::new();
-        let mut wavefront = Wavefront::new_in(&arena, &frame, LANES);
+        let mut wavefront = Wavefront::new_in(&arena, &frame, &SIMD, LANES);
         for round in 0..2 * SAMPLES / LANES {
-            start(&mut wavefront, &frame, round);
+            start(&mut wavefront, round);
             let first = wavefront.step.clock;
             let camera = |wavefront: &Wavefront<'_>, lane: usize| {
                 let start = vector(wavefront.vertices.at(first).position.row(lane));
                 (start, vector(wavefront.rays.at(first).direction.row(lane)))
             };
             let starts: Vec<_> = (0..LANES).map(|lane| camera(&wavefront, lane)).collect();
-            (0..EVENTS).for_each(|_| walk(&mut wavefront, &frame));
+            (0..EVENTS).for_each(|_| walk(&mut wavefront));
             for (lane, (start, direction)) in starts.into_iter().enumerate() {
                 let way = vector(wavefront.vertices.at(wavefront.step.clock).position.row(lane)) - start;
                 along.add(way.dot(direction));
@@ -124,10 +124,8 @@ fn random_walks_have_the_moments_of_the_phase_function() {
 /// Light points for the first vertices of many walks.
 fn light_points(frame: &Frame, reach: Reach, mut visit: impl FnMut(DVec3, usize, DVec3)) {
     after_walks(frame, SAMPLES, 1, |wavefront| {
-        let Wavefront { paths, vertices, rays, connections, step, .. } = wavefront;
-        connections.len = 0;
-        let columns = light_sample::Columns { paths, vertices, rays, connections };
-        (SIMD.light_sample)(&frame.lights, reach, *step, columns);
+        wavefront.light_sample(reach);
+        let connections = &wavefront.candidates.connections;
         for row in 0..connections.len {
             let connection = connections.row(row);
             visit(vector(connection.start), connection.emitter as usize, vector(connection.point));
@@ -228,7 +226,7 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
             // The camera is no vertex that a walk has to survive.
             let (mut alive, mut flights) = (0.0, Moments::default());
             after_walks(&frame, SAMPLES, vertices + 1, |wavefront| {
-                for lane in (0..LANES).filter(|lane| wavefront.paths.live.contains(*lane as u32)) {
+                for lane in (0..LANES).filter(|lane| wavefront.live.contains(*lane)) {
                     alive += 1.0;
                     flights.add(f64::from(wavefront.flights.flight.rows()[lane]));
                 }
@@ -250,28 +248,21 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
 fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
     let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
     after_walks(frame, SAMPLES, 2, |wavefront| {
-        recorded::build_bridges(wavefront, frame, &bridge);
-        let Wavefront { buckets, bridged, chains, paths, vertices, trail, suffix, step, .. } = wavefront;
-        let threshold = Threshold { contribution: frame.roulette, purpose: random::BRIDGE_LIGHT };
-        for bucket in buckets.buckets() {
-            let Frame { medium, lights, techniques, walk, lengths, .. } = frame;
-            let columns =
-                mis_weight::Columns { bucket: *bucket, candidates: bridged, chains, paths, vertices, trail, suffix };
-            (SIMD.mis_weight)(medium, lights, techniques, walk, *lengths, *step, columns);
-            let weights: Vec<_> = bucket.rows().map(|row| f64::from(bridged.weight.rows()[row])).collect();
-            let columns = roulette::Columns { bucket: *bucket, candidates: bridged, paths };
-            (SIMD.roulette)(medium, lights, threshold, *step, columns);
+        recorded::build_bridges(wavefront, &bridge);
+        for bucket in wavefront.buckets.buckets().to_vec() {
+            wavefront.mis_weight(Source::Bridged, bucket);
+            let weights = wavefront.worth.weight.rows()[bucket.rows()].to_vec();
+            wavefront.roulette(Source::Bridged, bucket, random::BRIDGE_LIGHT);
             for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {
-                let light = &lights.emitters()[bridged.emitter.rows()[row] as usize];
-                let channels = contribution(
-                    before,
-                    light.radiance.map(f64::from),
-                    paths.columns.throughput.row(bridged.lane.rows()[row] as usize).map(f64::from),
-                    medium.albedo.map(f64::from),
-                    bucket.inserted,
+                let Candidate { lane, emitter, .. } = wavefront.candidates.bridged.row(row);
+                let channels = added(
+                    f64::from(before),
+                    wavefront.worth.factor.row(row).map(f64::from),
+                    frame.lights.emitters()[emitter as usize].radiance.map(f64::from),
+                    wavefront.throughput.row(lane as usize).map(f64::from),
                 );
                 let survival = roulette_reference::survival(f64::from(frame.roulette), largest(&channels));
-                visit(before, f64::from(bridged.weight.rows()[row]), survival);
+                visit(f64::from(before), f64::from(wavefront.worth.weight.rows()[row]), survival);
             }
         }
     });

@@ -5,7 +5,7 @@ use fogbow::film::{Film, Region};
 use fogbow::frame::Frame;
 use fogbow::reference;
 use fogbow::stats::Stats;
-use fogbow::wavefront::Wavefront;
+use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_kernels::tables::media::Medium;
@@ -140,16 +140,32 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
     };
     let Wavefront {
-        paths, vertices, rays, trail, flights, hits, views, light_hits, connections, bridged, chains, ..
+        paths,
+        last_surface,
+        outlook,
+        throughput,
+        radiance,
+        vertices,
+        rays,
+        trail,
+        flights,
+        flight_weight,
+        hits,
+        candidates,
+        worth,
+        chains,
+        ..
     } = wavefront;
-    let mut tables: Vec<&mut dyn ColumnSet> = vec![&mut paths.columns, flights, hits];
-    tables.iter_mut().for_each(|table| table.visit_mut(&mut fill));
+    let tables: [&mut dyn ColumnSet; 8] = [paths, last_surface, outlook, throughput, radiance, flights, hits, worth];
+    tables.into_iter().for_each(|table| table.visit_mut(&mut fill));
+    flight_weight.rows_mut().fill(f32::NAN);
     (0..vertices.slots() as u32).for_each(|slot| vertices.at_mut(slot).visit_mut(&mut fill));
     (0..rays.slots() as u32).for_each(|slot| rays.at_mut(slot).visit_mut(&mut fill));
     let (rows, slots) = (trail.lanes(), trail.slots() as u32);
     for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
         trail.set_numbers(lane, slot, [f32::NAN; 8]);
     }
+    let Candidates { views, light_hits, connections, bridged } = candidates;
     for queue in [views, light_hits, connections, bridged] {
         queue.visit_mut(&mut fill);
         // One light is all that every frame has.
@@ -168,14 +184,14 @@ fn dead_lanes_are_silent() {
         for (name, frame) in frames::variety(size) {
             let clean = first_samples(&frame, &SIMD, 40, size);
             let arena = Bump::new();
-            let mut wavefront = Wavefront::new_in(&arena, &frame, 40);
+            let mut wavefront = Wavefront::new_in(&arena, &frame, &SIMD, 40);
             poison(&mut wavefront, 40);
             let film = Film::new(&frame, Region::whole(paths, 1), 32);
-            let mut stats = Stats::new(true);
-            wavefront.render(&frame, &SIMD, 0..1, &mut film.tile(0), &mut stats);
+            wavefront.stats = Stats::new(true);
+            wavefront.render(0..1, &mut film.tile(0));
             let poisoned: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
             assert_eq!(clean, poisoned, "{name}, {paths} paths");
-            assert_eq!(stats.dropped.count, 0, "{name}: NaN was counted");
+            assert_eq!(wavefront.stats.dropped.count, 0, "{name}: NaN was counted");
         }
     }
 }

@@ -2,13 +2,11 @@
 
 use bumpalo::Bump;
 use fogbow::frame::Frame;
-use fogbow::stats::Stats;
 use fogbow::wavefront::Wavefront;
-use fogbow_kernels::columns::LANES;
+use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::pipeline::SIMD;
-use fogbow_kernels::scatter;
 use fogbow_testing::checked::{CHECKED, take_log};
-use fogbow_testing::compare::{Save, Saved};
+use fogbow_testing::compare::{Row, Save, Saved};
 use fogbow_testing::frames;
 use fogbow_testing::generated::{Numbers, fill};
 
@@ -17,12 +15,11 @@ const TABLE: usize = 3 * LANES;
 /// One bounce of generated paths in the lanes `live`: every stage but generate, on tables that no walk would make.
 fn check_bounce(frame: &Frame, seed: u32, live: &[usize]) -> fogbow_testing::checked::Log {
     let arena = Bump::new();
-    let mut wavefront = Wavefront::new_in(&arena, frame, TABLE);
+    let mut wavefront = Wavefront::new_in(&arena, frame, &CHECKED, TABLE);
     fill(&mut wavefront, frame, seed, live);
-    let Wavefront { flights, paths, vertices, rays, step, .. } = &mut wavefront;
     // Edge words reach the phase function only here: in a bounce they would be drawn anew.
-    (CHECKED.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
-    wavefront.bounce(frame, &CHECKED, &mut Stats::new(false));
+    wavefront.scatter();
+    wavefront.bounce();
     take_log()
 }
 
@@ -52,46 +49,90 @@ fn kernels_agree_with_twins_for_every_pattern_of_live_lanes() {
     }
 }
 
-/// What a bounce leaves of every live lane's path: radiance, vertex, ray, whether it lives on.
-fn after_bounce(frame: &Frame, prepare: impl Fn(&mut Wavefront<'_>)) -> (Saved, Saved, Saved, u32) {
+/// Everything that a path is, by table; the rings have one table per slot.
+struct Paths {
+    live: Saved,
+    tables: Vec<Saved>,
+    vertices: Saved,
+    rays: Saved,
+    trail: Saved,
+}
+
+impl Paths {
+    fn save(wavefront: &Wavefront<'_>) -> Self {
+        let Wavefront { paths, last_surface, outlook, throughput, radiance, .. } = wavefront;
+        Self {
+            live: wavefront.live.save(),
+            tables: vec![paths.save(), last_surface.save(), outlook.save(), throughput.save(), radiance.save()],
+            vertices: wavefront.vertices.save(),
+            rays: wavefront.rays.save(),
+            trail: wavefront.trail.save(),
+        }
+    }
+
+    fn restore(&self, wavefront: &mut Wavefront<'_>) {
+        wavefront.live.restore(&self.live);
+        wavefront.paths.restore(&self.tables[0]);
+        wavefront.last_surface.restore(&self.tables[1]);
+        wavefront.outlook.restore(&self.tables[2]);
+        wavefront.throughput.restore(&self.tables[3]);
+        wavefront.radiance.restore(&self.tables[4]);
+        wavefront.vertices.restore(&self.vertices);
+        wavefront.rays.restore(&self.rays);
+        wavefront.trail.restore(&self.trail);
+    }
+
+    /// The same with every table but the set of live lanes changed by `change`.
+    fn map(&self, change: impl Fn(&Saved) -> Saved) -> Self {
+        Self {
+            live: self.live.clone(),
+            tables: self.tables.iter().map(&change).collect(),
+            vertices: change(&self.vertices),
+            rays: change(&self.rays),
+            trail: change(&self.trail),
+        }
+    }
+
+    /// What is known of the path in `lane`: which it is, its last surface, throughput and radiance.
+    fn of(&self, lane: usize) -> Vec<Row> {
+        [0, 1, 3, 4].map(|table| self.tables[table].row(0, lane)).into()
+    }
+}
+
+/// What a bounce leaves of paths, and the clock after it.
+fn after_bounce(frame: &Frame, prepare: impl Fn(&mut Wavefront<'_>)) -> (Paths, u32) {
     let arena = Bump::new();
-    let mut wavefront = Wavefront::new_in(&arena, frame, TABLE);
+    let mut wavefront = Wavefront::new_in(&arena, frame, &SIMD, TABLE);
     prepare(&mut wavefront);
-    let mut stats = Stats::new(false);
-    wavefront.bounce(frame, &SIMD, &mut stats);
-    assert_eq!(stats.dropped.count, 0, "something was not finite");
-    let mut vertices = wavefront.vertices.save();
-    // Where no light is near nothing reads it, and whole batches are filled.
-    vertices.forget("light_sum");
-    (wavefront.paths.save(), vertices, wavefront.rays.save(), wavefront.step.clock)
+    wavefront.bounce();
+    assert_eq!(wavefront.stats.dropped.count, 0, "something was not finite");
+    (Paths::save(&wavefront), wavefront.step.clock)
 }
 
 #[test]
 fn permuted_lanes_give_permuted_results() {
     for (name, frame) in frames::variety([64, 1]) {
         let live: Vec<_> = (0..19).collect();
-        let plain = after_bounce(&frame, |wavefront| fill(wavefront, &frame, 1, &live));
+        let (plain, clock) = after_bounce(&frame, |wavefront| fill(wavefront, &frame, 1, &live));
         let mut order: Vec<usize> = (0..TABLE).collect();
         let mut numbers = Numbers::new(5);
         (1..TABLE).rev().for_each(|i| order.swap(i, numbers.below(i as u32 + 1) as usize));
-        let permuted = after_bounce(&frame, |wavefront| {
+        let (permuted, _) = after_bounce(&frame, |wavefront| {
             fill(wavefront, &frame, 1, &live);
-            let (paths, vertices, rays) = (wavefront.paths.save(), wavefront.vertices.save(), wavefront.rays.save());
-            let trail = wavefront.trail.save();
-            wavefront.trail.restore(&trail.permuted(&order));
-            wavefront.paths.restore(&paths.permuted(&order));
-            wavefront.vertices.restore(&vertices.permuted(&order));
-            wavefront.rays.restore(&rays.permuted(&order));
+            let before = Paths::save(wavefront);
+            let moved = before.map(|table| table.permuted(&order));
+            Paths { live: before.live.permuted(&order), ..moved }.restore(wavefront);
         });
         for (to, from) in order.iter().enumerate().filter(|(_, from)| live.contains(from)) {
-            assert_eq!(plain.0.row(0, *from), permuted.0.row(0, to), "{name}: path of lane {from}");
-            let alive = plain.0.contains(0, *from);
-            assert_eq!(alive, permuted.0.contains(0, to), "{name}: life of lane {from}");
+            assert_eq!(plain.of(*from), permuted.of(to), "{name}: path of lane {from}");
+            let alive = plain.live.contains(*from);
+            assert_eq!(alive, permuted.live.contains(to), "{name}: life of lane {from}");
             if alive {
-                let slot = |saved: &Saved| plain.3 as usize % saved.tables();
-                let (vertices, rays) = (slot(&plain.1), slot(&plain.2));
-                assert_eq!(plain.1.row(vertices, *from), permuted.1.row(vertices, to), "{name}: vertex of {from}");
-                assert_eq!(plain.2.row(rays, *from), permuted.2.row(rays, to), "{name}: ray of lane {from}");
+                let row = |saved: &Saved, lane| saved.row(clock as usize % saved.tables(), lane);
+                let [vertex, moved] = [(&plain, *from), (&permuted, to)].map(|(of, lane)| row(&of.vertices, lane));
+                assert_eq!(vertex, moved, "{name}: vertex of {from}");
+                let [ray, moved] = [(&plain, *from), (&permuted, to)].map(|(of, lane)| row(&of.rays, lane));
+                assert_eq!(ray, moved, "{name}: ray of lane {from}");
             }
         }
     }
@@ -101,21 +142,15 @@ fn permuted_lanes_give_permuted_results() {
 fn what_dead_lanes_hold_does_not_matter() {
     for (name, frame) in frames::variety([64, 1]) {
         for live in [vec![], vec![3], vec![0, 2, 9, 10, 17], (0..13).collect::<Vec<_>>()] {
-            let clean = after_bounce(&frame, |wavefront| fill(wavefront, &frame, 2, &live));
-            let poisoned = after_bounce(&frame, |wavefront| {
+            let (clean, _) = after_bounce(&frame, |wavefront| fill(wavefront, &frame, 2, &live));
+            let (poisoned, _) = after_bounce(&frame, |wavefront| {
                 fill(wavefront, &frame, 2, &live);
                 let dead = |lane: usize| !live.contains(&lane);
-                let (paths, vertices, rays) =
-                    (wavefront.paths.save(), wavefront.vertices.save(), wavefront.rays.save());
-                let trail = wavefront.trail.save();
-                wavefront.trail.restore(&trail.poisoned(dead));
-                wavefront.paths.restore(&paths.poisoned(dead));
-                wavefront.vertices.restore(&vertices.poisoned(dead));
-                wavefront.rays.restore(&rays.poisoned(dead));
+                Paths::save(wavefront).map(|table| table.poisoned(dead)).restore(wavefront);
             });
             for lane in &live {
-                assert_eq!(clean.0.row(0, *lane), poisoned.0.row(0, *lane), "{name}: path of lane {lane}");
-                assert_eq!(clean.0.contains(0, *lane), poisoned.0.contains(0, *lane), "{name}: life of lane {lane}");
+                assert_eq!(clean.of(*lane), poisoned.of(*lane), "{name}: path of lane {lane}");
+                assert_eq!(clean.live.contains(*lane), poisoned.live.contains(*lane), "{name}: life of lane {lane}");
             }
         }
     }

@@ -52,10 +52,10 @@ fn settings(frame: &Frame) -> Lis {
 /// arrives, and the chain from the start to the light point.
 fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(DVec3, &[DVec3])) {
     after_walks(frame, samples, 2, |wavefront| {
-        recorded::build_lis(wavefront, frame, &settings(frame));
+        recorded::build_lis(wavefront, &settings(frame));
         for bucket in wavefront.buckets.buckets() {
             for row in bucket.rows() {
-                let candidate = wavefront.bridged.row(row);
+                let candidate = wavefront.candidates.bridged.row(row);
                 let inserted = &wavefront.chains.vertices[..=bucket.inserted];
                 let inserted = inserted.iter().map(|vertex| vector(vertex.row(row)));
                 let ends = [candidate.start, candidate.point].map(vector);

@@ -1,7 +1,7 @@
 //! Multiple-vertex next event estimation: what its kernels make against the densities of the twin.
 
 use fogbow::frame::Frame;
-use fogbow::wavefront::Wavefront;
+use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_testing::frames;
@@ -19,8 +19,8 @@ const SUSPICIOUS: f64 = 1e-4;
 fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3])) {
     let mvnee = frame.techniques.mvnee.expect("an MVNEE frame");
     after_walks(frame, samples, 1, |wavefront| {
-        recorded::build_mvnee(wavefront, frame, &mvnee);
-        let Wavefront { buckets, bridged, chains, .. } = wavefront;
+        recorded::build_mvnee(wavefront, &mvnee);
+        let Wavefront { buckets, candidates: Candidates { bridged, .. }, chains, .. } = wavefront;
         for bucket in buckets.buckets() {
             for row in bucket.rows() {
                 let inserted = chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
-use fogbow::stats::Stats;
 use fogbow_kernels::phase::HenyeyGreenstein;
-use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
@@ -81,7 +79,7 @@ fn reflected_directions_follow_the_cosine() {
     let mut cells = vec![0.0; 64];
     let samples = 1 << 16;
     after_walks(&frame, samples, 0, |wavefront| {
-        wavefront.bounce(&frame, &SIMD, &mut Stats::new(false));
+        wavefront.bounce();
         for lane in 0..LANES {
             let direction = vector(wavefront.rays.at(wavefront.step.clock).direction.row(lane));
             let azimuth = direction.y.atan2(direction.x).rem_euclid(core::f64::consts::TAU) / core::f64::consts::TAU;

@@ -36,15 +36,15 @@ pub struct State {
 impl State {
     /// Copies the tables of a recorded wavefront.
     pub fn record(w: &Wavefront<'_>, frame: &Frame) -> Self {
-        let lanes = w.paths.batches() * 8;
+        let lanes = w.live.batches() * 8;
         let rows = |row: &dyn Fn(usize) -> Vec3| (0..lanes).map(row).collect::<Vec<_>>();
         let vertices = w.vertices.at(w.step.clock);
         let disk = &frame.lights.emitters()[0];
         let arriving = w.rays.at(w.step.clock - 1);
         Self {
-            pixel: w.paths.columns.pixel.rows().to_vec(),
-            sample: w.paths.columns.sample.rows().to_vec(),
-            depth: (0..lanes).map(|lane| w.paths.depth(w.step.clock, lane)).collect(),
+            pixel: w.paths.pixel.rows().to_vec(),
+            sample: w.paths.sample.rows().to_vec(),
+            depth: (0..lanes).map(|lane| w.paths.depth_of(w.step.clock, lane)).collect(),
             position: rows(&|lane| vertices.position.row(lane).into()),
             direction: rows(&|lane| w.rays.at(w.step.clock).direction.row(lane).into()),
             arriving: rows(&|lane| arriving.direction.row(lane).into()),

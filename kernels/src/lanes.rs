@@ -6,7 +6,8 @@
 use bumpalo::Bump;
 use wide::{f32x8, u32x8};
 
-use crate::columns::LANES;
+/// Rows in a batch.
+pub const LANES: usize = 8;
 
 /// Bits of eight live lanes.
 pub const ALL: u32 = 0xff;
@@ -117,6 +118,11 @@ impl<'q> LaneSet<'q> {
         self.bytes.iter().enumerate().filter(|(_, byte)| **byte != 0).map(|(b, byte)| (b, u32::from(*byte)))
     }
 
+    /// The rows in the set, ascending.
+    pub fn each(&self) -> impl Iterator<Item = usize> + '_ {
+        self.each_batch().flat_map(|(b, bits)| each(bits).map(move |lane| b * LANES + lane))
+    }
+
     /// The bits of batch `b`.
     #[inline(always)]
     pub fn batch(&self, b: usize) -> u32 {
@@ -125,20 +131,20 @@ impl<'q> LaneSet<'q> {
 
     /// Whether row `lane` is in the set.
     #[inline(always)]
-    pub fn contains(&self, lane: u32) -> bool {
-        self.bytes[lane as usize / LANES] >> (lane as usize % LANES) & 1 == 1
+    pub fn contains(&self, lane: usize) -> bool {
+        self.bytes[lane / LANES] >> (lane % LANES) & 1 == 1
     }
 
     /// Adds row `lane`.
     #[inline(always)]
-    pub fn insert(&mut self, lane: u32) {
-        self.bytes[lane as usize / LANES] |= 1 << (lane as usize % LANES);
+    pub fn insert(&mut self, lane: usize) {
+        self.bytes[lane / LANES] |= 1 << (lane % LANES);
     }
 
     /// Removes row `lane`.
     #[inline(always)]
-    pub fn remove(&mut self, lane: u32) {
-        self.bytes[lane as usize / LANES] &= !(1 << (lane as usize % LANES));
+    pub fn remove(&mut self, lane: usize) {
+        self.bytes[lane / LANES] &= !(1 << (lane % LANES));
     }
 
     /// Adds the rows of batch `b` whose bit is set in `bits`.
@@ -164,9 +170,9 @@ impl<'q> LaneSet<'q> {
     }
 
     /// The rows that are in this set and not in `other`, ascending.
-    pub fn without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = u32> + 'a {
+    pub fn without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
         let batches = self.bytes.iter().zip(other.bytes.iter()).enumerate();
-        batches.flat_map(|(b, (mine, other))| each(u32::from(mine & !other)).map(move |lane| (b * LANES + lane) as u32))
+        batches.flat_map(|(b, (mine, other))| each(u32::from(mine & !other)).map(move |lane| b * LANES + lane))
     }
 
     /// Number of rows in the set.
@@ -212,6 +218,7 @@ mod tests {
         assert_eq!((set.count(), set.batches()), (4, 3));
         set.remove(7);
         set.remove_batch(1, 1);
+        assert_eq!(set.each().collect::<Vec<_>>(), [0, 19]);
         assert!(set.contains(0) && set.contains(19) && !set.contains(7) && !set.contains(8));
     }
 }

@@ -1,9 +1,9 @@
 //! The table of stages: one function pointer each.
 
-use crate::connect::{bridge, light_sample, lis, mvnee, omnee};
+use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
-    accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, roulette, scatter,
-    surface,
+    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
+    remember, roulette, scatter, surface,
 };
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
@@ -46,18 +46,26 @@ macro_rules! pipeline {
 pipeline! {
     /// Camera rays for the lanes that are refilled.
     generate (Generate): generate::Kernel = generate::simd::run, generate::reference::run;
+    /// The vertices that paths leave go into the trail.
+    remember (Remember): remember::Kernel = remember::simd::run, remember::reference::run;
     /// Free flights.
     medium_sample (MediumSample): medium_sample::Kernel = medium_sample::simd::run, medium_sample::reference::run;
     /// First flights towards the lights.
     first_flight (FirstFlight): first_flight::Kernel = first_flight::simd::run, first_flight::reference::run;
-    /// Closest disk and closest triangle within the flight.
+    /// Closest light and closest triangle within the flight.
     extend (Extend): extend::Kernel = extend::simd::run, extend::reference::run;
     /// Hits become candidates, and end paths.
     light_hit (LightHit): light_hit::Kernel = light_hit::simd::run, light_hit::reference::run;
+    /// Paths that have come far enough end.
+    prune (Prune): prune::Kernel = prune::simd::run, prune::reference::run;
+    /// What first flights count goes to the throughput.
+    flight_weight (FlightWeight): flight_weight::Kernel = flight_weight::simd::run, flight_weight::reference::run;
     /// Next vertex and direction.
     scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
     /// Reflection, for paths that met a surface.
     surface (Surface): surface::Kernel = surface::simd::run, surface::reference::run;
+    /// What vertices know of the lights.
+    light_survey (LightSurvey): light_survey::Kernel = light_survey::simd::run, light_survey::reference::run;
     /// A light point for every vertex that may connect.
     light_sample (LightSample): light_sample::Kernel = light_sample::simd::run, light_sample::reference::run;
     /// How many vertices each MVNEE connection inserts.

@@ -1,177 +1,131 @@
 //! The connections of one bounce: light points, counts, chains, one technique after the other.
 
 use fogbow_kernels::columns::queues::Bucket;
-use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
-use fogbow_kernels::connect::light_sample::{self, Reach};
-use fogbow_kernels::connect::lis::{self, Lis, Shape, sample as lis_sample};
-use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
-use fogbow_kernels::connect::nee;
-use fogbow_kernels::connect::omnee::{self, sample as omnee_sample};
-use fogbow_kernels::pipeline::{Pipeline, Stage};
+use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
+use fogbow_kernels::connect::light_sample::Reach;
+use fogbow_kernels::connect::lis::{self, Lis, Shape};
+use fogbow_kernels::connect::{Joint, nee, omnee};
 use fogbow_kernels::random::{self, Purpose};
 use fogbow_kernels::{PathLengths, Step};
 
-use super::settle::Settle;
-use super::{Wavefront, rows};
-use crate::frame::Frame;
-use crate::stats::{Connector, Stats};
+use super::stages::rows;
+use super::{Source, Wavefront};
+use crate::stats::Connector;
 
 impl Wavefront<'_> {
     /// Everything that connects from the current vertices.
-    pub(super) fn connect(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        // MVNEE first: it notes which vertices are near a light, and the weights of all candidates rely on that.
-        if let Some(mvnee) = &frame.techniques.mvnee {
-            self.connect_mvnee(frame, pipeline, mvnee, stats);
+    pub fn connect(&mut self) {
+        let (frame, lengths) = (self.frame, self.frame.lengths);
+        let techniques = &frame.techniques;
+        if !techniques.any() {
+            return;
         }
-        if frame.techniques.nee {
-            self.connect_straight(Connector::Nee, nee::REACH, frame, pipeline, stats);
+        if frame.lights.selection_depends_on_start() || techniques.near().is_finite() {
+            self.light_survey();
         }
-        if frame.techniques.omnee {
-            self.connect_omnee(frame, pipeline, stats);
+        if let Some(mvnee) = &techniques.mvnee {
+            self.connect_by(Connector::Mvnee, mvnee, mvnee.reach());
         }
-        if let Some(bridge) = &frame.techniques.bridge {
-            self.connect_bridge(frame, pipeline, bridge, stats);
+        if techniques.nee {
+            self.connect_straight(Connector::Nee, nee::REACH);
         }
-        if let Some(lis) = &frame.techniques.lis {
-            self.connect_lis(frame, pipeline, lis, stats);
+        if techniques.omnee {
+            self.connect_once_more(omnee::reach(lengths));
         }
-        if let Some(reach) = frame.techniques.companion() {
-            self.connect_straight(Connector::Lis, reach, frame, pipeline, stats);
+        if let Some(bridge) = &techniques.bridge {
+            self.connect_by(Connector::Bridge, bridge, bridge.reach());
+        }
+        if let Some(lis) = &techniques.lis {
+            self.connect_from_light(lis, lis::reach(lengths));
+        }
+        if let Some(reach) = techniques.companion() {
+            self.connect_straight(Connector::Lis, reach);
         }
     }
 
-    /// A light point for every vertex within reach.
-    fn sample_lights(&mut self, frame: &Frame, pipeline: &Pipeline, reach: Reach, stats: &mut Stats) {
-        let Self { paths, vertices, rays, connections, step, .. } = self;
-        connections.len = 0;
-        let size = stats.lane_rows(&paths.live);
-        let reach = reach.from_first(frame.walk.starts);
-        stats.run(Stage::LightSample, size, || {
-            let columns = light_sample::Columns { paths, vertices, rays, connections };
-            (pipeline.light_sample)(&frame.lights, reach, *step, columns);
-        });
+    /// Connections in a straight line.
+    fn connect_straight(&mut self, connector: Connector, reach: Reach) {
+        self.light_sample(reach);
+        let bucket = self.candidates.connections.direct();
+        self.stats.connections(connector).tried += bucket.len as u64;
+        self.settle(connector, reach.purpose, Source::Connections, bucket);
     }
 
-    fn connect_straight(
-        &mut self,
-        connector: Connector,
-        reach: Reach,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        stats: &mut Stats,
-    ) {
-        self.sample_lights(frame, pipeline, reach, stats);
-        let Self { connections, vertices, trail, paths, chains, suffix, step, .. } = self;
-        stats.connections(connector).tried += connections.len as u64;
-        let bucket = connections.direct();
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
-        settle.connection(connector, reach.purpose, bucket, connections);
+    /// Connections through one vertex.
+    fn connect_once_more(&mut self, reach: Reach) {
+        self.light_sample(reach);
+        self.omnee_build();
+        let bucket = Bucket { inserted: 1, ..self.candidates.connections.direct() };
+        self.stats.connections(Connector::Omnee).tried += bucket.len as u64;
+        self.settle(Connector::Omnee, reach.purpose, Source::Connections, bucket);
     }
 
-    fn connect_mvnee(&mut self, frame: &Frame, pipeline: &Pipeline, mvnee: &Mvnee, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, mvnee.reach(), stats);
-        self.join_by_mvnee(frame, pipeline, mvnee, (frame.lengths, self.step), stats);
-        self.settle_buckets(Connector::Mvnee, random::MVNEE_LIGHT, 0, frame, pipeline, stats);
+    /// Connections through as many vertices as the technique draws.
+    fn connect_by<T: Joint>(&mut self, connector: Connector, technique: &T, reach: Reach) {
+        self.light_sample(reach);
+        self.join(technique, self.frame.lengths, self.step);
+        self.settle_buckets(connector, reach.purpose, 0);
     }
 
-    fn connect_bridge(&mut self, frame: &Frame, pipeline: &Pipeline, bridge: &Bridge, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, bridge.reach(), stats);
-        self.join_by_bridge(frame, pipeline, bridge, (frame.lengths, self.step), stats);
-        self.settle_buckets(Connector::Bridge, random::BRIDGE_LIGHT, 0, frame, pipeline, stats);
+    /// Connections to a vertex made from the light.
+    fn connect_from_light(&mut self, lis: &Lis, reach: Reach) {
+        self.light_sample(reach);
+        self.join_from_light(lis);
+        self.settle_buckets(Connector::Lis, reach.purpose, 1);
     }
 
-    /// Counts and places the seeds between the ends of the connections, for paths of `lengths` up to there.
-    fn join_by_mvnee(
-        &mut self,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        mvnee: &Mvnee,
-        (lengths, step): (PathLengths, Step),
-        stats: &mut Stats,
-    ) {
-        let Self { connections, buckets, bridged, paths, chains, .. } = self;
-        stats.run(Stage::MvneeCount, rows(connections.len), || {
-            let columns = mvnee_sample::CountColumns { paths, connections, buckets };
-            (pipeline.mvnee_count)(&frame.medium, lengths, step, columns);
-        });
-        bridged.len = buckets.sort(connections.len);
-        stats.run(Stage::MvneeBuild, rows(bridged.len), || {
-            let columns = mvnee_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.mvnee_build)(&frame.medium, mvnee, step, columns);
-        });
-    }
-
-    /// Counts and places the vertices of bridges between the ends of the connections, for paths of `lengths` up to there.
-    fn join_by_bridge(
-        &mut self,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        bridge: &Bridge,
-        (lengths, step): (PathLengths, Step),
-        stats: &mut Stats,
-    ) {
-        let Self { connections, buckets, bridged, paths, chains, .. } = self;
-        stats.run(Stage::BridgeCount, rows(connections.len), || {
-            let columns = bridge_sample::CountColumns { paths, connections, buckets };
-            (pipeline.bridge_count)(&frame.medium, bridge, lengths, step, columns);
-        });
-        bridged.len = buckets.sort(connections.len);
-        stats.run(Stage::BridgeBuild, rows(bridged.len), || {
-            let columns = bridge_sample::BuildColumns { paths, connections, buckets, candidates: bridged, chains };
-            (pipeline.bridge_build)(&frame.medium, bridge, step, columns);
-        });
-    }
-
-    fn connect_lis(&mut self, frame: &Frame, pipeline: &Pipeline, lis: &Lis, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, lis::reach(frame.lengths), stats);
-        let Self { connections, ends, paths, step, .. } = self;
-        stats.run(Stage::LisVertex, rows(connections.len), || {
-            let columns = lis_sample::VertexColumns { paths, connections, ends };
-            (pipeline.lis_vertex)(&frame.medium, &frame.lights, lis, *step, columns);
-        });
+    /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one vertex
+    /// more than it says.
+    pub fn join_from_light(&mut self, lis: &Lis) {
+        self.lis_vertex(lis);
         let step = Step { seed: random::lis_seed(self.step.seed), ..self.step };
-        let under = (lis::before_last(frame.lengths), step);
+        let lengths = lis::before_last(self.frame.lengths);
         match &lis.shape {
-            Shape::Bridge(bridge) => self.join_by_bridge(frame, pipeline, bridge, under, stats),
-            Shape::Mvnee(mvnee) => self.join_by_mvnee(frame, pipeline, mvnee, under, stats),
+            Shape::Bridge(bridge) => self.join(bridge, lengths, step),
+            Shape::Mvnee(mvnee) => self.join(mvnee, lengths, step),
         }
-        let Self { ends, buckets, bridged, chains, .. } = self;
-        stats.run(Stage::LisJoin, rows(bridged.len), || {
-            (pipeline.lis_join)(lis_sample::JoinColumns { buckets, ends, candidates: bridged, chains });
-        });
-        self.settle_buckets(Connector::Lis, random::LIS_LIGHT, 1, frame, pipeline, stats);
+        self.lis_join();
     }
 
-    fn connect_omnee(&mut self, frame: &Frame, pipeline: &Pipeline, stats: &mut Stats) {
-        self.sample_lights(frame, pipeline, omnee::reach(frame.lengths), stats);
-        let Self { connections, vertices, trail, paths, chains, suffix, step, .. } = self;
-        stats.connections(Connector::Omnee).tried += connections.len as u64;
-        stats.run(Stage::OmneeBuild, rows(connections.len), || {
-            let columns = omnee_sample::BuildColumns { paths, connections, chains };
-            (pipeline.omnee_build)(&frame.medium, *step, columns);
+    /// Counts and places the vertices between the ends of the connections, for paths of `lengths` up to there.
+    pub fn join<T: Joint>(&mut self, technique: &T, lengths: PathLengths, step: Step) {
+        let connections = &self.candidates.connections;
+        let (medium, solid) = (&self.frame.medium, self.frame.is_solid());
+        let (paths, last_surface) = (&self.paths, &self.last_surface);
+        self.stats.run(T::COUNT, rows(connections.len), || {
+            let count = &mut self.buckets.count;
+            let columns = CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count };
+            T::count_kernel(&self.pipeline)(step, columns);
         });
-        let bucket = Bucket { inserted: 1, ..connections.direct() };
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
-        settle.connection(Connector::Omnee, random::OMNEE_LIGHT, bucket, connections);
+        let candidates = &mut self.candidates.bridged;
+        candidates.len = self.buckets.sort(connections.len);
+        self.stats.run(T::BUILD, rows(candidates.len), || {
+            let (buckets, chains) = (&self.buckets, &mut self.chains);
+            let columns = BuildColumns {
+                technique,
+                medium,
+                solid,
+                paths,
+                last_surface,
+                connections,
+                buckets,
+                candidates,
+                chains,
+            };
+            T::build_kernel(&self.pipeline)(step, columns);
+        });
     }
 
     /// What becomes of connections that were sorted and built, to light points of `purpose`; `appended` vertices were
     /// inserted since they were sorted.
-    fn settle_buckets(
-        &mut self,
-        connector: Connector,
-        purpose: Purpose,
-        appended: usize,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        stats: &mut Stats,
-    ) {
-        let Self { connections, buckets, bridged, vertices, trail, paths, chains, suffix, step, .. } = self;
-        stats.connections(connector).tried += connections.len as u64;
-        let mut settle = Settle { frame, pipeline, step: *step, paths, vertices, trail, chains, suffix, stats };
-        for bucket in buckets.buckets().iter().filter(|bucket| bucket.len > 0) {
-            let bucket = Bucket { inserted: bucket.inserted + appended, ..*bucket };
-            settle.connection(connector, purpose, bucket, bridged);
+    fn settle_buckets(&mut self, connector: Connector, purpose: Purpose, appended: usize) {
+        self.stats.connections(connector).tried += self.candidates.connections.len as u64;
+        for index in 0..self.buckets.buckets().len() {
+            let bucket = self.buckets.buckets()[index];
+            if bucket.len > 0 {
+                let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
+                self.settle(connector, purpose, Source::Bridged, bucket);
+            }
         }
     }
 }

@@ -3,20 +3,30 @@
 pub mod reference;
 pub mod simd;
 
-use crate::columns::paths::PathTable;
-use crate::columns::queues::{Bucket, CandidateQueue};
+use crate::columns::Spectrum;
+use crate::columns::paths::PathColumns;
+use crate::columns::queues::{Bucket, CandidateQueue, WorthTable};
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::{PathLengths, Step};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The path lengths that count.
+    pub lengths: PathLengths,
     /// Rows to add: those of this bucket.
     pub bucket: Bucket,
-    /// Read: lane, light and weight.
+    /// Read: lane and emitter.
     pub candidates: &'a CandidateQueue<'q>,
-    /// Read: birth and throughput. Added to: radiance, in the channels in use.
-    pub paths: &'a mut PathTable<'q>,
+    /// Read: what they count.
+    pub worth: &'a WorthTable<'q>,
+    /// Read: pixel, sample and birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read, in the channels in use.
+    pub throughput: &'a Spectrum<'q>,
+    /// Added to, in the channels in use.
+    pub radiance: &'a mut Spectrum<'q>,
     /// Added to: contributions that were not finite, and so were dropped.
     pub dropped: &'a mut Dropped,
 }
@@ -44,9 +54,9 @@ impl Dropped {
     }
 }
 
-/// Adds `weight * Le * throughput * albedo^inserted` (transport: C) of every candidate to its path, unless the number
+/// Adds `weight factor Le T` (transport: C) of every candidate to its path, unless the number
 /// of its segments, `depth + inserted + 1`, is outside `lengths`.
-pub type Kernel = fn(&Medium, &Lights, PathLengths, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);
 
 #[cfg(test)]
 mod tests {

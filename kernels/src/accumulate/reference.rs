@@ -1,35 +1,33 @@
 //! Contributions in f64.
 //!
 //! ```text
-//! C = weight Le T albedo^inserted,      segments = depth + inserted + 1
+//! C = weight factor Le T,      factor = albedo^inserted,      segments = depth + inserted + 1
 //! ```
 
 use super::Columns;
-use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
+use crate::mis_weight::reference::factor;
 use crate::{PathLengths, Step};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, paths, dropped } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } = columns;
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
-        if !counts(lengths, paths.depth(step.clock, lane), bucket.inserted) {
+        if !counts(lengths, paths.depth_of(step.clock, lane), bucket.inserted) {
             continue;
         }
-        let contribution = contribution(
-            f64::from(candidates.weight.rows()[row]),
+        let added = added(
+            f64::from(worth.weight.rows()[row]),
+            worth.factor.row(row).map(f64::from),
             lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
-            paths.columns.throughput.row(lane).map(f64::from),
-            medium.albedo.map(f64::from),
-            bucket.inserted,
+            throughput.row(lane).map(f64::from),
         );
-        let used = &contribution[..paths.channels];
+        let used = &added[..radiance.channels().len()];
         if used.iter().any(|channel| !(*channel as f32).is_finite()) {
-            dropped.note(paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+            dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             continue;
         }
-        for (sum, channel) in paths.columns.radiance.channels_mut().into_iter().zip(used) {
+        for (sum, channel) in radiance.channels_mut().iter_mut().zip(used) {
             let sum = &mut sum.rows_mut()[lane];
             *sum = (f64::from(*sum) + channel) as f32;
         }
@@ -50,10 +48,12 @@ pub fn contribution(
     albedo: [f64; 3],
     inserted: usize,
 ) -> [f64; 3] {
-    core::array::from_fn(|channel| {
-        let inserted_albedo: f64 = core::iter::repeat_n(albedo[channel], inserted).product();
-        weight * radiance[channel] * throughput[channel] * inserted_albedo
-    })
+    added(weight, factor(albedo, inserted), radiance, throughput)
+}
+
+/// What a candidate of this weight and factor adds to its pixel, per channel [W/(m^2 sr)].
+pub fn added(weight: f64, factor: [f64; 3], radiance: [f64; 3], throughput: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|channel| weight * factor[channel] * radiance[channel] * throughput[channel])
 }
 
 #[cfg(test)]

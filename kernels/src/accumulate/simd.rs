@@ -1,46 +1,42 @@
 //! ```text
 //! if lengths.min <= depth + inserted + 1 <= lengths.max:
-//!     radiance += weight Le T albedo^inserted          per channel
+//!     radiance += weight factor Le T          per channel
 //! ```
 //!
-//! 1. `albedo^inserted` is one number per bucket.
-//! 2. Products are taken for eight rows; sums go to the lanes one by one, in row order, so that a path's radiance does
+//! 1. Products are taken for eight rows; sums go to the lanes one by one, in row order, so that a path's radiance does
 //!    not depend on its neighbours.
-//! 3. Emission and throughput are finite (the weight of a first flight is at most one over the share of free ones), so only
+//! 2. Emission and throughput are finite (the weight of a first flight is at most one over the share of free ones), so only
 //!    the weight can fail to be.
-//! 4. Paths of every length up to the longest are made and none longer, so only the lower limit is tested, and only
+//! 3. Paths of every length up to the longest are made and none longer, so only the lower limit is tested, and only
 //!    where there is one.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::LANES;
-use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
-use crate::{PathLengths, Step, lanes};
+use crate::lanes::LANES;
+use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, lengths: PathLengths, step: Step, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, paths, dropped } = columns;
-    let inserted = medium.albedo.map(|albedo| albedo.powi(bucket.inserted as i32));
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } = columns;
     for (b, rows) in bucket.batches() {
         let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
-        let weight = candidates.weight.batch(b);
+        let weight = worth.weight.batch(b);
         let mut counts = lanes::bits(!weight.simd_eq(f32x8::ZERO)) & rows;
         if lengths.min > 1 {
-            let depth = u32x8::splat(step.clock) - paths.columns.birth.gather(&lane_of);
+            let depth = u32x8::splat(step.clock) - paths.birth.gather(&lane_of);
             let segments = depth + u32x8::splat(bucket.inserted as u32 + 1);
             counts &= lanes::bits(lanes::as_mask(segments.simd_ge(u32x8::splat(lengths.min))));
         }
         let lost = counts & !lanes::bits(weight.is_finite());
         for lane in lanes::each(lost).map(|i| lane_of[i] as usize) {
-            dropped.note(paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+            dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         }
-        for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
+        for (channel, radiance) in radiance.channels_mut().iter_mut().enumerate() {
             let emitted = lights.gather(&emitter_of, |emitter| emitter.radiance[channel]);
-            let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
-            let contribution = (weight * emitted * throughput * f32x8::splat(inserted)).to_array();
-            let radiance = paths.columns.radiance.channels_mut()[channel].rows_mut();
+            let throughput = throughput.channels()[channel].gather(&lane_of);
+            let contribution = (weight * emitted * throughput * worth.factor.channels()[channel].batch(b)).to_array();
+            let radiance = radiance.rows_mut();
             if counts & !lost == lanes::ALL {
                 (0..LANES).for_each(|i| radiance[lane_of[i] as usize] += contribution[i]);
             } else {

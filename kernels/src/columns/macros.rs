@@ -3,7 +3,7 @@
 /// Declares a table or a queue: one column per field, and the plain row that is read and written by field name.
 ///
 /// A `table` has as many rows as it was made with, each the state of one lane. A `queue` has a length, is filled from
-/// the front and holds [`LANES`](crate::columns::LANES) rows more than its capacity, so that eight rows can always be
+/// the front and holds [`LANES`](crate::lanes::LANES) rows more than its capacity, so that eight rows can always be
 /// stored at its end.
 #[macro_export]
 macro_rules! columns {
@@ -38,7 +38,7 @@ macro_rules! columns {
         impl<'q> $Queue<'q> {
             /// An empty queue for `capacity` rows.
             pub fn new_in(arena: &'q bumpalo::Bump, capacity: usize) -> Self {
-                let rows = capacity + $crate::columns::LANES;
+                let rows = capacity + $crate::lanes::LANES;
                 Self {
                     $( $field: <$ty as $crate::columns::Field>::column(arena, rows), )*
                     len: 0,

@@ -1,4 +1,4 @@
-//! Structure-of-arrays storage: a [`Column`] is rows of one quantity, stored and read in batches of [`LANES`].
+//! Structure-of-arrays storage: a [`Column`] is rows of one quantity, stored and read in batches of [`LANES`](crate::lanes::LANES).
 //!
 //! Tables and queues are declared once with [`columns!`](crate::columns!): every field becomes a column, rows are
 //! written by field name, and the doc comment of a field is the place for its unit, range, sentinel and measure.
@@ -8,17 +8,17 @@ mod field;
 mod macros;
 pub mod paths;
 pub mod queues;
+mod spectrum;
 pub mod trail;
 
 use bumpalo::Bump;
 use bytemuck::Pod;
 use wide::{f32x8, u32x8};
 
+use crate::lanes::LANES;
 use crate::vec3x8::Vec3x8;
 pub use field::{ColumnMut, ColumnRef, ColumnSet, Field};
-
-/// Rows in a batch.
-pub const LANES: usize = 8;
+pub use spectrum::Spectrum;
 
 /// Batches between neighbouring columns that hold nothing: columns whose distance is a power of two would compete for
 /// the same cache sets.

@@ -2,21 +2,22 @@
 //!
 //! | queue | filled by | read by | rows |
 //! |---|---|---|---|
-//! | [`RequestTable`] | the wavefront | generate | lanes to refill |
-//! | [`FlightTable`] | medium_sample | extend, light_hit, scatter, surface | one per lane |
+//! | [`RequestColumns`] | the wavefront | generate | lanes to refill |
+//! | [`FlightTable`] | medium_sample, first_flight | extend, light_hit, flight_weight, scatter, surface | one per lane |
 //! | [`HitQueue`] | extend | light_hit | rays that meet a light |
 //! | [`SurfaceHitQueue`] | extend | surface | rays that meet a triangle |
-//! | [`CandidateQueue`] | light_hit, light_sample, mvnee_build | mvnee_*, mis_weight, occlusion, accumulate | complete paths |
+//! | [`CandidateQueue`] | light_hit, light_sample, the techniques' build stages | theirs, mis_weight, roulette, occlusion, accumulate | complete paths |
+//! | [`WorthTable`] | light_hit, mis_weight, roulette, occlusion | roulette, occlusion, accumulate | what the candidates count |
 //! | [`EndQueue`] | lis_vertex | lis_join | light points of the connections of light importance sampling |
-//! | [`ChainTable`] | mvnee_build | mis_weight, occlusion | inserted vertices of the candidates |
+//! | [`ChainTable`] | the techniques' build stages, lis_join | mis_weight, occlusion | inserted vertices of the candidates |
 //!
 //! Rows that go on stay in their lane; only the exceptions are listed.
 
 use bumpalo::Bump;
 use wide::f32x8;
 
-use super::{Column3, Field, LANES};
-use crate::lanes::LaneSet;
+use super::{Column, Column3, ColumnMut, ColumnRef, ColumnSet, Field, Spectrum};
+use crate::lanes::LANES;
 use crate::{columns, lanes};
 
 columns! {
@@ -31,21 +32,6 @@ columns! {
     }
 }
 
-/// Lanes that get a new path.
-pub struct RequestTable<'q> {
-    /// Which sample each takes, one row per lane.
-    pub columns: RequestColumns<'q>,
-    /// Lanes that are asked for.
-    pub lanes: LaneSet<'q>,
-}
-
-impl<'q> RequestTable<'q> {
-    /// No requests for any of `lanes` lanes.
-    pub fn new_in(arena: &'q Bump, lanes: usize) -> Self {
-        Self { columns: RequestColumns::new_in(arena, lanes), lanes: LaneSet::new_in(arena, lanes) }
-    }
-}
-
 columns! {
     /// The step that every path is about to take, one row per lane.
     table FlightTable of Flight {
@@ -55,9 +41,6 @@ columns! {
         cosine: u32,
         /// Random word for the azimuth of the scattering at its end.
         azimuth: u32,
-        /// Density of a free flight over the density with which this one was drawn, >= 0; filled for camera rays only,
-        /// and only where some are aimed.
-        weight: f32,
     }
 }
 
@@ -104,11 +87,39 @@ columns! {
         start: [f32; 3],
         /// Unit direction in which the path arrives at the start.
         arriving: [f32; 3],
-        /// Point on the light `[m]`.
+        /// Point on the emitter `[m]`.
         point: [f32; 3],
-        /// What the candidate counts, >= 0: one over the sum of the densities with which all techniques make it, relative
-        /// to path tracing's; 0 once it is found faint or occluded; the transmittance of a directly seen light.
-        weight: f32,
+    }
+}
+
+/// What candidates count: in row `i` that in row `i` of a [`CandidateQueue`]. The contribution is
+/// `weight factor Le T` per channel, with the throughput T of the path up to the start.
+pub struct WorthTable<'q> {
+    /// One over the sum of the densities with which all techniques make the path, relative to path tracing's, times the
+    /// profile of the emitter, >= 0; 0 once it is found faint or occluded; of an emitter that the camera sees, transmittance
+    /// times profile.
+    pub weight: Column<'q, f32>,
+    /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices.
+    pub factor: Spectrum<'q>,
+}
+
+impl<'q> WorthTable<'q> {
+    /// A zeroed table of at least `rows` rows.
+    pub fn new_in(arena: &'q Bump, rows: usize, channels: usize) -> Self {
+        let rows = rows + LANES;
+        Self { weight: Column::new_in(arena, rows), factor: Spectrum::new_in(arena, rows, channels) }
+    }
+}
+
+impl ColumnSet for WorthTable<'_> {
+    fn visit(&self, visit: &mut dyn FnMut(&'static str, ColumnRef<'_>)) {
+        visit("weight", ColumnRef::F32(self.weight.rows()));
+        self.factor.visit(&mut |_, column| visit("factor", column));
+    }
+
+    fn visit_mut(&mut self, visit: &mut dyn FnMut(&'static str, ColumnMut<'_>)) {
+        visit("weight", ColumnMut::F32(self.weight.rows_mut()));
+        self.factor.visit_mut(&mut |_, column| visit("factor", column));
     }
 }
 
@@ -117,7 +128,7 @@ columns! {
     queue EndQueue of End, EndBatch {
         /// Lane of the path.
         lane: u32,
-        /// Point on the light `[m]`.
+        /// Point on the emitter `[m]`.
         point: [f32; 3],
     }
 }
@@ -143,7 +154,6 @@ impl CandidateQueue<'_> {
             start: self.start.gather(row_of),
             arriving: self.arriving.gather(row_of),
             point: self.point.gather(row_of),
-            weight: self.weight.gather(row_of),
         }
     }
 
@@ -156,7 +166,6 @@ impl CandidateQueue<'_> {
             start: self.start.batch(b),
             arriving: self.arriving.batch(b),
             point: self.point.batch(b),
-            weight: self.weight.batch(b),
         }
     }
 
@@ -175,15 +184,26 @@ impl Bucket {
 
     /// Drops the rows that weigh nothing: the others, with the vertices that they insert, move to the front in their sequence.
     /// A bucket's batches are full again.
-    pub fn pack(self, candidates: &mut CandidateQueue<'_>, chains: &mut ChainTable<'_>) -> Self {
+    pub fn pack(
+        self,
+        candidates: &mut CandidateQueue<'_>,
+        chains: &mut ChainTable<'_>,
+        worth: &mut WorthTable<'_>,
+    ) -> Self {
         let mut end = self.start;
         for (b, rows) in self.batches() {
-            let weigh = !candidates.weight.batch(b).simd_eq(f32x8::ZERO);
+            let weigh = !worth.weight.batch(b).simd_eq(f32x8::ZERO);
             let kept = lanes::bits(weigh) & rows;
             // Rows are stored no farther than they have been read.
             if kept != rows || end != b * LANES {
                 let order = lanes::pack_order(kept);
                 candidates.store_packed(end, order, candidates.batch(b));
+                let weight = worth.weight.batch(b);
+                f32::store_packed(&mut worth.weight, end, order, weight);
+                for factor in worth.factor.channels_mut() {
+                    let batch = factor.batch(b);
+                    f32::store_packed(factor, end, order, batch);
+                }
                 for vertex in &mut chains.vertices[..self.inserted] {
                     <[f32; 3]>::store_packed(vertex, end, order, vertex.batch(b));
                 }
@@ -221,24 +241,26 @@ mod tests {
         let arena = Bump::new();
         let mut candidates = CandidateQueue::new_in(&arena, 40);
         let mut chains = ChainTable::new_in(&arena, 40, 2);
+        let mut worth = WorthTable::new_in(&arena, 40, 3);
         // Batches that keep all, some, none, some; and a tail whose dead rows weigh something.
         let weighs = |row: usize| row < 16 || (row.is_multiple_of(3) && !(24..32).contains(&row)) || row >= 38;
         for row in 0..40 {
             let vector = [row as f32, 0.5, -1.0];
             let weight = if weighs(row) { 1.0 + row as f32 } else { 0.0 };
             let (lane, emitter) = (row as u32, 7 * row as u32);
-            candidates.push(Candidate { lane, emitter, start: vector, arriving: vector, point: vector, weight });
+            candidates.push(Candidate { lane, emitter, start: vector, arriving: vector, point: vector });
+            worth.weight.rows_mut()[row] = weight;
+            worth.factor.set_row(row, [0.5 * weight, 1.0, 2.0 + weight]);
             chains.vertices.iter_mut().for_each(|vertex| vertex.set_row(row, vector));
         }
-        let packed = Bucket { inserted: 2, start: 8, len: 30 }.pack(&mut candidates, &mut chains);
+        let packed = Bucket { inserted: 2, start: 8, len: 30 }.pack(&mut candidates, &mut chains, &mut worth);
         let expected: Vec<usize> = (8..38).filter(|row| weighs(*row)).collect();
         assert_eq!(packed, Bucket { inserted: 2, start: 8, len: expected.len() });
         for (row, from) in packed.rows().zip(expected) {
             let candidate = candidates.row(row);
-            assert_eq!(
-                (candidate.lane, candidate.emitter, candidate.weight),
-                (from as u32, 7 * from as u32, 1.0 + from as f32)
-            );
+            assert_eq!((candidate.lane, candidate.emitter), (from as u32, 7 * from as u32));
+            let weight = 1.0 + from as f32;
+            assert_eq!((worth.weight.rows()[row], worth.factor.row(row)), (weight, [0.5 * weight, 1.0, 2.0 + weight]));
             assert_eq!(candidate.point, [from as f32, 0.5, -1.0]);
             chains.vertices.iter().for_each(|vertex| assert_eq!(vertex.row(row), candidate.point));
         }

@@ -10,9 +10,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
-use super::LANES;
-use super::paths::{RayTable, VertexTable};
-use crate::lanes::LaneSet;
+use crate::lanes::LANES;
 use crate::vec3x8::Vec3x8;
 
 /// A vertex that a path has left.
@@ -66,28 +64,14 @@ impl<'q> TrailTable<'q> {
         clock as usize % self.slots
     }
 
-    /// Remembers the current vertices of the live lanes, and the rays that leave them.
-    pub fn remember(&mut self, clock: u32, live: &LaneSet<'_>, vertices: &VertexTable<'_>, rays: &RayTable<'_>) {
-        if self.slots == 0 {
-            return;
-        }
+    /// Overwrites the vertices that were current at `clock` in the lanes of batch `b`.
+    #[inline(always)]
+    pub fn set_batch(&mut self, b: usize, clock: u32, mark: MarkBatch) {
         let slot = self.slot(clock);
-        let (vertex, ray) = (vertices.at(clock), rays.at(clock));
-        for (b, _) in live.each_batch() {
-            let (position, leaving) = (vertex.position.batch(b), ray.direction.batch(b));
-            let rows = f32x8::transpose([
-                position.x,
-                position.y,
-                position.z,
-                vertex.arc.batch(b),
-                leaving.x,
-                leaving.y,
-                leaving.z,
-                vertex.light_sum.batch(b),
-            ]);
-            for (i, row) in rows.into_iter().enumerate() {
-                self.rows[(b * LANES + i) * self.stride + slot] = row;
-            }
+        let MarkBatch { position, arc, leaving, light_sum } = mark;
+        let columns = [position.x, position.y, position.z, arc, leaving.x, leaving.y, leaving.z, light_sum];
+        for (i, row) in f32x8::transpose(columns).into_iter().enumerate() {
+            self.rows[(b * LANES + i) * self.stride + slot] = row;
         }
     }
 
@@ -135,22 +119,29 @@ mod tests {
     #[test]
     fn a_trail_holds_the_last_vertices_of_every_lane() {
         let arena = Bump::new();
-        let (mut vertices, mut rays) = (VertexTable::new_in(&arena, 16), RayTable::new_in(&arena, 16));
-        let mut live = LaneSet::new_in(&arena, 16);
-        (0..16).for_each(|lane| live.insert(lane));
         let mut trail = TrailTable::new_in(&arena, 16, 4);
         let mark = |clock: u32, lane: usize| {
             let number = (100 * clock) as f32 + lane as f32;
             let leaving = [number + 0.5, 0.25, -number];
             Mark { position: [number, -1.0, 2.0 * number], arc: number + 1.0, leaving, light_sum: 7.0 + number }
         };
-        for clock in 40..50 {
-            for lane in 0..16 {
-                let Mark { position, arc, leaving, light_sum } = mark(clock, lane);
-                vertices.at_mut(clock).set_row(lane, super::super::paths::Vertex { position, arc, light_sum });
-                rays.at_mut(clock).direction.set_row(lane, leaving);
+        let of_batch = |clock: u32, b: usize| {
+            let real = |value: &dyn Fn(Mark) -> f32| {
+                f32x8::new(core::array::from_fn(|lane| value(mark(clock, b * LANES + lane))))
+            };
+            let vector = |value: &dyn Fn(Mark) -> [f32; 3]| {
+                let [x, y, z] = [0, 1, 2].map(|axis| real(&|mark| value(mark)[axis]));
+                Vec3x8::new(x, y, z)
+            };
+            MarkBatch {
+                position: vector(&|mark| mark.position),
+                arc: real(&|mark| mark.arc),
+                leaving: vector(&|mark| mark.leaving),
+                light_sum: real(&|mark| mark.light_sum),
             }
-            trail.remember(clock, &live, &vertices, &rays);
+        };
+        for clock in 40..50 {
+            (0..2).for_each(|b| trail.set_batch(b, clock, of_batch(clock, b)));
         }
         for clock in 46..50 {
             assert_eq!(trail.row(11, clock), mark(clock, 11));
@@ -164,16 +155,5 @@ mod tests {
                 assert_eq!((of(batch.arc), of(batch.light_sum)), (expected.arc, expected.light_sum));
             }
         }
-    }
-
-    #[test]
-    fn nothing_is_remembered_where_nothing_looks_back() {
-        let arena = Bump::new();
-        let (vertices, rays) = (VertexTable::new_in(&arena, 8), RayTable::new_in(&arena, 8));
-        let mut live = LaneSet::new_in(&arena, 8);
-        live.insert(3);
-        let mut trail = TrailTable::new_in(&arena, 8, 0);
-        trail.remember(9, &live, &vertices, &rays);
-        assert_eq!(trail.slots(), 0);
     }
 }

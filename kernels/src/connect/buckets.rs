@@ -2,29 +2,50 @@
 
 use bumpalo::Bump;
 
-use crate::columns::paths::PathTable;
+use crate::PathLengths;
+use crate::columns::Column;
+use crate::columns::paths::{LastSurfaceColumns, PathColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
-use crate::columns::{Column, LANES};
+use crate::lanes::LANES;
+use crate::tables::media::Medium;
 
 /// What counting the inserted vertices of connections may touch.
-pub struct CountColumns<'a, 'q> {
-    /// Read: pixel, sample, birth, last surface vertex.
-    pub paths: &'a PathTable<'q>,
+pub struct CountColumns<'a, 'q, T> {
+    /// The settings of the technique.
+    pub technique: &'a T,
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// The path lengths that count.
+    pub lengths: PathLengths,
+    /// Whether there are surfaces; without them, `last_surface` is not read.
+    pub solid: bool,
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read: its depth.
+    pub last_surface: &'a LastSurfaceColumns<'q>,
     /// Read: lane, start, arriving and point of the connections.
     pub connections: &'a CandidateQueue<'q>,
-    /// Filled: `count` of every connection.
-    pub buckets: &'a mut BucketTable<'q>,
+    /// Filled: inserted vertices of every connection, or [`DROPPED`].
+    pub count: &'a mut Column<'q, u32>,
 }
 
 /// What placing the inserted vertices of connections may touch.
-pub struct BuildColumns<'a, 'q> {
-    /// Read: pixel, sample, birth, last surface vertex.
-    pub paths: &'a PathTable<'q>,
-    /// Read: every column of the connections but the weight.
+pub struct BuildColumns<'a, 'q, T> {
+    /// The settings of the technique.
+    pub technique: &'a T,
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// Whether there are surfaces; without them, `last_surface` is not read.
+    pub solid: bool,
+    /// Read: pixel, sample, birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read: its depth.
+    pub last_surface: &'a LastSurfaceColumns<'q>,
+    /// Read: every column of the connections.
     pub connections: &'a CandidateQueue<'q>,
     /// Read: order and buckets.
     pub buckets: &'a BucketTable<'q>,
-    /// Filled at the buckets' rows: every column but the weight.
+    /// Filled at the buckets' rows.
     pub candidates: &'a mut CandidateQueue<'q>,
     /// Filled at the buckets' rows: the inserted vertices.
     pub chains: &'a mut ChainTable<'q>,

@@ -6,7 +6,9 @@
 
 pub mod bridge;
 pub mod buckets;
+mod joint;
 pub mod light_sample;
+pub mod light_survey;
 pub mod lis;
 pub mod mvnee;
 pub mod nee;
@@ -17,6 +19,8 @@ use bridge::Bridge;
 use light_sample::Reach;
 use lis::Lis;
 use mvnee::Mvnee;
+
+pub use joint::Joint;
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,6 +47,12 @@ impl Techniques {
     /// all.
     pub fn companion(&self) -> Option<Reach> {
         self.lis.as_ref().filter(|_| !self.nee).map(Lis::companion)
+    }
+
+    /// Longest distance between start and light point, of the techniques for which the starts of a path that are near a light
+    /// are remembered `[m]`; infinite if none is limited.
+    pub fn near(&self) -> f32 {
+        self.mvnee.as_ref().map_or(f32::INFINITY, |mvnee| mvnee.max_distance)
     }
 
     /// Whether any vertex connects.

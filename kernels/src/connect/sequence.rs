@@ -2,8 +2,8 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::columns::LANES;
-use crate::columns::paths::PathTable;
+use crate::columns::paths::{LastSurfaceColumns, PathColumns};
+use crate::lanes::LANES;
 use crate::random::{self, Purpose, uniform_x8};
 use crate::{Step, lanes};
 
@@ -13,28 +13,21 @@ pub struct Sequence {
     sample: u32x8,
     /// Depths of the starts.
     pub depth: u32x8,
-    /// Starts on a surface.
-    pub on_surface: f32x8,
     seed: u32,
 }
 
 impl Sequence {
     /// That of connections from the current vertices of the paths in `lane_of`.
     #[inline(always)]
-    pub fn new(step: Step, paths: &PathTable<'_>, lane_of: &[u32; LANES]) -> Self {
-        let path = &paths.columns;
-        let depth = u32x8::splat(step.clock) - path.birth.gather(lane_of);
-        let on_surface = match paths.has_surfaces {
-            true => lanes::as_mask(path.last_surface.gather(lane_of).simd_eq(depth)),
-            false => f32x8::ZERO,
-        };
-        Self {
-            pixel: path.pixel.gather(lane_of),
-            sample: path.sample.gather(lane_of),
-            depth,
-            on_surface,
-            seed: step.seed,
-        }
+    pub fn new(step: Step, paths: &PathColumns<'_>, lane_of: &[u32; LANES]) -> Self {
+        let depth = u32x8::splat(step.clock) - paths.birth.gather(lane_of);
+        Self { pixel: paths.pixel.gather(lane_of), sample: paths.sample.gather(lane_of), depth, seed: step.seed }
+    }
+
+    /// Starts on a surface.
+    #[inline(always)]
+    pub fn on_surface(&self, last_surface: &LastSurfaceColumns<'_>, lane_of: &[u32; LANES]) -> f32x8 {
+        lanes::as_mask(last_surface.depth.gather(lane_of).simd_eq(self.depth))
     }
 
     /// Four uniform numbers of block `purpose`.
@@ -60,9 +53,9 @@ pub struct Draws {
 
 impl Draws {
     /// Those of a connection from the current vertex of the path in `lane`.
-    pub fn new(step: Step, paths: &PathTable<'_>, lane: usize) -> Self {
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        Self { pixel, sample, depth: paths.depth(step.clock, lane), seed: step.seed }
+    pub fn new(step: Step, paths: &PathColumns<'_>, lane: usize) -> Self {
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        Self { pixel, sample, depth: paths.depth_of(step.clock, lane), seed: step.seed }
     }
 
     /// Four uniform numbers of block `purpose`.

@@ -4,21 +4,31 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
-use crate::columns::queues::{FlightTable, HitQueue, SurfaceHitQueue};
+use crate::columns::Column;
+use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
+use crate::columns::queues::{HitQueue, SurfaceHitQueue};
+use crate::lanes::LaneSet;
 use crate::tables::lights::Lights;
 use crate::tables::surfaces::Surfaces;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: birth of live lanes. Filled: the set of lanes that end on a surface.
-    pub paths: &'a mut PathTable<'q>,
-    /// Read: where the current ray starts.
-    pub vertices: &'a VertexTable<'q>,
-    /// Read: direction of the current ray.
-    pub rays: &'a RayTable<'q>,
-    /// Read: the flight that bounds the ray.
-    pub flights: &'a FlightTable<'q>,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The surfaces.
+    pub surfaces: &'a Surfaces,
+    /// The rays to trace.
+    pub live: &'a LaneSet<'q>,
+    /// Read: birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read: where the rays start.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Read: their direction.
+    pub ray: &'a RayColumns<'q>,
+    /// Read: the flights that bound them.
+    pub flight: &'a Column<'q, f32>,
+    /// Filled: the lanes whose flight ends on a surface, and no others.
+    pub on_surface: &'a mut LaneSet<'q>,
     /// Filled, in lane order.
     pub hits: &'a mut HitQueue<'q>,
     /// Filled, in lane order.
@@ -32,4 +42,4 @@ pub struct Columns<'a, 'q> {
 ///
 /// Then finds the closest triangle, front or back, in front of that. It hides what is behind it; the path ends on it if the
 /// flight does not end before. If it shines, it is a hit of its own.
-pub type Kernel = fn(&Lights, &Surfaces, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

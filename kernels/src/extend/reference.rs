@@ -16,32 +16,27 @@ use glam::DVec3;
 
 use super::Columns;
 use crate::Step;
-use crate::columns::LANES;
 use crate::columns::queues::{Hit, SurfaceHit};
 use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, vertices, rays, flights, hits, surface_hits } = columns;
-    paths.on_surface.clear();
-    let (vertices, rays) = (vertices.at(step.clock), rays.at(step.clock));
-    for lane in 0..paths.batches() * LANES {
-        if !paths.live.contains(lane as u32) {
-            continue;
-        }
-        let origin = DVec3::from(vertices.position.row(lane).map(f64::from));
-        let direction = DVec3::from(rays.direction.row(lane).map(f64::from));
-        let leaves_camera = paths.depth(step.clock, lane) == 0;
-        let flight = f64::from(flights.flight.rows()[lane]);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, surfaces, live, paths, vertex, ray, flight, on_surface, hits, surface_hits } = columns;
+    on_surface.clear();
+    for lane in live.each() {
+        let origin = DVec3::from(vertex.position.row(lane).map(f64::from));
+        let direction = DVec3::from(ray.direction.row(lane).map(f64::from));
+        let leaves_camera = paths.depth_of(step.clock, lane) == 0;
+        let flight = f64::from(flight.rows()[lane]);
         let bound = if leaves_camera { f64::INFINITY } else { flight };
         let (emitter, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
         if let Some((emitter, distance)) = emitter {
             hits.push(Hit { lane: lane as u32, emitter: emitter as u32, distance: distance as f32 });
         }
         if let Some(hit) = surface {
-            paths.on_surface.insert(lane as u32);
+            on_surface.insert(lane);
             surface_hits.push(SurfaceHit { lane: lane as u32, ..hit });
         }
     }

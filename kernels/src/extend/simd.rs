@@ -12,8 +12,8 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::LANES;
 use crate::columns::queues::{HitBatch, SurfaceHit, SurfaceHitQueue};
+use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
@@ -21,14 +21,13 @@ use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, vertices, rays, flights, hits, surface_hits } = columns;
-    paths.on_surface.clear();
-    let n = paths.batches();
-    let origins = vertices.at(step.clock).position.view(n);
-    let directions = rays.at(step.clock).direction.view(n);
-    let (birth, flight) = (paths.columns.birth.view(n), flights.flight.view(n));
-    for (b, live) in paths.live.each_batch() {
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, surfaces, live, paths, vertex, ray, flight, on_surface, hits, surface_hits } = columns;
+    on_surface.clear();
+    let n = live.batches();
+    let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
+    let (birth, flight) = (paths.birth.view(n), flight.view(n));
+    for (b, live) in live.each_batch() {
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
         let mut nearest = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
@@ -48,8 +47,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, step: Step, columns: Columns<'_
         };
         if !surfaces.is_empty() {
             let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
-            let on_surface = beams.trace(lights, surfaces, live, &mut found, surface_hits);
-            paths.on_surface.insert_batch(b, on_surface);
+            on_surface.insert_batch(b, beams.trace(lights, surfaces, live, &mut found, surface_hits));
         }
         let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
         hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });

@@ -26,23 +26,32 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
-use crate::columns::queues::{FlightTable, RequestTable};
+use crate::columns::Column;
+use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
+use crate::lanes::LaneSet;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: the lanes that have just left the camera.
-    pub requests: &'a RequestTable<'q>,
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// Share of the flights that are drawn towards the lights, (0, 1).
+    pub share: f32,
+    /// The lanes that have just left the camera.
+    pub requested: &'a LaneSet<'q>,
     /// Read: pixel and sample.
-    pub paths: &'a PathTable<'q>,
-    /// Read: the camera vertices, in the slot of the clock.
-    pub vertices: &'a VertexTable<'q>,
-    /// Read: the camera rays, in the slot of the clock.
-    pub rays: &'a RayTable<'q>,
-    /// Read for requested lanes: the free flight. Filled: flight and weight.
-    pub flights: &'a mut FlightTable<'q>,
+    pub paths: &'a PathColumns<'q>,
+    /// Read: where the camera rays start.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Read: direction of the camera rays.
+    pub ray: &'a RayColumns<'q>,
+    /// Read for requested lanes: the free flight. Filled: the one that is taken `[m]`.
+    pub flight: &'a mut Column<'q, f32>,
+    /// Filled for requested lanes: density of the free flight over that of the one that is taken, >= 0.
+    pub weight: &'a mut Column<'q, f32>,
 }
 
 /// Extinction of the medium through which the camera's flights are drawn, over that of the real one. Measured over fog
@@ -55,4 +64,4 @@ pub const THINNED: f32 = 0.75;
 /// With u and v the third and fourth uniform of the CAMERA block: the flight is drawn equiangularly, with v, if
 /// `u < share`, towards the first light l with `u < share (share_0 + .. + share_l)`, the last one if rounding leaves none,
 /// and is the free flight divided by [`THINNED`] otherwise.
-pub type Kernel = fn(&Medium, &Lights, f32, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -17,28 +17,22 @@
 use glam::DVec3;
 
 use super::{Columns, THINNED};
-use crate::columns::LANES;
 use crate::tables::lights::{Light, Lights};
-use crate::tables::media::Medium;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Columns<'_, '_>) {
-    let Columns { requests, paths, vertices, rays, flights } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, share, requested, paths, vertex, ray, flight: flights, weight: weights } = columns;
     let share = f64::from(share);
-    for lane in 0..paths.batches() * LANES {
-        if !requests.lanes.contains(lane as u32) {
-            continue;
-        }
-        let origin = DVec3::from(vertices.at(step.clock).position.row(lane).map(f64::from));
-        let direction = DVec3::from(rays.at(step.clock).direction.row(lane).map(f64::from));
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        let u = uniforms(pixel, sample, step.seed);
-        let free = f64::from(flights.flight.rows()[lane]);
+    for lane in requested.each() {
+        let origin = DVec3::from(vertex.position.row(lane).map(f64::from));
+        let direction = DVec3::from(ray.direction.row(lane).map(f64::from));
+        let u = uniforms(paths.pixel.rows()[lane], paths.sample.rows()[lane], step.seed);
+        let free = f64::from(flights.rows()[lane]);
         let flight = flight(lights, share, origin, direction, free, u);
         let weight = weight(f64::from(medium.extinction), lights, share, origin, direction, flight);
-        flights.flight.rows_mut()[lane] = flight as f32;
-        flights.weight.rows_mut()[lane] = weight as f32;
+        flights.rows_mut()[lane] = flight as f32;
+        weights.rows_mut()[lane] = weight as f32;
     }
 }
 
@@ -114,11 +108,13 @@ pub fn weight(extinction: f64, lights: &Lights, share: f64, origin: DVec3, direc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::paths::{PathTable, RayTable, VertexTable};
-    use crate::columns::queues::{Flight, FlightTable, RequestTable};
+    use crate::columns::Column;
+    use crate::columns::paths::{Path, PathColumns, RayColumns, VertexColumns};
+    use crate::lanes::LaneSet;
     use crate::medium_sample;
     use crate::phase::HenyeyGreenstein;
     use crate::tables::lights::{Emitter, Selection};
+    use crate::tables::media::Medium;
     use bumpalo::Bump;
 
     /// Shares of the intensity: a quarter and three quarters.
@@ -268,43 +264,48 @@ mod tests {
         let arena = Bump::new();
         let lanes = 4000;
         let step = Step { seed: 5, clock: 50 };
-        let mut requests = RequestTable::new_in(&arena, lanes);
-        let mut paths = PathTable::new_in(&arena, lanes, 1);
-        let mut vertices = VertexTable::new_in(&arena, lanes);
-        let mut rays = RayTable::new_in(&arena, lanes);
-        let mut flights = FlightTable::new_in(&arena, lanes);
-        let before = Flight { flight: 0.7, cosine: 8, azimuth: 9, weight: -1.0 };
+        let mut requested = LaneSet::new_in(&arena, lanes);
+        let mut paths = PathColumns::new_in(&arena, lanes);
+        let mut vertex = VertexColumns::new_in(&arena, lanes);
+        let mut ray = RayColumns::new_in(&arena, lanes);
+        let (mut flights, mut weights) = (Column::new_in(&arena, lanes), Column::new_in(&arena, lanes));
+        let before = (0.7, -1.0);
         let origin = |lane: usize| [0.0, 0.0, 1e-3 * lane as f32];
         for lane in 0..lanes {
-            paths.columns.pixel.rows_mut()[lane] = lane as u32;
-            paths.columns.sample.rows_mut()[lane] = 3;
-            paths.columns.birth.rows_mut()[lane] = step.clock;
-            paths.live.insert(lane as u32);
-            vertices.at_mut(step.clock).position.set_row(lane, origin(lane));
-            rays.at_mut(step.clock).direction.set_row(lane, [0.0, 0.0, 1.0]);
-            flights.set_row(lane, before);
+            paths.set_row(lane, Path { pixel: lane as u32, sample: 3, birth: step.clock });
+            vertex.position.set_row(lane, origin(lane));
+            ray.direction.set_row(lane, [0.0, 0.0, 1.0]);
+            (flights.rows_mut()[lane], weights.rows_mut()[lane]) = before;
             if lane % 2 == 0 {
-                requests.lanes.insert(lane as u32);
+                requested.insert(lane);
             }
         }
         let medium = Medium { extinction: 0.5, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
-        let columns =
-            Columns { requests: &requests, paths: &paths, vertices: &vertices, rays: &rays, flights: &mut flights };
-        run(&medium, &lights(), 0.25, step, columns);
+        let columns = Columns {
+            medium: &medium,
+            lights: &lights(),
+            share: 0.25,
+            requested: &requested,
+            paths: &paths,
+            vertex: &vertex,
+            ray: &ray,
+            flight: &mut flights,
+            weight: &mut weights,
+        };
+        run(step, columns);
         let mut aimed = 0_u32;
         for lane in 0..lanes {
-            let after = flights.row(lane);
+            let (flight, found) = (flights.rows()[lane], weights.rows()[lane]);
             if lane % 2 == 1 {
-                assert_eq!(after, before, "lane {lane} is not requested");
+                assert_eq!((flight, found), before, "lane {lane} is not requested");
                 continue;
             }
             let [u, _] = uniforms(lane as u32, 3, step.seed);
-            let stretched = (after.flight - before.flight / THINNED).abs() < 1e-6;
-            assert_eq!(stretched, u >= 0.25, "lane {lane}: {}", after.flight);
+            let stretched = (flight - before.0 / THINNED).abs() < 1e-6;
+            assert_eq!(stretched, u >= 0.25, "lane {lane}: {flight}");
             let start = DVec3::from(origin(lane).map(f64::from));
-            let expected = weight(0.5, &lights(), 0.25, start, DVec3::Z, f64::from(after.flight));
-            assert!((f64::from(after.weight) - expected).abs() < 1e-5, "lane {lane}: {}", after.weight);
-            assert_eq!((after.cosine, after.azimuth), (8, 9), "lane {lane}");
+            let expected = weight(0.5, &lights(), 0.25, start, DVec3::Z, f64::from(flight));
+            assert!((f64::from(found) - expected).abs() < 1e-5, "lane {lane}: {found}");
             aimed += u32::from(u < 0.25);
         }
         // Five standard deviations of a binomial count of 2000.

@@ -11,25 +11,21 @@
 use wide::f32x8;
 
 use super::{Columns, THINNED};
-use crate::columns::queues::FlightTable;
 use crate::random::{self, uniform_x8};
-use crate::tables::lights::{Light, Lights};
-use crate::tables::media::Medium;
+use crate::tables::lights::Light;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, share: f32, step: Step, columns: Columns<'_, '_>) {
-    let Columns { requests, paths, vertices, rays, flights } = columns;
-    let FlightTable { flight, weight, .. } = flights;
-    let (position, direction) = (&vertices.at(step.clock).position, &rays.at(step.clock).direction);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, share, requested, paths, vertex, ray, flight, weight } = columns;
     let (extinction, share) = (f32x8::splat(medium.extinction), f32x8::splat(share));
-    for (b, requested) in requests.lanes.each_batch() {
+    for (b, requested) in requested.each_batch() {
         let block = wide::u32x8::splat(random::block(0, random::CAMERA));
-        let (pixel, sample) = (paths.columns.pixel.batch(b), paths.columns.sample.batch(b));
+        let (pixel, sample) = (paths.pixel.batch(b), paths.sample.batch(b));
         let [.., u, v] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
-        let (origin, direction) = (position.batch(b), direction.batch(b));
+        let (origin, direction) = (vertex.position.batch(b), ray.direction.batch(b));
 
         let mut t = flight.batch(b) * f32x8::splat(1.0 / THINNED);
         let (mut open, mut below) = (u.simd_lt(share), f32x8::ZERO);

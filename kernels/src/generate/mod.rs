@@ -4,24 +4,42 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
-use crate::columns::queues::RequestTable;
+use crate::columns::Spectrum;
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns};
+use crate::columns::queues::RequestColumns;
+use crate::lanes::LaneSet;
 use crate::tables::camera::Camera;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Lanes to fill, and with which sample of which pixel.
-    pub requests: &'a RequestTable<'q>,
-    /// Filled: every column; the lane becomes live and occupied.
-    pub paths: &'a mut PathTable<'q>,
-    /// Filled: the camera vertex, in the slot of the clock: position on the near plane.
-    pub vertices: &'a mut VertexTable<'q>,
-    /// Filled: the camera ray, in the slot of the clock.
-    pub rays: &'a mut RayTable<'q>,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Lanes to fill.
+    pub requested: &'a LaneSet<'q>,
+    /// Which sample of which pixel each of them takes.
+    pub requests: &'a RequestColumns<'q>,
+    /// The lanes are added.
+    pub live: &'a mut LaneSet<'q>,
+    /// The lanes are added.
+    pub occupied: &'a mut LaneSet<'q>,
+    /// Filled.
+    pub paths: &'a mut PathColumns<'q>,
+    /// Filled: there is none yet.
+    pub last_surface: &'a mut LastSurfaceColumns<'q>,
+    /// Filled: no vertex near a light yet.
+    pub outlook: &'a mut OutlookColumns<'q>,
+    /// Filled: 1 in every channel.
+    pub throughput: &'a mut Spectrum<'q>,
+    /// Filled: 0 in every channel.
+    pub radiance: &'a mut Spectrum<'q>,
+    /// Filled: the camera vertex, on the near plane, at arc 0.
+    pub vertex: &'a mut VertexColumns<'q>,
+    /// Filled: the camera ray.
+    pub ray: &'a mut RayColumns<'q>,
 }
 
 /// Makes the first ray of every requested path.
 ///
 /// A sample's place in its pixel is uniform (box filter). Paths start on the plane at distance `near` along the viewing
 /// axis.
-pub type Kernel = fn(&Camera, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

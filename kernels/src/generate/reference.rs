@@ -10,39 +10,28 @@
 use glam::DVec3;
 
 use super::Columns;
-use crate::columns::LANES;
-use crate::columns::paths::Path;
+use crate::columns::paths::{LastSurface, Path, Vertex};
 use crate::columns::queues::Request;
 use crate::tables::camera::Camera;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
-    let Columns { requests, paths, vertices, rays } = columns;
-    for lane in 0..paths.batches() * LANES {
-        if !requests.lanes.contains(lane as u32) {
-            continue;
-        }
-        let Request { x, y, sample } = requests.columns.row(lane);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { camera, requested, requests, live, occupied, .. } = columns;
+    let Columns { paths, last_surface, outlook, throughput, radiance, vertex, ray, .. } = columns;
+    for lane in requested.each() {
+        let Request { x, y, sample } = requests.row(lane);
         let pixel = y * camera.width + x;
         let (position, direction) = camera_ray(camera, pixel, sample, step.seed);
-        paths.columns.set_row(
-            lane,
-            Path {
-                pixel,
-                sample,
-                birth: step.clock,
-                last_surface: 0,
-                surface_normal: [0.0; 3],
-                first_near: u32::MAX,
-                throughput: [1.0; 3],
-                radiance: [0.0; 3],
-            },
-        );
-        paths.live.insert(lane as u32);
-        paths.occupied.insert(lane as u32);
-        vertices.at_mut(step.clock).position.set_row(lane, position.as_vec3().to_array());
-        rays.at_mut(step.clock).direction.set_row(lane, direction.as_vec3().to_array());
+        paths.set_row(lane, Path { pixel, sample, birth: step.clock });
+        last_surface.set_row(lane, LastSurface { depth: 0, normal: [0.0; 3] });
+        outlook.first_near.rows_mut()[lane] = u32::MAX;
+        throughput.set_row(lane, [1.0; 3]);
+        radiance.set_row(lane, [0.0; 3]);
+        vertex.set_row(lane, Vertex { position: position.as_vec3().to_array(), arc: 0.0 });
+        ray.direction.set_row(lane, direction.as_vec3().to_array());
+        live.insert(lane);
+        occupied.insert(lane);
     }
 }
 

@@ -10,26 +10,26 @@
 use wide::{f32x8, i32x8, u32x8};
 
 use super::Columns;
+use crate::columns::Spectrum;
 use crate::random::{self, uniform_x8};
 use crate::tables::camera::Camera;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
-    let Columns { requests, paths, vertices, rays } = columns;
-    let n = paths.batches();
-    let (x, y, sample) = (requests.columns.x.view(n), requests.columns.y.view(n), requests.columns.sample.view(n));
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { camera, requested, requests, live, occupied, .. } = columns;
+    let Columns { paths, last_surface, outlook, throughput, radiance, vertex, ray, .. } = columns;
+    let n = requested.batches();
+    let (x, y, sample) = (requests.x.view(n), requests.y.view(n), requests.sample.view(n));
     let film = Film::new(camera);
-    let mut position = vertices.at_mut(step.clock).position.view_mut(n);
-    let mut direction = rays.at_mut(step.clock).direction.view_mut(n);
-    let path = &mut paths.columns;
+    let (mut position, mut direction) = (vertex.position.view_mut(n), ray.direction.view_mut(n));
     let [pixels, samples, births, surfaces, nears] =
-        [&mut path.pixel, &mut path.sample, &mut path.birth, &mut path.last_surface, &mut path.first_near]
+        [&mut paths.pixel, &mut paths.sample, &mut paths.birth, &mut last_surface.depth, &mut outlook.first_near]
             .map(|column| column.view_mut(n));
-    let [mut throughput, mut radiance, mut normal] =
-        [&mut path.throughput, &mut path.radiance, &mut path.surface_normal].map(|column| column.view_mut(n));
-    for (b, bits) in requests.lanes.each_batch() {
+    let arc = vertex.arc.view_mut(n);
+    let mut normal = last_surface.normal.view_mut(n);
+    for (b, bits) in requested.each_batch() {
         let pixel = y[b] * u32x8::splat(camera.width) + x[b];
         let block = u32x8::splat(random::block(0, random::CAMERA));
         let words = random::words_x8(pixel, sample[b], block, step.seed);
@@ -38,19 +38,28 @@ pub fn run(camera: &Camera, step: Step, columns: Columns<'_, '_>) {
         let mask = lanes::mask(bits);
         position.blend(b, mask, at);
         direction.blend(b, mask, toward);
-        throughput.blend(b, mask, Vec3x8::splat([1.0; 3]));
-        radiance.blend(b, mask, Vec3x8::ZERO);
+        fill(throughput, b, mask, f32x8::ONE);
+        fill(radiance, b, mask, f32x8::ZERO);
         normal.blend(b, mask, Vec3x8::ZERO);
+        arc[b] = mask.select(f32x8::ZERO, arc[b]);
         let set = |column: &mut [u32x8], value: u32x8| {
-            column[b] = bytemuck::cast::<f32x8, u32x8>(mask).select(value, column[b]);
+            column[b] = lanes::as_integer_mask(mask).select(value, column[b]);
         };
         set(pixels, pixel);
         set(samples, sample[b]);
         set(births, u32x8::splat(step.clock));
         set(surfaces, u32x8::splat(0));
         set(nears, u32x8::splat(u32::MAX));
-        paths.live.insert_batch(b, bits);
-        paths.occupied.insert_batch(b, bits);
+        live.insert_batch(b, bits);
+        occupied.insert_batch(b, bits);
+    }
+}
+
+/// Overwrites the lanes of batch `b` that are set in `mask`, in all channels.
+#[inline(always)]
+fn fill(spectrum: &mut Spectrum<'_>, b: usize, mask: f32x8, value: f32x8) {
+    for channel in spectrum.channels_mut() {
+        channel.set_batch(b, mask.select(value, channel.batch(b)));
     }
 }
 

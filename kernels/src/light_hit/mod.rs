@@ -4,26 +4,38 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
-use crate::columns::queues::{CandidateQueue, FlightTable, HitQueue};
+use crate::columns::Column;
+use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
+use crate::columns::queues::{CandidateQueue, HitQueue, WorthTable};
+use crate::lanes::LaneSet;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a Lights,
     /// Rays that meet a light.
     pub hits: &'a HitQueue<'q>,
+    /// Read: birth.
+    pub paths: &'a PathColumns<'q>,
     /// Read: where the current ray starts.
-    pub vertices: &'a VertexTable<'q>,
-    /// Read: direction of the current ray and of the one before.
-    pub rays: &'a RayTable<'q>,
-    /// Read: the flight.
-    pub flights: &'a FlightTable<'q>,
-    /// Read: birth. Lanes whose flight would go on beyond a disk or sphere are no longer live.
-    pub paths: &'a mut PathTable<'q>,
-    /// Filled: lights seen directly by the camera, with the transmittance of the way, times the profile, as weight.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Read: direction of the current ray.
+    pub ray: &'a RayColumns<'q>,
+    /// Read: direction of the ray before.
+    pub before: &'a RayColumns<'q>,
+    /// Read: the flights.
+    pub flight: &'a Column<'q, f32>,
+    /// Paths whose flight would go on beyond a disk or sphere are removed.
+    pub live: &'a mut LaneSet<'q>,
+    /// Filled: lights seen directly by the camera.
     pub views: &'a mut CandidateQueue<'q>,
-    /// Filled: lights hit by a scattered path; weight still to be found.
+    /// Filled: what they count, in the rows of `views`: the transmittance of the way, times the profile, and factors of 1.
+    pub worth: &'a mut WorthTable<'q>,
+    /// Filled: lights hit by a scattered path; what they count is still to be found.
     pub light_hits: &'a mut CandidateQueue<'q>,
 }
 
@@ -34,4 +46,4 @@ pub struct Columns<'a, 'q> {
 /// not the flight reaches it, and the analog hit counts nothing. At greater depth a front is a light hit. Backs are
 /// black. Either way the path ends where its flight reaches a disk or sphere; on a triangle it is reflected. `arriving`
 /// of a view is zero: nothing arrives at the camera.
-pub type Kernel = fn(&Medium, &Lights, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

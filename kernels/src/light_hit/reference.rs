@@ -13,17 +13,15 @@ use crate::Step;
 use crate::columns::queues::Candidate;
 use crate::connect::light_sample::reference::cosine;
 use crate::mis_weight::reference::profile;
-use crate::tables::lights::{Emitter, Lights, Shape};
-use crate::tables::media::Medium;
+use crate::tables::lights::{Emitter, Shape};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_>) {
-    let Columns { hits, vertices, rays, flights, paths, views, light_hits } = columns;
-    for row in 0..hits.len {
-        let hit = hits.row(row);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits } = columns;
+    for hit in (0..hits.len).map(|row| hits.row(row)) {
         let (lane, emitter) = (hit.lane as usize, &lights.emitters()[hit.emitter as usize]);
-        let start = vertices.at(step.clock).position.row(lane);
-        let direction = DVec3::from(rays.at(step.clock).direction.row(lane).map(f64::from));
+        let start = vertex.position.row(lane);
+        let direction = DVec3::from(ray.direction.row(lane).map(f64::from));
         let distance = f64::from(hit.distance);
         let point = DVec3::from(start.map(f64::from)) + distance * direction;
         if cosine(emitter, point, direction) > 0.0 {
@@ -33,19 +31,19 @@ pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_
                 start,
                 arriving: [0.0; 3],
                 point: point.as_vec3().to_array(),
-                weight: 0.0,
             };
-            if paths.depth(step.clock, lane) == 0 {
+            if paths.depth_of(step.clock, lane) == 0 {
                 let profile = profile(emitter, point, direction);
-                let weight = (profile * transmittance(f64::from(medium.extinction), distance)) as f32;
-                views.push(Candidate { weight, ..candidate });
+                let weight = profile * transmittance(f64::from(medium.extinction), distance);
+                worth.weight.rows_mut()[views.len] = weight as f32;
+                worth.factor.set_row(views.len, [1.0; 3]);
+                views.push(candidate);
             } else {
-                let arriving = rays.at(step.clock - 1).direction.row(lane);
-                light_hits.push(Candidate { arriving, ..candidate });
+                light_hits.push(Candidate { arriving: before.direction.row(lane), ..candidate });
             }
         }
-        if ends(emitter, f64::from(flights.flight.rows()[lane]), distance) {
-            paths.live.remove(hit.lane);
+        if ends(emitter, f64::from(flight.rows()[lane]), distance) {
+            live.remove(lane);
         }
     }
 }

@@ -11,41 +11,45 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::LANES;
+use crate::columns::Field;
 use crate::columns::queues::CandidateBatch;
-use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
+use crate::lanes::LANES;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, step: Step, columns: Columns<'_, '_>) {
-    let Columns { hits, vertices, rays, flights, paths, views, light_hits } = columns;
-    let origins = &vertices.at(step.clock).position;
-    let (now, before) = (&rays.at(step.clock).direction, &rays.at(step.clock - 1).direction);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits } = columns;
     for b in 0..hits.len.div_ceil(LANES) {
         let rows = lanes::first(hits.len - b * LANES);
         let (lane, emitter, distance) = (hits.lane.batch(b), hits.emitter.batch(b), hits.distance.batch(b));
         let (lane_of, emitter_of) = (lane.to_array(), emitter.to_array());
-        let (start, direction) = (origins.gather(&lane_of), now.gather(&lane_of));
-        let arriving = before.gather(&lane_of);
-        let birth = paths.columns.birth.gather(&lane_of);
+        let (start, direction) = (vertex.position.gather(&lane_of), ray.direction.gather(&lane_of));
+        let arriving = before.direction.gather(&lane_of);
+        let birth = paths.birth.gather(&lane_of);
         let at_camera = lanes::bits(lanes::as_mask(birth.simd_eq(u32x8::splat(step.clock))));
         let point = direction.mul_add(distance, start);
         let cosine = lights.cosine(&emitter_of, point, direction);
         let front = lanes::bits(cosine.simd_gt(f32x8::ZERO)) & rows;
 
-        let profile = lights.profile(&emitter_of, cosine);
-        let weight = exp(-f32x8::splat(medium.extinction) * distance) * profile;
-        let view = CandidateBatch { lane, emitter, start, arriving: Vec3x8::ZERO, point, weight };
-        views.push_batch(front & at_camera, view);
-        light_hits.push_batch(front & !at_camera, CandidateBatch { arriving, weight: f32x8::ZERO, ..view });
+        let view = CandidateBatch { lane, emitter, start, arriving: Vec3x8::ZERO, point };
+        let seen = front & at_camera;
+        if seen != 0 {
+            let profile = lights.profile(&emitter_of, cosine);
+            let weight = exp(-f32x8::splat(medium.extinction) * distance) * profile;
+            f32::store_packed(&mut worth.weight, views.len, lanes::pack_order(seen), weight);
+            views.push_batch(seen, view);
+        }
+        light_hits.push_batch(front & !at_camera, CandidateBatch { arriving, ..view });
 
         let black = lights.gather(&emitter_of, |emitter| emitter.radius).simd_gt(f32x8::ZERO);
-        let ends = lanes::bits(distance.simd_le(flights.flight.gather(&lane_of)) & black) & rows;
+        let ends = lanes::bits(distance.simd_le(flight.gather(&lane_of)) & black) & rows;
         for i in lanes::each(ends) {
-            paths.live.remove(lane_of[i]);
+            live.remove(lane_of[i] as usize);
         }
+    }
+    for factor in worth.factor.channels_mut() {
+        factor.view_mut(views.len.div_ceil(LANES)).fill(f32x8::ONE);
     }
 }

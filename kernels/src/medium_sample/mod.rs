@@ -3,15 +3,22 @@
 pub mod reference;
 pub mod simd;
 
-use crate::columns::paths::PathTable;
+use crate::columns::paths::PathColumns;
 use crate::columns::queues::FlightTable;
+use crate::lanes::LaneSet;
 use crate::tables::media::Medium;
 use crate::{Step, Walk};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: pixel, sample and birth of live lanes. Paths that do not survive the vertex they are at end.
-    pub paths: &'a mut PathTable<'q>,
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// How readily walks go on.
+    pub walk: &'a Walk,
+    /// Paths that do not survive the vertex they are at are removed.
+    pub live: &'a mut LaneSet<'q>,
+    /// Read: pixel, sample and birth of live lanes.
+    pub paths: &'a PathColumns<'q>,
     /// Filled for live lanes.
     pub flights: &'a mut FlightTable<'q>,
 }
@@ -19,4 +26,4 @@ pub struct Columns<'a, 'q> {
 /// Draws the random block of the current segment; turns its first word into a free flight, `-ln(1 - u) / mu_t`, or an
 /// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A
 /// path that has left the camera ends unless the fourth uniform is below `survival`.
-pub type Kernel = fn(&Medium, &Walk, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

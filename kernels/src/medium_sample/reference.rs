@@ -7,27 +7,23 @@
 //! Before it, a path that has left the camera goes on if its fourth number is below the survival.
 
 use super::Columns;
-use crate::columns::LANES;
 use crate::columns::queues::Flight;
-use crate::tables::media::Medium;
 use crate::{Step, Walk, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, flights } = columns;
-    for lane in 0..paths.batches() * LANES {
-        if !paths.live.contains(lane as u32) {
-            continue;
-        }
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        let depth = paths.depth(step.clock, lane);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, walk, live, paths, flights } = columns;
+    let lanes: Vec<usize> = live.each().collect();
+    for lane in lanes {
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        let depth = paths.depth_of(step.clock, lane);
         let [distance, cosine, azimuth, survival] = words(pixel, sample, depth, step.seed);
         if depth > 0 && !survives(walk, random::uniform(survival)) {
-            paths.live.remove(lane as u32);
+            live.remove(lane);
             continue;
         }
         let flight = flight(f64::from(medium.extinction), random::uniform(distance)) as f32;
-        flights.set_row(lane, Flight { flight, cosine, azimuth, ..flights.row(lane) });
+        flights.set_row(lane, Flight { flight, cosine, azimuth });
     }
 }
 
@@ -52,9 +48,11 @@ pub fn flight(extinction: f64, u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::paths::PathTable;
+    use crate::columns::paths::{Path, PathColumns};
     use crate::columns::queues::FlightTable;
+    use crate::lanes::LaneSet;
     use crate::phase::HenyeyGreenstein;
+    use crate::tables::media::Medium;
     use bumpalo::Bump;
 
     #[test]
@@ -72,23 +70,22 @@ mod tests {
     fn all_vertices_but_the_camera_end_paths_as_often_as_they_should() {
         let arena = Bump::new();
         let lanes = 8000;
-        let mut paths = PathTable::new_in(&arena, lanes, 1);
+        let mut paths = PathColumns::new_in(&arena, lanes);
+        let mut live = LaneSet::new_in(&arena, lanes);
         let mut flights = FlightTable::new_in(&arena, lanes);
-        // A third each at the camera, at a surface and in the medium.
+        // A third each at the camera, after one segment and after four.
         for lane in 0..lanes {
-            let depth = [0, 4, 4][lane % 3];
-            paths.columns.pixel.rows_mut()[lane] = lane as u32;
-            paths.columns.birth.rows_mut()[lane] = 50 - depth;
-            paths.columns.last_surface.rows_mut()[lane] = [0, 4, 3][lane % 3];
-            paths.live.insert(lane as u32);
+            let depth = [0, 1, 4][lane % 3];
+            paths.set_row(lane, Path { pixel: lane as u32, sample: 0, birth: 50 - depth });
+            live.insert(lane);
         }
         let medium = Medium { extinction: 2.0, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
         let walk = Walk { segments: 9, starts: 1, survival: 0.75 };
-        let columns = Columns { paths: &mut paths, flights: &mut flights };
-        run(&medium, &walk, Step { seed: 5, clock: 50 }, columns);
+        let columns = Columns { medium: &medium, walk: &walk, live: &mut live, paths: &paths, flights: &mut flights };
+        run(Step { seed: 5, clock: 50 }, columns);
         let mut alive = [0; 3];
         for lane in 0..lanes {
-            let lives = paths.live.contains(lane as u32);
+            let lives = live.contains(lane);
             alive[lane % 3] += u32::from(lives);
             assert_eq!(flights.flight.rows()[lane] > 0.0, lives, "lane {lane}");
         }

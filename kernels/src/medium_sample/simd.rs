@@ -11,22 +11,20 @@ use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::random::{self, uniform_x8};
-use crate::tables::media::Medium;
 use crate::transcendental::neg_ln;
-use crate::{Step, Walk, lanes};
+use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, flights } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, walk, live, paths, flights } = columns;
     let mean_free_path = f32x8::splat((1.0 / f64::from(medium.extinction)) as f32);
-    let n = paths.batches();
-    let [pixel, sample, birth] =
-        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth].map(|column| column.view(n));
+    let n = live.batches();
+    let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.view(n));
     let flight = flights.flight.view_mut(n);
     let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
     let survival = f32x8::splat(walk.survival);
     for b in 0..n {
-        if paths.live.batch(b) == 0 {
+        if live.batch(b) == 0 {
             continue;
         }
         let depth = u32x8::splat(step.clock) - birth[b];
@@ -36,7 +34,7 @@ pub fn run(medium: &Medium, walk: &Walk, step: Step, columns: Columns<'_, '_>) {
         (cosine[b], azimuth[b]) = (words[1], words[2]);
         if walk.survival < 1.0 {
             let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
-            paths.live.remove_batch(b, lanes::bits(ends));
+            live.remove_batch(b, lanes::bits(ends));
         }
     }
 }

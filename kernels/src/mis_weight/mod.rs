@@ -22,8 +22,8 @@ mod tests;
 
 use suffix::Suffix;
 
-use crate::columns::paths::{PathTable, VertexTable};
-use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::Techniques;
 use crate::tables::lights::Lights;
@@ -32,20 +32,38 @@ use crate::{PathLengths, Step, Walk};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// The lights, and how connections choose among them.
+    pub lights: &'a Lights,
+    /// The techniques that compete.
+    pub techniques: &'a Techniques,
+    /// How far walks go, and where they connect from.
+    pub walk: &'a Walk,
+    /// The path lengths that count.
+    pub lengths: PathLengths,
+    /// Whether there are surfaces; without them, nothing of `last_surface` but the depth is read.
+    pub solid: bool,
     /// Rows to weigh: those of this bucket.
     pub bucket: Bucket,
-    /// Read: lane, light, start, arriving, point. Filled: weight.
-    pub candidates: &'a mut CandidateQueue<'q>,
+    /// Read: every column.
+    pub candidates: &'a CandidateQueue<'q>,
     /// Read: the inserted vertices.
     pub chains: &'a ChainTable<'q>,
-    /// Read: birth, last surface vertex and its normal, first vertex near a light.
-    pub paths: &'a PathTable<'q>,
-    /// Read: the vertex of the clock, which is the start.
-    pub vertices: &'a VertexTable<'q>,
-    /// Read: the vertices before it, as far as the active techniques look back.
+    /// Read: birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read: the last surface vertex of the paths.
+    pub last_surface: &'a LastSurfaceColumns<'q>,
+    /// Read: what the starts know of the lights.
+    pub outlook: &'a OutlookColumns<'q>,
+    /// Read: arc of the starts.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Read: the vertices before them, as far as the active techniques look back.
     pub trail: &'a TrailTable<'q>,
-    /// Room for the suffix of eight candidates; holds nothing between calls.
+    /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
+    /// Filled: weight, and the albedos of the inserted vertices as factor.
+    pub worth: &'a mut WorthTable<'q>,
 }
 
 /// Weighs candidates of two segments or more; one that arrives at the back of its light, or leaves a surface towards its
@@ -53,4 +71,4 @@ pub struct Columns<'a, 'q> {
 ///
 /// p_w of a start on a surface is the density of its reflection, `cos theta / pi`. The weight is multiplied by the light's
 /// profile, its radiance in the direction of the path over its `radiance`.
-pub type Kernel = fn(&Medium, &Lights, &Techniques, &Walk, PathLengths, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -27,7 +27,6 @@ use glam::DVec3;
 
 use super::Columns;
 use super::density::Density;
-use crate::columns::paths::VertexTable;
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::reference::{cosine, light_density, normal};
 use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
@@ -37,59 +36,52 @@ use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(
-    medium: &Medium,
-    lights: &Lights,
-    techniques: &Techniques,
-    walk: &Walk,
-    lengths: PathLengths,
-    step: Step,
-    columns: Columns<'_, '_>,
-) {
-    let Columns { bucket, candidates, chains, paths, vertices, trail, suffix: _ } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, chains, .. } = columns;
+    let Columns { paths, last_surface, trail, worth, .. } = columns;
     let competition = Competition { medium, lights, techniques, walk, lengths };
+    let factor = factor(medium.albedo.map(f64::from), bucket.inserted).map(|factor| factor as f32);
     let mut path = Vec::new();
     for row in bucket.rows() {
-        let lane = candidates.lane.rows()[row] as usize;
+        let candidate = candidates.row(row);
+        let lane = candidate.lane as usize;
+        let [start, arriving, point] =
+            [candidate.start, candidate.arriving, candidate.point].map(|v| DVec3::from(v.map(f64::from)));
         path.clear();
-        for back in (1..=paths.depth(step.clock, lane)).rev() {
-            path.push(position_before(vertices, trail, step, lane, back).map_or(DVec3::NAN, DVec3::from));
+        for back in (1..=paths.depth_of(step.clock, lane)).rev() {
+            let unknown = if back == 1 { start - arriving } else { DVec3::NAN };
+            path.push(position_before(trail, step, lane, back).map_or(unknown, DVec3::from));
         }
-        path.push(DVec3::from(candidates.start.row(row).map(f64::from)));
+        path.push(start);
         for vertex in &chains.vertices[..bucket.inserted] {
             path.push(DVec3::from(vertex.row(row).map(f64::from)));
         }
-        path.push(DVec3::from(candidates.point.row(row).map(f64::from)));
-        let normal = paths.columns.surface_normal.row(lane).map(f64::from);
-        let is_surface = paths.has_surfaces && paths.columns.last_surface.rows()[lane] > 0;
+        path.push(point);
+        let is_surface = solid && last_surface.depth.rows()[lane] > 0;
         let path = CompletePath {
             vertices: &path,
-            first_start: paths.first_start(lane) as usize,
-            surface: is_surface.then(|| DVec3::from(normal)),
-            emitter: candidates.emitter.rows()[row] as usize,
+            first_start: last_surface.first_start(lane) as usize,
+            surface: is_surface.then(|| DVec3::from(last_surface.normal.row(lane).map(f64::from))),
+            emitter: candidate.emitter as usize,
         };
-        candidates.weight.rows_mut()[row] = competition.weight(&path) as f32;
+        worth.weight.rows_mut()[row] = competition.weight(&path) as f32;
+        worth.factor.set_row(row, factor);
     }
 }
 
 /// Where a path was `back` >= 1 vertices before the current one, if it remembers.
 ///
-/// Without a trail only the vertex before is known: no active technique then starts earlier than at the current vertex,
-/// and NaN in the place of the others does not reach the weight.
-pub fn position_before(
-    vertices: &VertexTable<'_>,
-    trail: &TrailTable<'_>,
-    step: Step,
-    lane: usize,
-    back: u32,
-) -> Option<[f64; 3]> {
-    let clock = step.clock - back;
-    let position = match back {
-        1 => vertices.at(clock).position.row(lane),
-        _ if (back as usize) < trail.slots() => trail.row(lane, clock).position,
-        _ => return None,
-    };
-    Some(position.map(f64::from))
+/// Without a trail no active technique starts earlier than at the current vertex. Of the vertex before it, only the
+/// direction then matters in which the path left, which the candidate knows; NaN in the place of the others does not reach
+/// the weight.
+pub fn position_before(trail: &TrailTable<'_>, step: Step, lane: usize, back: u32) -> Option<[f64; 3]> {
+    let remembered = (back as usize) < trail.slots();
+    remembered.then(|| trail.row(lane, step.clock - back).position.map(f64::from))
+}
+
+/// The share of light that inserted vertices leave, per channel: one albedo each.
+pub fn factor(albedo: [f64; 3], inserted: usize) -> [f64; 3] {
+    albedo.map(|albedo| core::iter::repeat_n(albedo, inserted).product())
 }
 
 /// A complete path x_0 .. x_n.

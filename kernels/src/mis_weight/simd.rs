@@ -16,13 +16,13 @@ use wide::{f32x8, u32x8};
 
 use super::Columns;
 use super::suffix::{Arrival, Suffix, SuffixVertex};
-use crate::columns::LANES;
-use crate::columns::paths::{PathTable, VertexColumns};
-use crate::columns::queues::{CandidateQueue, ChainTable};
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::lis::{self, Lis, Shape};
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
+use crate::lanes::LANES;
 use crate::phase::{HenyeyGreensteinX8, forward_share};
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
@@ -34,16 +34,10 @@ use crate::{PathLengths, Step, Walk, lanes};
 const LEAST_LENGTH: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(
-    medium: &Medium,
-    lights: &Lights,
-    techniques: &Techniques,
-    walk: &Walk,
-    lengths: PathLengths,
-    step: Step,
-    columns: Columns<'_, '_>,
-) {
-    let Columns { bucket, candidates, chains, paths, vertices, trail, suffix } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
+    let Columns { candidates, chains, paths, last_surface, outlook, vertex, trail, suffix, worth, .. } = columns;
+    fill_factor(medium, bucket, worth);
     let phase = HenyeyGreensteinX8::new(medium.phase);
     let share = forward_share(f64::from(medium.phase.g)) as f32;
     let (densities, usable, lis) = (asks_for_densities(techniques), farthest_of(techniques), techniques.lis.as_ref());
@@ -59,18 +53,19 @@ pub fn run(
             last_density: lis.is_some(),
             log_survival: walk.survival.ln(),
         };
-        let starts = batch.starts(paths, walk, step, rows);
+        let starts = batch.starts(paths, last_surface, walk, step, rows);
         let (nearest, farthest) = (starts.nearest(), starts.farthest());
-        let farthest_near = techniques.mvnee.as_ref().map_or(0, |mvnee| batch.farthest_near(mvnee, paths, &starts));
+        let farthest_near = techniques.mvnee.as_ref().map_or(0, |mvnee| batch.farthest_near(mvnee, outlook, &starts));
         let needed = farthest.min(usable).max(farthest_near);
 
         let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
-        batch.walk_history(vertices.at(step.clock), trail, step, suffix, needed);
+        batch.walk_history(outlook, vertex, trail, step, suffix, needed);
         for a in nearest..=needed {
             suffix.vertices[a].eligible = starts.eligible(a);
             suffix.vertices[a].attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
         }
-        let outside = batch.reflect(paths, &starts, suffix, needed);
+        let outside =
+            if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
         let mut sum = batch.reach_of_walk(&starts, walk);
         if techniques.nee && nearest == 1 {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
@@ -93,7 +88,15 @@ pub fn run(
         }
         let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
         let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
-        candidates.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
+        worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
+    }
+}
+
+/// What the throughput leaves out of a bucket's candidates: the albedos of their inserted vertices.
+fn fill_factor(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
+    for (factor, albedo) in worth.factor.channels_mut().iter_mut().zip(medium.albedo) {
+        let inserted = f32x8::splat(albedo.powi(bucket.inserted as i32));
+        bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
     }
 }
 
@@ -263,10 +266,16 @@ impl Batch<'_> {
 
     /// The eligible starts: those behind the last surface, as many as connect.
     #[inline(always)]
-    fn starts(&self, paths: &PathTable<'_>, walk: &Walk, step: Step, rows: u32) -> Starts {
-        let path = &paths.columns;
-        let segments = u32x8::splat(step.clock + self.inserted as u32 + 1) - path.birth.gather(&self.lane_of);
-        let last_surface = path.last_surface.gather(&self.lane_of);
+    fn starts(
+        &self,
+        paths: &PathColumns<'_>,
+        last_surface: &LastSurfaceColumns<'_>,
+        walk: &Walk,
+        step: Step,
+        rows: u32,
+    ) -> Starts {
+        let segments = u32x8::splat(step.clock + self.inserted as u32 + 1) - paths.birth.gather(&self.lane_of);
+        let last_surface = last_surface.depth.gather(&self.lane_of);
         let surface = lanes::as_mask(last_surface.simd_gt(u32x8::splat(0)));
         let first = last_surface.max(u32x8::splat(1));
         let live = lanes::mask(rows);
@@ -278,13 +287,15 @@ impl Batch<'_> {
     /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their surface
     /// outwards, or have none.
     #[inline(always)]
-    fn reflect(&self, paths: &PathTable<'_>, starts: &Starts, suffix: &mut Suffix<'_>, needed: usize) -> f32x8 {
-        let all = f32x8::ZERO.simd_eq(f32x8::ZERO);
-        if !paths.has_surfaces {
-            return all;
-        }
-        let normal = paths.columns.surface_normal.gather(&self.lane_of);
-        let mut outside = all;
+    fn reflect(
+        &self,
+        last_surface: &LastSurfaceColumns<'_>,
+        starts: &Starts,
+        suffix: &mut Suffix<'_>,
+        needed: usize,
+    ) -> f32x8 {
+        let normal = last_surface.normal.gather(&self.lane_of);
+        let mut outside = lanes::mask(lanes::ALL);
         for a in 1..=needed.max(self.inserted + 1) {
             let vertex = &mut suffix.vertices[a];
             vertex.on_surface = starts.surface & lanes::as_mask(starts.farthest.simd_eq(u32x8::splat(a as u32)));
@@ -302,11 +313,11 @@ impl Batch<'_> {
     /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted vertex,
     /// or one of the walk from the first near one on.
     #[inline(always)]
-    fn farthest_near(&self, mvnee: &mvnee::Mvnee, paths: &PathTable<'_>, starts: &Starts) -> usize {
+    fn farthest_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
         if mvnee.max_distance.is_infinite() {
             return starts.farthest();
         }
-        let first_near = paths.columns.first_near.gather(&self.lane_of);
+        let first_near = outlook.first_near.gather(&self.lane_of);
         let near = starts.segments.saturating_sub(first_near) & lanes::as_integer_mask(starts.live);
         near.max(u32x8::splat(self.inserted as u32)).min(starts.farthest).reduce_max() as usize
     }
@@ -337,6 +348,7 @@ impl Batch<'_> {
     #[inline(always)]
     fn walk_history(
         &self,
+        outlook: &OutlookColumns<'_>,
         current: &VertexColumns<'_>,
         trail: &TrailTable<'_>,
         step: Step,
@@ -345,7 +357,7 @@ impl Batch<'_> {
     ) {
         let start = self.inserted + 1;
         if self.lights.selection_depends_on_start() {
-            suffix.vertices[start].light_sum = current.light_sum.gather(&self.lane_of);
+            suffix.vertices[start].light_sum = outlook.light_sum.gather(&self.lane_of);
         }
         if farthest <= start {
             return;

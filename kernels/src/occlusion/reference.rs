@@ -14,13 +14,14 @@
 use glam::DVec3;
 
 use super::Columns;
+use crate::Step;
 use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, chains } = columns;
+pub fn run(_: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
     let mut chain = Vec::with_capacity(bucket.inserted + 2);
     for row in bucket.rows() {
         chain.clear();
@@ -31,7 +32,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
         chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
         let emitter = candidates.emitter.rows()[row] as usize;
         if is_occluded(lights, emitter, &chain) || is_hidden(lights, surfaces, emitter, &chain) {
-            candidates.weight.rows_mut()[row] = 0.0;
+            worth.weight.rows_mut()[row] = 0.0;
         }
     }
 }

@@ -15,17 +15,17 @@ use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
-use crate::lanes;
 use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 use crate::vec3x8::Vec3x8;
+use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, chains } = columns;
+pub fn run(_: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
     for (b, rows) in bucket.batches() {
-        let weight = candidates.weight.batch(b);
+        let weight = worth.weight.batch(b);
         let mut free = !weight.simd_eq(f32x8::ZERO) & lanes::mask(rows);
         let mut from = candidates.start.batch(b);
         for segment in 0..=bucket.inserted {
@@ -44,7 +44,7 @@ pub fn run(lights: &Lights, surfaces: &Surfaces, columns: Columns<'_, '_>) {
         if !surfaces.is_empty() {
             free &= lanes::mask(unhidden(lights, surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
         }
-        candidates.weight.set_batch(b, free.select(weight, f32x8::ZERO));
+        worth.weight.set_batch(b, free.select(weight, f32x8::ZERO));
     }
 }
 

@@ -4,20 +4,28 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::PathTable;
-use crate::columns::queues::{Bucket, CandidateQueue};
+use crate::columns::Spectrum;
+use crate::columns::paths::PathColumns;
+use crate::columns::queues::{Bucket, CandidateQueue, WorthTable};
 use crate::random::Purpose;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
+    /// The lights.
+    pub lights: &'a Lights,
+    /// What survives.
+    pub threshold: Threshold,
     /// Rows to judge: those of this bucket.
     pub bucket: Bucket,
-    /// Read: lane and light. The weight is divided by the probability of survival, or becomes 0.
-    pub candidates: &'a mut CandidateQueue<'q>,
-    /// Read: pixel, sample, birth and throughput, in the channels in use.
-    pub paths: &'a PathTable<'q>,
+    /// Read: lane and emitter.
+    pub candidates: &'a CandidateQueue<'q>,
+    /// Read: pixel, sample and birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read, in the channels in use.
+    pub throughput: &'a Spectrum<'q>,
+    /// Read: factor. The weight is divided by the probability of survival, or becomes 0.
+    pub worth: &'a mut WorthTable<'q>,
 }
 
 /// What survives.
@@ -31,6 +39,6 @@ pub struct Threshold {
 }
 
 /// Keeps a candidate with probability `min(1, C / threshold)`, where C is the largest channel of
-/// `weight Le T albedo^inserted`, and divides its weight by that. It survives if u, the fourth uniform of block `purpose`
+/// `weight factor Le T`, and divides its weight by that. It survives if u, the fourth uniform of block `purpose`
 /// at the depth of the start, is below the probability. A weight that is not a number stays, to be counted.
-pub type Kernel = fn(&Medium, &Lights, Threshold, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -1,36 +1,34 @@
 //! Roulette on the contribution, in f64.
 //!
 //! ```text
-//! q = min(1, C / threshold),      C = max over channels of weight Le T albedo^inserted
+//! q = min(1, C / threshold),      C = max over channels of weight factor Le T
 //! weight' = weight / q  if u < q,  else 0
 //! ```
 //!
 //! so that the expectation of what is added stays C.
 
-use super::{Columns, Threshold};
-use crate::accumulate::reference::contribution;
+use super::Columns;
+use crate::accumulate::reference::added;
 use crate::random::Purpose;
-use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, paths } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, threshold, bucket, candidates, paths, throughput, worth } = columns;
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
-        let weight = f64::from(candidates.weight.rows()[row]);
-        let channels = contribution(
+        let weight = f64::from(worth.weight.rows()[row]);
+        let channels = added(
             weight,
+            worth.factor.row(row).map(f64::from),
             lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
-            paths.columns.throughput.row(lane).map(f64::from),
-            medium.albedo.map(f64::from),
-            bucket.inserted,
+            throughput.row(lane).map(f64::from),
         );
-        let survival = survival(f64::from(threshold.contribution), largest(&channels[..paths.channels]));
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        let u = uniform(pixel, sample, paths.depth(step.clock, lane), threshold.purpose, step.seed);
-        candidates.weight.rows_mut()[row] = if u < survival { (weight / survival) as f32 } else { 0.0 };
+        let used = &channels[..throughput.channels().len()];
+        let survival = survival(f64::from(threshold.contribution), largest(used));
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        let u = uniform(pixel, sample, paths.depth_of(step.clock, lane), threshold.purpose, step.seed);
+        worth.weight.rows_mut()[row] = if u < survival { (weight / survival) as f32 } else { 0.0 };
     }
 }
 
@@ -56,10 +54,11 @@ pub fn survival(threshold: f64, contribution: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::paths::PathTable;
-    use crate::columns::queues::{Bucket, Candidate, CandidateQueue};
-    use crate::phase::HenyeyGreenstein;
-    use crate::tables::lights::{Emitter, Selection};
+    use crate::columns::Spectrum;
+    use crate::columns::paths::PathColumns;
+    use crate::columns::queues::{Candidate, CandidateQueue, WorthTable};
+    use crate::roulette::Threshold;
+    use crate::tables::lights::{Emitter, Lights, Selection};
     use bumpalo::Bump;
     use glam::DVec3;
 
@@ -85,32 +84,34 @@ mod tests {
     #[test]
     fn faint_candidates_survive_as_often_as_they_should() {
         let arena = Bump::new();
-        let medium = Medium { extinction: 1.0, albedo: [0.5, 0.25, 1.0], phase: HenyeyGreenstein { g: 0.0 } };
         let disk = Emitter::disk(DVec3::Z, -DVec3::Z, 1.0, [2.0, 1.0, 9.0]);
         let lights = Lights::new(vec![disk], Selection::Uniform);
-        let (rows, inserted) = (4000, 2);
-        // One channel is in use: C = 0.5 * 2 * 0.8 * 0.25 = 0.2.
-        let mut paths = PathTable::new_in(&arena, rows, 1);
+        let rows = 4000;
+        // One channel is in use: C = 0.5 * 0.25 * 2 * 0.8 = 0.2.
+        let mut paths = PathColumns::new_in(&arena, rows);
+        let mut throughput = Spectrum::new_in(&arena, rows, 1);
         let mut candidates = CandidateQueue::new_in(&arena, rows);
+        let mut worth = WorthTable::new_in(&arena, rows, 1);
+        let nowhere = [0.0; 3];
         for lane in 0..rows {
-            paths.columns.pixel.rows_mut()[lane] = lane as u32;
-            paths.columns.throughput.set_row(lane, [0.8, 1.0, 1.0]);
-            let nowhere = [0.0; 3];
+            paths.pixel.rows_mut()[lane] = lane as u32;
+            throughput.set_row(lane, [0.8, 1.0, 1.0]);
+            worth.weight.rows_mut()[lane] = 0.5;
+            worth.factor.set_row(lane, [0.25, 1.0, 1.0]);
             let lane = lane as u32;
-            candidates.push(Candidate {
-                lane,
-                emitter: 0,
-                start: nowhere,
-                arriving: nowhere,
-                point: nowhere,
-                weight: 0.5,
-            });
+            candidates.push(Candidate { lane, emitter: 0, start: nowhere, arriving: nowhere, point: nowhere });
         }
-        let bucket = Bucket { inserted, start: 0, len: rows };
-        let threshold = Threshold { contribution: 0.8, purpose: random::BRIDGE_LIGHT };
-        let columns = Columns { bucket, candidates: &mut candidates, paths: &paths };
-        run(&medium, &lights, threshold, Step { seed: 3, clock: 2 }, columns);
-        let kept: Vec<_> = candidates.weight.rows()[..rows].iter().filter(|weight| **weight > 0.0).collect();
+        let columns = Columns {
+            lights: &lights,
+            threshold: Threshold { contribution: 0.8, purpose: random::BRIDGE_LIGHT },
+            bucket: candidates.direct(),
+            candidates: &candidates,
+            paths: &paths,
+            throughput: &throughput,
+            worth: &mut worth,
+        };
+        run(Step { seed: 3, clock: 2 }, columns);
+        let kept: Vec<_> = worth.weight.rows()[..rows].iter().filter(|weight| **weight > 0.0).collect();
         assert!(kept.iter().all(|weight| (**weight - 2.0).abs() < 1e-6), "{:?}", kept[0]);
         // Five standard deviations of a binomial count.
         assert!((kept.len() as f64 - 1000.0).abs() < 137.0, "{} of {rows}", kept.len());

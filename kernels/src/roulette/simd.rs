@@ -1,5 +1,5 @@
 //! ```text
-//! survival = min(1, C / threshold),   C = weight * max over channels of Le T albedo^inserted
+//! survival = min(1, C / threshold),   C = weight * max over channels of factor Le T
 //! weight   = u < survival ? weight / survival : 0
 //! ```
 //!
@@ -7,25 +7,21 @@
 
 use wide::f32x8;
 
-use super::{Columns, Threshold};
+use super::Columns;
 use crate::connect::sequence::Sequence;
-use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, columns: Columns<'_, '_>) {
-    let Columns { bucket, candidates, paths } = columns;
-    let inserted = medium.albedo.map(|albedo| albedo.powi(bucket.inserted as i32));
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, threshold, bucket, candidates, paths, throughput, worth } = columns;
     let inverse_threshold = f32x8::splat(1.0 / threshold.contribution);
     for (b, rows) in bucket.batches() {
         let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
-        let weight = candidates.weight.batch(b);
+        let weight = worth.weight.batch(b);
         let mut brightest = f32x8::ZERO;
-        for (channel, inserted) in inserted.into_iter().enumerate().take(paths.channels) {
-            let emitted = lights.gather(&emitter_of, |disk| disk.radiance[channel]);
-            let throughput = paths.columns.throughput.channels()[channel].gather(&lane_of);
-            brightest = brightest.fast_max(emitted * throughput * f32x8::splat(inserted));
+        for (channel, (throughput, factor)) in throughput.channels().iter().zip(worth.factor.channels()).enumerate() {
+            let emitted = lights.gather(&emitter_of, |emitter| emitter.radiance[channel]);
+            brightest = brightest.fast_max(emitted * throughput.gather(&lane_of) * factor.batch(b));
         }
         let survival = weight * brightest * inverse_threshold;
         let faint = survival.simd_lt(f32x8::ONE);
@@ -34,6 +30,6 @@ pub fn run(medium: &Medium, lights: &Lights, threshold: Threshold, step: Step, c
         }
         let [.., u] = Sequence::new(step, paths, &lane_of).uniforms(threshold.purpose);
         let kept = u.simd_lt(survival).select(weight / survival, f32x8::ZERO);
-        candidates.weight.set_batch(b, faint.select(kept, weight));
+        worth.weight.set_batch(b, faint.select(kept, weight));
     }
 }

@@ -9,36 +9,28 @@
 use glam::DVec3;
 
 use super::Columns;
-use crate::columns::LANES;
 use crate::phase::reference as phase;
-use crate::tables::media::Medium;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
-    let Columns { flights, paths, vertices, rays } = columns;
-    let (vertex, next) = vertices.step(step.clock);
-    let (arriving, leaving) = rays.step(step.clock);
-    for lane in 0..paths.batches() * LANES {
-        if !paths.live.contains(lane as u32) || paths.on_surface.contains(lane as u32) {
-            continue;
-        }
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, live, on_surface, paths, flights, vertex, next, ray, next_ray, throughput } = columns;
+    for lane in live.without(on_surface) {
         let flight = flights.row(lane);
         let event = scatter(
             f64::from(medium.phase.g),
             DVec3::from(vertex.position.row(lane).map(f64::from)),
-            DVec3::from(arriving.direction.row(lane).map(f64::from)),
+            DVec3::from(ray.direction.row(lane).map(f64::from)),
             f64::from(flight.flight),
             [flight.cosine, flight.azimuth].map(random::uniform),
         );
         next.position.set_row(lane, event.position.as_vec3().to_array());
-        leaving.direction.set_row(lane, event.direction.as_vec3().to_array());
-        let leaves_camera = paths.depth(step.clock, lane) == 0;
+        next_ray.direction.set_row(lane, event.direction.as_vec3().to_array());
+        let leaves_camera = paths.depth_of(step.clock, lane) == 0;
         let arc = if leaves_camera { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + f64::from(flight.flight) };
         next.arc.rows_mut()[lane] = arc as f32;
-        let channels = paths.columns.throughput.channels_mut().into_iter().take(paths.channels);
-        for (throughput, albedo) in channels.zip(medium.albedo) {
-            let throughput = &mut throughput.rows_mut()[lane];
+        for (channel, albedo) in throughput.channels_mut().iter_mut().zip(medium.albedo) {
+            let throughput = &mut channel.rows_mut()[lane];
             *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
         }
     }

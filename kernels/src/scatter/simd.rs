@@ -12,22 +12,19 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::phase::HenyeyGreensteinX8;
 use crate::random::uniform_x8;
-use crate::tables::media::Medium;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
-    let Columns { flights, paths, vertices, rays } = columns;
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { medium, live, on_surface, paths, flights, vertex, next, ray, next_ray, throughput } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
-    let (from, to) = vertices.step(step.clock);
-    let (arriving, leaving) = rays.step(step.clock);
-    let n = paths.batches();
-    let (origins, directions) = (from.position.view(n), arriving.direction.view(n));
+    let n = live.batches();
+    let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
     let (flight, cosine, azimuth) = (flights.flight.view(n), flights.cosine.view(n), flights.azimuth.view(n));
-    let (mut positions, mut leaving) = (to.position.view_mut(n), leaving.direction.view_mut(n));
-    let (arc, next_arc) = (from.arc.view(n), to.arc.view_mut(n));
-    let birth = paths.columns.birth.view(n);
-    for (b, _) in paths.live.each_batch() {
+    let (mut positions, mut leaving) = (next.position.view_mut(n), next_ray.direction.view_mut(n));
+    let (arc, next_arc) = (vertex.arc.view(n), next.arc.view_mut(n));
+    let birth = paths.birth.view(n);
+    for (b, _) in live.each_batch() {
         let direction = directions.at(b);
         positions.set(b, direction.mul_add(flight[b], origins.at(b)));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
@@ -35,11 +32,10 @@ pub fn run(medium: &Medium, step: Step, columns: Columns<'_, '_>) {
         let deflection = phase.sample(uniform_x8(cosine[b]));
         leaving.set(b, deflection.apply(direction, uniform_x8(azimuth[b])));
     }
-    let channels = paths.channels;
-    for (throughput, albedo) in paths.columns.throughput.channels_mut().into_iter().zip(medium.albedo).take(channels) {
+    for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(medium.albedo) {
         if albedo != 1.0 {
-            for b in 0..paths.live.batches() {
-                let scattered = paths.live.batch(b) & !paths.on_surface.batch(b);
+            for b in 0..n {
+                let scattered = live.batch(b) & !on_surface.batch(b);
                 let factor = lanes::mask(scattered).select(f32x8::splat(albedo), f32x8::ONE);
                 throughput.set_batch(b, throughput.batch(b) * factor);
             }

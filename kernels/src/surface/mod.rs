@@ -4,23 +4,36 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
+use crate::columns::Spectrum;
+use crate::columns::paths::{LastSurfaceColumns, PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::{FlightTable, SurfaceHitQueue};
+use crate::lanes::LaneSet;
 use crate::tables::surfaces::Surfaces;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
+    /// The surfaces.
+    pub surfaces: &'a Surfaces,
     /// Paths that end on a surface, and where.
     pub surface_hits: &'a SurfaceHitQueue<'q>,
+    /// Read: birth.
+    pub paths: &'a PathColumns<'q>,
     /// Read: the random words.
     pub flights: &'a FlightTable<'q>,
-    /// Filled: last surface vertex and its normal. Multiplied by the albedo: throughput, in the channels in use. Lanes on
-    /// black are no longer live.
-    pub paths: &'a mut PathTable<'q>,
-    /// Read: the vertex of the clock. Filled: position and arc in the next slot.
-    pub vertices: &'a mut VertexTable<'q>,
-    /// Read: the ray of the clock. Filled: the next slot.
-    pub rays: &'a mut RayTable<'q>,
+    /// Paths on black are removed.
+    pub live: &'a mut LaneSet<'q>,
+    /// Filled.
+    pub last_surface: &'a mut LastSurfaceColumns<'q>,
+    /// Read: arc of the vertex that the ray left.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Filled: the vertex on the surface.
+    pub next: &'a mut VertexColumns<'q>,
+    /// Read: direction of the ray that met it.
+    pub ray: &'a RayColumns<'q>,
+    /// Filled: the direction after the event.
+    pub next_ray: &'a mut RayColumns<'q>,
+    /// Multiplied by the albedo, in the channels in use.
+    pub throughput: &'a mut Spectrum<'q>,
 }
 
 /// Moves every listed path to the surface it met and draws a new direction on the side from which it came, whether or not it
@@ -38,4 +51,4 @@ pub struct Columns<'a, 'q> {
 /// The arc is 0 at the first vertex behind the camera, and grows by the distance of the hit from there on. The vertex is moved
 /// off the surface along n by the bound of its rounding error ([`trace::surface`](crate::trace::surface)), so that no ray or
 /// segment that leaves it meets the surface again.
-pub type Kernel = fn(&Surfaces, Step, Columns<'_, '_>);
+pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -33,6 +33,7 @@
 use glam::DVec3;
 
 use super::Columns;
+use crate::columns::paths::{LastSurface, Vertex};
 use crate::columns::queues::SurfaceHit;
 use crate::phase::reference as phase;
 use crate::tables::surfaces::Surfaces;
@@ -40,13 +41,12 @@ use crate::trace::Hit;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
-    let Columns { surface_hits, flights, paths, vertices, rays } = columns;
-    let (vertex, next) = vertices.step(step.clock);
-    let (arriving, leaving) = rays.step(step.clock);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { surfaces, surface_hits, paths, flights, live, last_surface, .. } = columns;
+    let Columns { vertex, next, ray, next_ray, throughput, .. } = columns;
     for hit in (0..surface_hits.len).map(|row| surface_hits.row(row)) {
         let lane = hit.lane as usize;
-        let direction = DVec3::from(arriving.direction.row(lane).map(f64::from));
+        let direction = DVec3::from(ray.direction.row(lane).map(f64::from));
         let triangle = surfaces.geometry().corners(hit.triangle as usize);
         let barycentric = [hit.second, hit.third].map(f64::from);
         let normal = side(triangle, direction);
@@ -54,20 +54,17 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
         let flight = flights.row(lane);
         let reflected = reflect(normal, [flight.cosine, flight.azimuth].map(random::uniform));
 
-        next.position.set_row(lane, round_along(position, normal));
-        leaving.direction.set_row(lane, reflected.as_vec3().to_array());
-        let depth = paths.depth(step.clock, lane);
+        let depth = paths.depth_of(step.clock, lane);
         let arc = if depth == 0 { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + f64::from(hit.distance) };
-        next.arc.rows_mut()[lane] = arc as f32;
-        paths.columns.last_surface.rows_mut()[lane] = depth + 1;
-        paths.columns.surface_normal.set_row(lane, normal.as_vec3().to_array());
-        let channels = paths.columns.throughput.channels_mut().into_iter().take(paths.channels);
-        for (throughput, albedo) in channels.zip(albedo(surfaces, hit)) {
-            let throughput = &mut throughput.rows_mut()[lane];
+        next.set_row(lane, Vertex { position: round_along(position, normal), arc: arc as f32 });
+        next_ray.direction.set_row(lane, reflected.as_vec3().to_array());
+        last_surface.set_row(lane, LastSurface { depth: depth + 1, normal: normal.as_vec3().to_array() });
+        for (channel, albedo) in throughput.channels_mut().iter_mut().zip(albedo(surfaces, hit)) {
+            let throughput = &mut channel.rows_mut()[lane];
             *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
         }
         if is_black(surfaces, hit, direction) {
-            paths.live.remove(hit.lane);
+            live.remove(lane);
         }
     }
 }
@@ -145,8 +142,10 @@ mod tests {
     use bumpalo::Bump;
 
     use super::*;
-    use crate::columns::paths::{Path, PathTable, Ray, RayTable, Vertex, VertexTable};
+    use crate::columns::Spectrum;
+    use crate::columns::paths::{LastSurfaceColumns, Path, PathColumns, RayColumns, VertexColumns};
     use crate::columns::queues::{Flight, FlightTable, SurfaceHitQueue};
+    use crate::lanes::LaneSet;
     use crate::tables::geometry::Geometry;
     use crate::tables::surfaces::{Material, Paint};
 
@@ -303,78 +302,90 @@ mod tests {
     }
 
     const CLOCK: u32 = 7;
-    const BEFORE: Path = Path {
-        pixel: 3,
-        sample: 4,
-        birth: CLOCK - 2,
-        last_surface: 1,
-        surface_normal: [1.0, 0.0, 0.0],
-        first_near: 5,
-        throughput: [0.5, 1.0, 1.0],
-        radiance: [6.0; 3],
-    };
+    const BIRTH: u32 = CLOCK - 2;
+    const BEFORE: LastSurface = LastSurface { depth: 1, normal: [1.0, 0.0, 0.0] };
+    const THROUGHPUT: [f32; 3] = [0.5, 1.0, 1.0];
 
-    /// What the stage leaves of a path, its next vertex and its next ray, and whether the path goes on.
-    type Left = (Path, Vertex, Ray, bool);
+    /// What the stage leaves of a path.
+    #[derive(Clone, Copy, Debug)]
+    struct Left {
+        next: Vertex,
+        leaving: [f32; 3],
+        last_surface: LastSurface,
+        throughput: [f32; 3],
+        live: bool,
+    }
 
     /// Runs the stage on eight lanes of paths that arrive straight down, or up in odd lanes, from vertices of arc 10.
     fn after(channels: usize, births: [u32; 8], listed: &[SurfaceHit]) -> [Left; 8] {
         let arena = Bump::new();
-        let mut paths = PathTable::new_in(&arena, 8, channels);
-        let (mut vertices, mut rays) = (VertexTable::new_in(&arena, 8), RayTable::new_in(&arena, 8));
+        let mut paths = PathColumns::new_in(&arena, 8);
+        let mut live = LaneSet::new_in(&arena, 8);
+        let mut last_surface = LastSurfaceColumns::new_in(&arena, 8);
+        let mut throughput = Spectrum::new_in(&arena, 8, channels);
+        let [mut vertex, mut next] = [(); 2].map(|()| VertexColumns::new_in(&arena, 8));
+        let [mut ray, mut next_ray] = [(); 2].map(|()| RayColumns::new_in(&arena, 8));
         let mut flights = FlightTable::new_in(&arena, 8);
         let mut surface_hits = SurfaceHitQueue::new_in(&arena, 8);
         for (lane, birth) in births.into_iter().enumerate() {
-            paths.columns.set_row(lane, Path { birth, ..BEFORE });
-            paths.live.insert(lane as u32);
             let down = if lane % 2 == 0 { -1.0 } else { 1.0 };
-            let vertex = Vertex { position: [1.0, 2.0, 2.0 - 1.5 * down], arc: 10.0, light_sum: 8.0 };
-            vertices.at_mut(CLOCK).set_row(lane, vertex);
-            rays.at_mut(CLOCK).set_row(lane, Ray { direction: [0.0, 0.0, down] });
-            flights.set_row(lane, Flight { flight: 9.0, cosine: 1 << 30, azimuth: 1 << 29, weight: 0.0 });
+            paths.set_row(lane, Path { pixel: 3, sample: 4, birth });
+            live.insert(lane);
+            last_surface.set_row(lane, BEFORE);
+            throughput.set_row(lane, THROUGHPUT);
+            vertex.set_row(lane, Vertex { position: [1.0, 2.0, 2.0 - 1.5 * down], arc: 10.0 });
+            ray.direction.set_row(lane, [0.0, 0.0, down]);
+            flights.set_row(lane, Flight { flight: 9.0, cosine: 1 << 30, azimuth: 1 << 29 });
         }
         listed.iter().for_each(|hit| surface_hits.push(*hit));
         let columns = Columns {
+            surfaces: &surfaces(),
             surface_hits: &surface_hits,
+            paths: &paths,
             flights: &flights,
-            paths: &mut paths,
-            vertices: &mut vertices,
-            rays: &mut rays,
+            live: &mut live,
+            last_surface: &mut last_surface,
+            vertex: &vertex,
+            next: &mut next,
+            ray: &ray,
+            next_ray: &mut next_ray,
+            throughput: &mut throughput,
         };
-        run(&surfaces(), Step { seed: 0, clock: CLOCK }, columns);
-        core::array::from_fn(|lane| {
-            let (vertex, ray) = (vertices.at(CLOCK + 1).row(lane), rays.at(CLOCK + 1).row(lane));
-            (paths.columns.row(lane), vertex, ray, paths.live.contains(lane as u32))
+        run(Step { seed: 0, clock: CLOCK }, columns);
+        core::array::from_fn(|lane| Left {
+            next: next.row(lane),
+            leaving: next_ray.direction.row(lane),
+            last_surface: last_surface.row(lane),
+            throughput: throughput.row(lane),
+            live: live.contains(lane),
         })
     }
 
     #[test]
     fn listed_paths_go_on_from_the_surface() {
-        let [front, _, _, back, ..] = after(3, [BEFORE.birth; 8], &[hit(0, 0), hit(3, 1)]);
-        for ((path, vertex, ray, live), above) in [(front, 1.0), (back, -1.0)] {
-            assert!(live);
-            let normal = [0.0, 0.0, above];
-            let expected = Path { last_surface: 3, surface_normal: normal, throughput: [0.25, 0.25, 0.0], ..BEFORE };
-            assert_eq!(path, expected);
-            assert_eq!(vertex.arc, 11.5);
-            let off = (vertex.position[2] - 2.0) * above;
-            assert!(vertex.position[..2] == [1.0, 2.0] && off > 0.0 && off < 2e-6, "{vertex:?}");
+        let [front, _, _, back, ..] = after(3, [BIRTH; 8], &[hit(0, 0), hit(3, 1)]);
+        for (left, above) in [(front, 1.0), (back, -1.0)] {
+            assert!(left.live);
+            assert_eq!(left.last_surface, LastSurface { depth: 3, normal: [0.0, 0.0, above] });
+            assert_eq!((left.throughput, left.next.arc), ([0.25, 0.25, 0.0], 11.5));
+            let position = left.next.position;
+            let off = (position[2] - 2.0) * above;
+            assert!(position[..2] == [1.0, 2.0] && off > 0.0 && off < 2e-6, "{left:?}");
             // Words of a quarter and an eighth, but for half a cell: cosine sqrt(3/4), azimuth 45 degrees.
-            let [x, y, z] = ray.direction;
-            assert!((z * above - 0.75_f32.sqrt()).abs() < 1e-6, "{ray:?}");
-            assert!((x - 0.125_f32.sqrt()).abs() < 1e-6 && (y * above - 0.125_f32.sqrt()).abs() < 1e-6, "{ray:?}");
+            let [x, y, z] = left.leaving;
+            assert!((z * above - 0.75_f32.sqrt()).abs() < 1e-6, "{left:?}");
+            assert!((x - 0.125_f32.sqrt()).abs() < 1e-6 && (y * above - 0.125_f32.sqrt()).abs() < 1e-6, "{left:?}");
         }
     }
 
     #[test]
     fn paths_end_on_black_and_others_are_left_alone() {
-        let left = after(3, [BEFORE.birth; 8], &[hit(1, 0), hit(2, 0), hit(4, 2), hit(5, 1)]);
-        let live: [bool; 8] = core::array::from_fn(|lane| left[lane].3);
-        assert_eq!(live, [true, false, true, true, false, true, true, true]);
+        let left = after(3, [BIRTH; 8], &[hit(1, 0), hit(2, 0), hit(4, 2), hit(5, 1)]);
+        assert_eq!(left.map(|left| left.live), [true, false, true, true, false, true, true, true]);
         for lane in [0, 3, 6, 7] {
-            let (path, vertex, ray, _) = left[lane];
-            assert_eq!(path, BEFORE);
-            assert_eq!((vertex.position, vertex.arc, ray.direction), ([0.0; 3], 0.0, [0.0; 3]));
+            let Left { next, leaving, last_surface, throughput, .. } = left[lane];
+            assert_eq!((last_surface, throughput), (BEFORE, THROUGHPUT));
+            assert_eq!((next.position, next.arc, leaving), ([0.0; 3], 0.0, [0.0; 3]));
         }
     }
 
@@ -382,12 +393,12 @@ mod tests {
     fn arcs_count_from_the_first_vertex_after_the_camera() {
         let births = core::array::from_fn(|lane| CLOCK - lane as u32);
         let left = after(3, births, &[0, 1, 2].map(|lane| hit(lane, 1)));
-        let found = [0, 1, 2].map(|lane: usize| (left[lane].1.arc, left[lane].0.last_surface));
+        let found = [0, 1, 2].map(|lane: usize| (left[lane].next.arc, left[lane].last_surface.depth));
         assert_eq!(found, [(0.0, 1), (11.5, 2), (11.5, 3)]);
     }
 
     #[test]
-    fn channels_out_of_use_keep_their_throughput() {
-        assert_eq!(after(1, [BEFORE.birth; 8], &[hit(0, 0)])[0].0.throughput, [0.25, 1.0, 1.0]);
+    fn a_grey_path_takes_the_first_channel_of_the_albedo() {
+        assert_eq!(after(1, [BIRTH; 8], &[hit(0, 0)])[0].throughput, [0.25; 3]);
     }
 }

@@ -11,8 +11,8 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::LANES;
 use crate::columns::queues::SurfaceHit;
+use crate::lanes::LANES;
 use crate::random::uniform_x8;
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{Hit, surface};
@@ -21,14 +21,13 @@ use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
-    let Columns { surface_hits, flights, paths, vertices, rays } = columns;
-    let (from, to) = vertices.step(step.clock);
-    let (arriving, leaving) = rays.step(step.clock);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { surfaces, surface_hits, paths, flights, live, .. } = columns;
+    let Columns { last_surface, vertex, next, ray, next_ray, throughput, .. } = columns;
     for b in 0..surface_hits.len.div_ceil(LANES) {
         let count = (surface_hits.len - b * LANES).min(LANES);
         let lane_of = surface_hits.lane.batch(b).to_array();
-        let direction = arriving.direction.gather(&lane_of);
+        let direction = ray.direction.gather(&lane_of);
 
         let mut points = Points::default();
         let directions = direction.to_arrays();
@@ -43,23 +42,22 @@ pub fn run(surfaces: &Surfaces, step: Step, columns: Columns<'_, '_>) {
         let sine = u.sqrt();
         let reflected = tangent.mul_add(sine * cos, bitangent.mul_add(sine * sin, normal * (f32x8::ONE - u).sqrt()));
 
-        let at_camera = lanes::as_mask(paths.columns.birth.gather(&lane_of).simd_eq(u32x8::splat(step.clock)));
-        let arc = at_camera.select(f32x8::ZERO, from.arc.gather(&lane_of) + surface_hits.distance.batch(b));
-        let depth = u32x8::splat(step.clock + 1) - paths.columns.birth.gather(&lane_of);
+        let birth = paths.birth.gather(&lane_of);
+        let at_camera = lanes::as_mask(birth.simd_eq(u32x8::splat(step.clock)));
+        let arc = at_camera.select(f32x8::ZERO, vertex.arc.gather(&lane_of) + surface_hits.distance.batch(b));
+        let depth = u32x8::splat(step.clock + 1) - birth;
         let position = Vec3x8::new(points.position[0].into(), points.position[1].into(), points.position[2].into());
-        to.position.scatter(&lane_of, count, position);
-        to.arc.scatter(&lane_of, count, arc);
-        leaving.direction.scatter(&lane_of, count, reflected);
-        paths.columns.surface_normal.scatter(&lane_of, count, normal);
-        paths.columns.last_surface.scatter(&lane_of, count, depth);
-        for (throughput, albedo) in
-            paths.columns.throughput.channels_mut().into_iter().take(paths.channels).zip(points.albedo)
-        {
+        next.position.scatter(&lane_of, count, position);
+        next.arc.scatter(&lane_of, count, arc);
+        next_ray.direction.scatter(&lane_of, count, reflected);
+        last_surface.normal.scatter(&lane_of, count, normal);
+        last_surface.depth.scatter(&lane_of, count, depth);
+        for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(points.albedo) {
             let product = throughput.gather(&lane_of) * f32x8::new(albedo);
             throughput.scatter(&lane_of, count, product);
         }
         for i in lanes::each(points.black) {
-            paths.live.remove(lane_of[i]);
+            live.remove(lane_of[i] as usize);
         }
     }
 }

@@ -13,8 +13,8 @@
 use wide::f32x8;
 
 use super::ray::{LEAST, WIDENING};
-use crate::columns::LANES;
 use crate::lanes;
+use crate::lanes::LANES;
 use crate::tables::geometry::{Geometry, Tree};
 use crate::vec3x8::Vec3x8;
 

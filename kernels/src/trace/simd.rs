@@ -18,8 +18,8 @@ use wide::f32x8;
 use super::ray::Ready;
 use super::triangles::cross;
 use super::{Hit, Ray};
-use crate::columns::LANES;
 use crate::lanes;
+use crate::lanes::LANES;
 use crate::tables::geometry::{Child, DEPTH, Geometry, Node};
 
 /// Most entries of the stack.

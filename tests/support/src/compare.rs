@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
-use fogbow_kernels::columns::paths::{PathTable, RayTable, VertexTable};
-use fogbow_kernels::columns::queues::{CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue};
+use fogbow_kernels::columns::paths::{
+    LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, RayTable, VertexColumns, VertexTable,
+};
+use fogbow_kernels::columns::queues::{
+    CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue, WorthTable,
+};
 use fogbow_kernels::columns::trail::TrailTable;
-use fogbow_kernels::columns::{ColumnMut, ColumnRef, ColumnSet};
-use fogbow_kernels::connect::buckets::BucketTable;
-use fogbow_kernels::lanes::{self, LaneSet};
+use fogbow_kernels::columns::{Column, ColumnMut, ColumnRef, ColumnSet, Spectrum};
+use fogbow_kernels::lanes::LaneSet;
 
 use crate::tolerances::{EXACT, Tolerance};
 
@@ -21,8 +24,8 @@ type SavedColumns = Vec<(&'static str, bool, Vec<u32>)>;
 pub struct Saved {
     /// One entry per slot of a ring or vertex of a chain; one for other tables.
     tables: Vec<SavedColumns>,
-    /// Sets of lanes.
-    sets: Vec<Vec<u32>>,
+    /// Batches of a set of lanes.
+    set: Vec<u32>,
     /// Rows of a queue.
     pub len: usize,
 }
@@ -41,7 +44,7 @@ pub type Row = BTreeMap<&'static str, Quantity>;
 
 impl Saved {
     fn new(tables: Vec<SavedColumns>) -> Self {
-        Self { tables, sets: Vec::new(), len: 0 }
+        Self { tables, set: Vec::new(), len: 0 }
     }
 
     /// Row `row` of table `table`.
@@ -71,10 +74,10 @@ impl Saved {
         for (to, from) in permuted.tables.iter_mut().flatten().zip(self.tables.iter().flatten()) {
             order.iter().enumerate().for_each(|(i, row)| to.2[i] = from.2[*row]);
         }
-        for (set, to) in permuted.sets.iter_mut().enumerate() {
-            to.fill(0);
-            let members = order.iter().enumerate().filter(|(_, row)| self.contains(set, **row));
-            members.for_each(|(i, _)| to[i / 8] |= 1 << (i % 8));
+        if !self.set.is_empty() {
+            permuted.set.fill(0);
+            let members = order.iter().enumerate().filter(|(_, row)| self.contains(**row));
+            members.for_each(|(i, _)| permuted.set[i / 8] |= 1 << (i % 8));
         }
         permuted
     }
@@ -107,9 +110,14 @@ impl Saved {
         column.2.iter().map(|bits| f32::from_bits(*bits)).collect()
     }
 
-    /// Whether `lane` is in set number `set`.
-    pub fn contains(&self, set: usize, lane: usize) -> bool {
-        self.sets[set][lane / 8] >> (lane % 8) & 1 == 1
+    /// Whether `lane` is in the set.
+    pub fn contains(&self, lane: usize) -> bool {
+        self.set[lane / 8] >> (lane % 8) & 1 == 1
+    }
+
+    /// The first lane that is in only one of two sets.
+    pub fn first_difference(&self, other: &Self) -> Option<usize> {
+        (0..8 * self.set.len()).find(|lane| self.contains(*lane) != other.contains(*lane))
     }
 }
 
@@ -143,24 +151,30 @@ fn restore_columns(table: &mut dyn ColumnSet, saved: &SavedColumns) {
     });
 }
 
-fn save_set(set: &LaneSet<'_>) -> Vec<u32> {
-    (0..set.batches()).map(|b| set.batch(b)).collect()
+macro_rules! save_table {
+    ($($table:ty),*) => {$(
+        impl Save for $table {
+            fn save(&self) -> Saved {
+                Saved::new(vec![save_columns(self)])
+            }
+
+            fn restore(&mut self, saved: &Saved) {
+                restore_columns(self, &saved.tables[0]);
+            }
+        }
+    )*};
 }
 
-fn restore_set(set: &mut LaneSet<'_>, saved: &[u32]) {
-    set.clear();
-    saved.iter().enumerate().for_each(|(b, bits)| set.insert_batch(b, *bits));
-}
-
-impl Save for FlightTable<'_> {
-    fn save(&self) -> Saved {
-        Saved::new(vec![save_columns(self)])
-    }
-
-    fn restore(&mut self, saved: &Saved) {
-        restore_columns(self, &saved.tables[0]);
-    }
-}
+save_table!(
+    PathColumns<'_>,
+    LastSurfaceColumns<'_>,
+    OutlookColumns<'_>,
+    VertexColumns<'_>,
+    RayColumns<'_>,
+    FlightTable<'_>,
+    WorthTable<'_>,
+    Spectrum<'_>
+);
 
 macro_rules! save_queue {
     ($queue:ty) => {
@@ -182,17 +196,15 @@ save_queue!(SurfaceHitQueue<'_>);
 save_queue!(CandidateQueue<'_>);
 save_queue!(EndQueue<'_>);
 
-impl Save for PathTable<'_> {
+impl Save for LaneSet<'_> {
     fn save(&self) -> Saved {
-        let sets = vec![save_set(&self.live), save_set(&self.occupied), save_set(&self.on_surface)];
-        Saved { sets, ..Saved::new(vec![save_columns(&self.columns)]) }
+        let set = (0..self.batches()).map(|b| self.batch(b)).collect();
+        Saved { set, ..Saved::new(Vec::new()) }
     }
 
     fn restore(&mut self, saved: &Saved) {
-        restore_columns(&mut self.columns, &saved.tables[0]);
-        restore_set(&mut self.live, &saved.sets[0]);
-        restore_set(&mut self.occupied, &saved.sets[1]);
-        restore_set(&mut self.on_surface, &saved.sets[2]);
+        self.clear();
+        saved.set.iter().enumerate().for_each(|(b, bits)| self.insert_batch(b, *bits));
     }
 }
 
@@ -212,6 +224,27 @@ macro_rules! save_ring {
 
 save_ring!(VertexTable<'_>);
 save_ring!(RayTable<'_>);
+
+impl Save for Column<'_, f32> {
+    fn save(&self) -> Saved {
+        Saved::new(vec![vec![("values", true, self.rows().iter().map(|value| value.to_bits()).collect())]])
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        let bits = &saved.tables[0][0].2;
+        self.rows_mut().iter_mut().zip(bits).for_each(|(to, bits)| *to = f32::from_bits(*bits));
+    }
+}
+
+impl Save for Column<'_, u32> {
+    fn save(&self) -> Saved {
+        Saved::new(vec![vec![("values", false, self.rows().to_vec())]])
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        self.rows_mut().copy_from_slice(&saved.tables[0][0].2);
+    }
+}
 
 /// One table per slot.
 impl Save for TrailTable<'_> {
@@ -248,17 +281,6 @@ impl Save for ChainTable<'_> {
                 channel.rows_mut().iter_mut().zip(bits).for_each(|(to, bits)| *to = f32::from_bits(*bits));
             }
         }
-    }
-}
-
-/// The counts alone: the order follows from them.
-impl Save for BucketTable<'_> {
-    fn save(&self) -> Saved {
-        Saved::new(vec![vec![("count", false, self.count.rows().to_vec())]])
-    }
-
-    fn restore(&mut self, saved: &Saved) {
-        self.count.rows_mut().copy_from_slice(&saved.tables[0][0].2);
     }
 }
 
@@ -302,9 +324,4 @@ pub fn difference(kernel: &Row, twin: &Row, tolerances: &[(&str, Tolerance)]) ->
         let _ = writeln!(text, "    {name:16} kernel {:?}  twin {:?} {mark}", kernel[name], twin[name]);
     }
     Some(text)
-}
-
-/// The lanes of a batch-wise set, for messages.
-pub fn members(set: &LaneSet<'_>) -> Vec<usize> {
-    (0..set.batches()).flat_map(|b| lanes::each(set.batch(b)).map(move |lane| 8 * b + lane)).collect()
 }

@@ -4,11 +4,11 @@ use core::f32::consts::FRAC_1_SQRT_2;
 
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
-use fogbow_kernels::columns::LANES;
-use fogbow_kernels::columns::paths::{Path, Ray, Vertex};
+use fogbow_kernels::columns::paths::{LastSurface, Outlook, Path, Ray, Vertex};
 use fogbow_kernels::columns::queues::{Flight, Request};
 use fogbow_kernels::columns::trail::Mark;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
+use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::random;
 use glam::DVec3;
 
@@ -78,38 +78,31 @@ impl Numbers {
 /// Fills all tables of `wavefront` for `frame`, with live paths of any depth in the lanes that `live` names.
 pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usize]) {
     let numbers = &mut Numbers::new(seed);
-    let lanes = wavefront.paths.batches() * LANES;
+    let lanes = wavefront.live.batches() * LANES;
     wavefront.step.clock = 3000 + seed;
     let clock = wavefront.step.clock;
-    wavefront.paths.live.clear();
-    wavefront.paths.occupied.clear();
+    wavefront.live.clear();
+    wavefront.occupied.clear();
     for lane in 0..lanes {
         if live.contains(&lane) {
-            wavefront.paths.live.insert(lane as u32);
-            wavefront.paths.occupied.insert(lane as u32);
+            wavefront.live.insert(lane);
+            wavefront.occupied.insert(lane);
         }
         let depth = numbers.below(frame.walk_segments());
         let sample = numbers.below(1000);
-        wavefront.requests.columns.set_row(lane, Request { x: lane as u32, y: 0, sample });
-        let path = Path {
-            pixel: lane as u32,
-            sample,
-            birth: clock - depth,
-            last_surface: if numbers.below(2) == 0 { 0 } else { numbers.below(depth + 1) },
-            surface_normal: numbers.direction(),
-            // All remembered vertices may be near a light: the first of them certainly is not too late.
-            first_near: if depth > 0 { 1 } else { u32::MAX },
-            throughput: [0, 1, 2].map(|_| numbers.uniform() as f32),
-            radiance: [0, 1, 2].map(|_| numbers.uniform() as f32),
-        };
-        wavefront.paths.columns.set_row(lane, path);
+        wavefront.requests.set_row(lane, Request { x: lane as u32, y: 0, sample });
+        wavefront.paths.set_row(lane, Path { pixel: lane as u32, sample, birth: clock - depth });
+        let last_surface = if numbers.below(2) == 0 { 0 } else { numbers.below(depth + 1) };
+        wavefront.last_surface.set_row(lane, LastSurface { depth: last_surface, normal: numbers.direction() });
+        wavefront.throughput.set_row(lane, [0, 1, 2].map(|_| numbers.uniform() as f32));
+        wavefront.radiance.set_row(lane, [0, 1, 2].map(|_| numbers.uniform() as f32));
         let flight = Flight {
             flight: (4.0 * numbers.uniform()) as f32,
             cosine: numbers.edge_word(),
             azimuth: numbers.edge_word(),
-            weight: numbers.uniform() as f32,
         };
         wavefront.flights.set_row(lane, flight);
+        wavefront.flight_weight.rows_mut()[lane] = numbers.uniform() as f32;
         fill_history(wavefront, frame, numbers, lane, depth);
     }
 }
@@ -131,7 +124,12 @@ fn fill_history(wavefront: &mut Wavefront<'_>, frame: &Frame, numbers: &mut Numb
         let back = points.len() - 1 - j;
         let at = clock - back as u32;
         if back < 2 {
-            wavefront.vertices.at_mut(at).set_row(lane, Vertex { position, arc, light_sum });
+            wavefront.vertices.at_mut(at).set_row(lane, Vertex { position, arc });
+        }
+        if back == 0 {
+            // All remembered vertices may be near a light: the first of them certainly is not too late.
+            let first_near = if depth > 0 { 1 } else { u32::MAX };
+            wavefront.outlook.set_row(lane, Outlook { light_sum, first_near });
         }
         if (1..wavefront.trail.slots()).contains(&back) {
             wavefront.trail.set_row(lane, at, Mark { position, arc, leaving: direction, light_sum });

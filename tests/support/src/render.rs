@@ -35,9 +35,7 @@ pub fn render_with(
 pub fn render_here(frame: &Frame, pipeline: &Pipeline, lanes: usize, size: [u32; 2], samples: u32) -> Film {
     let film = Film::new(frame, Region::whole(size[0], size[1]), size[0].max(size[1]));
     let arena = Bump::new();
-    let mut wavefront = Wavefront::new_in(&arena, frame, lanes);
-    let mut stats = Stats::new(false);
-    wavefront.render(frame, pipeline, 0..samples, &mut film.tile(0), &mut stats);
+    Wavefront::new_in(&arena, frame, pipeline, lanes).render(0..samples, &mut film.tile(0));
     film
 }
 

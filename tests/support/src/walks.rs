@@ -5,40 +5,38 @@ use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::columns::queues::Request;
 use fogbow_kernels::pipeline::SIMD;
-use fogbow_kernels::{generate, medium_sample, scatter};
 use glam::DVec3;
 
 /// Lanes of a wavefront of walks, pixels of an image of 64 x 64.
 pub const LANES: usize = 4096;
 
 /// Starts a path in every lane, `round` telling apart successive wavefronts.
-pub fn start(wavefront: &mut Wavefront<'_>, frame: &Frame, round: usize) {
-    wavefront.requests.lanes.clear();
+pub fn start(wavefront: &mut Wavefront<'_>, round: usize) {
+    wavefront.requested.clear();
     for lane in 0..LANES {
         let request = Request { x: (lane % 64) as u32, y: (lane / 64) as u32, sample: round as u32 };
-        wavefront.requests.columns.set_row(lane, request);
-        wavefront.requests.lanes.insert(lane as u32);
+        wavefront.requests.set_row(lane, request);
+        wavefront.requested.insert(lane);
     }
-    let Wavefront { requests, paths, vertices, rays, step, .. } = wavefront;
-    (SIMD.generate)(&frame.camera, *step, generate::Columns { requests, paths, vertices, rays });
+    wavefront.generate();
 }
 
 /// One scattering event of every path that survives until then.
-pub fn walk(wavefront: &mut Wavefront<'_>, frame: &Frame) {
-    let Wavefront { paths, vertices, rays, trail, flights, step, .. } = wavefront;
-    trail.remember(step.clock, &paths.live, vertices, rays);
-    (SIMD.medium_sample)(&frame.medium, &frame.walk, *step, medium_sample::Columns { paths, flights });
-    (SIMD.scatter)(&frame.medium, *step, scatter::Columns { flights, paths, vertices, rays });
-    step.clock += 1;
+pub fn walk(wavefront: &mut Wavefront<'_>) {
+    wavefront.remember();
+    wavefront.medium_sample();
+    wavefront.scatter();
+    wavefront.step.clock += 1;
+    wavefront.light_survey();
 }
 
 /// Calls `visit` for wavefronts of `samples` walks in all, after `events` scattering events.
 pub fn after_walks(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(&mut Wavefront<'_>)) {
     let arena = Bump::new();
-    let mut wavefront = Wavefront::new_in(&arena, frame, LANES);
+    let mut wavefront = Wavefront::new_in(&arena, frame, &SIMD, LANES);
     for round in 0..samples / LANES {
-        start(&mut wavefront, frame, round);
-        (0..events).for_each(|_| walk(&mut wavefront, frame));
+        start(&mut wavefront, round);
+        (0..events).for_each(|_| walk(&mut wavefront));
         visit(&mut wavefront);
     }
 }

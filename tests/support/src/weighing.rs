@@ -1,12 +1,12 @@
 //! Complete paths put into tables and weighed by a mis_weight kernel of choice.
 
 use bumpalo::Bump;
-use fogbow_kernels::columns::LANES;
-use fogbow_kernels::columns::paths::{PathTable, Vertex, VertexTable};
-use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable};
+use fogbow_kernels::columns::paths::{LastSurfaceColumns, Outlook, OutlookColumns, PathColumns, Vertex, VertexColumns};
+use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable, WorthTable};
 use fogbow_kernels::columns::trail::{Mark, TrailTable};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
+use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::mis_weight::{self, suffix::Suffix};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
@@ -56,20 +56,21 @@ impl<'a> Weigher<'a> {
         let step = Step { seed: 0, clock: 5000 };
         let arena = Bump::new();
         let lanes = 2 * LANES;
-        let mut paths = PathTable::new_in(&arena, lanes, 1);
-        let mut vertices = VertexTable::new_in(&arena, lanes);
+        let mut paths = PathColumns::new_in(&arena, lanes);
+        let mut last_surface = LastSurfaceColumns::new_in(&arena, lanes);
+        let mut outlook = OutlookColumns::new_in(&arena, lanes);
+        let mut vertex = VertexColumns::new_in(&arena, lanes);
         let mut trail = TrailTable::new_in(&arena, lanes, n + 1);
         let chains = ChainTable::new_in(&arena, lanes, made.inserted);
         let mut suffix = Suffix::new_in(&arena, n);
         let mut candidates = CandidateQueue::new_in(&arena, LANES);
+        let mut worth = WorthTable::new_in(&arena, LANES, 1);
 
-        paths.columns.birth.rows_mut()[lane] = step.clock - depth as u32;
-        paths.columns.last_surface.rows_mut()[lane] = made.first_start as u32;
-        paths.columns.first_near.rows_mut()[lane] = 1;
+        paths.birth.rows_mut()[lane] = step.clock - depth as u32;
+        last_surface.depth.rows_mut()[lane] = made.first_start as u32;
+        worth.weight.rows_mut().fill(f32::NAN);
         let f32s = |v: DVec3| v.as_vec3().to_array();
-        for slot in 0..vertices.slots() as u32 {
-            vertices.at_mut(slot).position.channels_mut().into_iter().for_each(|c| c.rows_mut().fill(f32::NAN));
-        }
+        vertex.position.channels_mut().into_iter().for_each(|channel| channel.rows_mut().fill(f32::NAN));
         for (lane, slot) in (0..lanes).flat_map(|lane| (0..=n as u32).map(move |slot| (lane, slot))) {
             trail.set_numbers(lane, slot, [f32::NAN; 8]);
         }
@@ -82,8 +83,9 @@ impl<'a> Weigher<'a> {
             let (arc, light_sum) = (arc as f32, light_sum(self.lights, made.vertices[j]) as f32);
             let clock = step.clock - (depth - j) as u32;
             trail.set_row(lane, clock, Mark { position, arc, leaving, light_sum });
-            if j + 2 > depth {
-                vertices.at_mut(clock).set_row(lane, Vertex { position, arc, light_sum });
+            if j == depth {
+                vertex.set_row(lane, Vertex { position, arc });
+                outlook.set_row(lane, Outlook { light_sum, first_near: 1 });
             }
         }
         for (vertex, position) in chains.vertices.iter_mut().zip(&made.vertices[depth + 1..n]) {
@@ -96,20 +98,27 @@ impl<'a> Weigher<'a> {
             start: f32s(made.vertices[depth]),
             arriving: f32s(direction(made, depth - 1)),
             point: f32s(made.vertices[n]),
-            weight: f32::NAN,
         });
         let columns = mis_weight::Columns {
+            medium: self.medium,
+            lights: self.lights,
+            techniques: self.techniques,
+            walk: &self.walk,
+            lengths: PathLengths { min: 1, max: self.longest },
+            solid: false,
             bucket: Bucket { inserted: made.inserted, start: 0, len: 1 },
-            candidates: &mut candidates,
+            candidates: &candidates,
             chains: &chains,
             paths: &paths,
-            vertices: &vertices,
+            last_surface: &last_surface,
+            outlook: &outlook,
+            vertex: &vertex,
             trail: &trail,
             suffix: &mut suffix,
+            worth: &mut worth,
         };
-        let lengths = PathLengths { min: 1, max: self.longest };
-        (self.kernel)(self.medium, self.lights, self.techniques, &self.walk, lengths, step, columns);
-        f64::from(candidates.weight.rows()[0])
+        (self.kernel)(step, columns);
+        f64::from(worth.weight.rows()[0])
     }
 
     /// The sum of all ratios: `1 / weight - 1`.

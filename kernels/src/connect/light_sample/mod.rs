@@ -5,8 +5,9 @@ pub mod selection;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::paths::{PathTable, RayTable, VertexTable};
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::CandidateQueue;
+use crate::lanes::LaneSet;
 use crate::random::Purpose;
 use crate::tables::lights::Lights;
 
@@ -39,14 +40,23 @@ impl Reach {
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
-    /// Read: pixel, sample, birth and last surface vertex of live lanes. Filled where the reach is limited: the first
-    /// vertex near a light.
-    pub paths: &'a mut PathTable<'q>,
-    /// Read: position of the vertex of the clock. Filled where the selection depends on the start: its light sum.
-    pub vertices: &'a mut VertexTable<'q>,
-    /// Read: the ray of the clock before.
-    pub rays: &'a RayTable<'q>,
-    /// Filled, in lane order: start, arriving, light and point of every connection within reach.
+    /// The lights, and how connections choose among them.
+    pub lights: &'a Lights,
+    /// Which pairs of start and light point connect.
+    pub reach: Reach,
+    /// The paths whose vertices may connect.
+    pub live: &'a LaneSet<'q>,
+    /// Read: pixel, sample and birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Read: its depth.
+    pub last_surface: &'a LastSurfaceColumns<'q>,
+    /// Read where the selection depends on the start: its light sum.
+    pub outlook: &'a OutlookColumns<'q>,
+    /// Read: position of the starts.
+    pub vertex: &'a VertexColumns<'q>,
+    /// Read: the ray that arrives there.
+    pub before: &'a RayColumns<'q>,
+    /// Filled, in lane order: every connection within reach.
     pub connections: &'a mut CandidateQueue<'q>,
 }
 
@@ -57,6 +67,5 @@ pub struct Columns<'a, 'q> {
 /// The first word of the block picks the light, the first of the emitter's block one of its emitters. The second and third of
 /// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent
 /// towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle
-/// the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`. The light sum, where it is defined, is filled
-/// for every live lane that is near a light.
-pub type Kernel = fn(&Lights, Reach, Step, Columns<'_, '_>);
+/// the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`.
+pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -21,48 +21,29 @@ use core::f64::consts::TAU;
 use glam::DVec3;
 
 use super::{Columns, Reach};
-use crate::columns::LANES;
 use crate::columns::queues::Candidate;
 use crate::random::Purpose;
 use crate::tables::lights::{Emitter, LEAST_SELECTION_DISTANCE, Light, Lights, Selection, Shape};
 use crate::{Step, random};
 
-/// How much farther than its reach a light still counts as near, so that rounding cannot lose one.
-const NEAR_MARGIN: f64 = 1.0 + 1e-4;
-
 /// The twin; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, vertices, rays, connections } = columns;
-    for lane in 0..paths.batches() * LANES {
-        if !paths.live.contains(lane as u32) {
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, reach, live, paths, last_surface, vertex, before, connections, .. } = columns;
+    for lane in live.each() {
+        let depth = paths.depth_of(step.clock, lane);
+        if !may_start(reach, depth, last_surface.first_start(lane)) {
             continue;
         }
-        let depth = paths.depth(step.clock, lane);
-        if !may_start(reach, depth, paths.first_start(lane)) {
-            continue;
-        }
-        let position = vertices.at(step.clock).position.row(lane);
-        let start = DVec3::from(position.map(f64::from));
-        if !is_near_a_light(lights, reach, start) {
-            continue;
-        }
-        if reach.max_distance.is_finite() {
-            let first_near = &mut paths.columns.first_near.rows_mut()[lane];
-            *first_near = depth.min(*first_near);
-        }
-        if lights.selection_depends_on_start() {
-            vertices.at_mut(step.clock).light_sum.rows_mut()[lane] = light_sum(lights, start) as f32;
-        }
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
+        let start = vertex.position.row(lane);
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, depth, reach.purpose, step.seed);
-        if let Some((emitter, point)) = connect(lights, reach, start, u) {
+        if let Some((emitter, point)) = connect(lights, reach, DVec3::from(start.map(f64::from)), u) {
             connections.push(Candidate {
                 lane: lane as u32,
                 emitter: emitter as u32,
-                start: position,
-                arriving: rays.at(step.clock - 1).direction.row(lane),
+                start,
+                arriving: before.direction.row(lane),
                 point: point.as_vec3().to_array(),
-                weight: 0.0,
             });
         }
     }
@@ -202,19 +183,12 @@ pub fn light_density(lights: &Lights, emitter: usize, start: DVec3) -> f64 {
     selection_probability(lights, emitter.light as usize, start) * share / emitter.area()
 }
 
-/// Whether some point of some light may be within reach; certainly true if one is.
-pub fn is_near_a_light(lights: &Lights, reach: Reach, start: DVec3) -> bool {
-    lights.lights().iter().any(|light| {
-        let distance = (DVec3::from(light.center.map(f64::from)) - start).length();
-        distance <= (f64::from(reach.max_distance) + f64::from(light.radius)) * NEAR_MARGIN
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::paths::{PathTable, RayTable, VertexTable};
+    use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns};
     use crate::columns::queues::CandidateQueue;
+    use crate::lanes::LaneSet;
     use bumpalo::Bump;
 
     fn lights(selection: Selection) -> Lights {
@@ -315,26 +289,37 @@ mod tests {
     }
 
     #[test]
-    fn vertices_that_may_not_start_leave_no_trace() {
+    fn only_vertices_that_may_start_connect() {
         let arena = Bump::new();
         let lights = lights(Selection::IntensityDistance);
-        let mut paths = PathTable::new_in(&arena, 3, 1);
-        let mut vertices = VertexTable::new_in(&arena, 3);
-        let rays = RayTable::new_in(&arena, 3);
-        let mut connections = CandidateQueue::new_in(&arena, 3);
-        // Depths 1, 2 and 3.
-        for lane in 0..3 {
-            paths.columns.birth.rows_mut()[lane] = 49 - lane as u32;
-            paths.columns.first_near.rows_mut()[lane] = u32::MAX;
-            paths.live.insert(lane as u32);
+        let mut live = LaneSet::new_in(&arena, 4);
+        let mut paths = PathColumns::new_in(&arena, 4);
+        let last_surface = LastSurfaceColumns::new_in(&arena, 4);
+        let outlook = OutlookColumns::new_in(&arena, 4);
+        let vertex = VertexColumns::new_in(&arena, 4);
+        let mut before = RayColumns::new_in(&arena, 4);
+        let mut connections = CandidateQueue::new_in(&arena, 4);
+        // Depths 1, 2, 3 and 1, the last of them dead.
+        for (lane, depth) in [1, 2, 3, 1].into_iter().enumerate() {
+            paths.birth.rows_mut()[lane] = 50 - depth;
+            before.direction.set_row(lane, [0.0, 0.0, 1.0]);
+            if lane < 3 {
+                live.insert(lane);
+            }
         }
-        let reach = Reach { max_distance: 50.0, ..Reach::new(random::BRIDGE_LIGHT) }.from_first(2);
-        let columns =
-            Columns { paths: &mut paths, vertices: &mut vertices, rays: &rays, connections: &mut connections };
-        run(&lights, reach, Step { seed: 5, clock: 50 }, columns);
+        let columns = Columns {
+            lights: &lights,
+            reach: Reach { max_distance: 50.0, ..Reach::new(random::BRIDGE_LIGHT) }.from_first(2),
+            live: &live,
+            paths: &paths,
+            last_surface: &last_surface,
+            outlook: &outlook,
+            vertex: &vertex,
+            before: &before,
+            connections: &mut connections,
+        };
+        run(Step { seed: 5, clock: 50 }, columns);
         assert_eq!(connections.lane.rows()[..connections.len], [0, 1]);
-        assert_eq!(paths.columns.first_near.rows()[..3], [1, 2, u32::MAX]);
-        let light_sums = vertices.at(50).light_sum.rows();
-        assert!(light_sums[0] > 0.0 && light_sums[1] > 0.0 && light_sums[2] == 0.0, "{:?}", &light_sums[..3]);
+        assert_eq!(connections.row(1).arriving, [0.0, 0.0, 1.0]);
     }
 }

@@ -8,7 +8,7 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::columns::LANES;
+use crate::lanes::LANES;
 use crate::tables::lights::{LEAST_SELECTION_DISTANCE, Lights};
 use crate::vec3x8::Vec3x8;
 
@@ -38,6 +38,17 @@ pub fn light_sum(lights: &Lights, position: Vec3x8) -> f32x8 {
         return f32x8::ONE;
     }
     (0..lights.lights().len()).fold(f32x8::ZERO, |sum, index| sum + score(lights, index, position))
+}
+
+/// Rows from which some light may be within `limit` `[m]`, with a margin of 10^-4: rounding never hides a light.
+#[inline(always)]
+pub fn may_be_within(lights: &Lights, limit: f32, position: Vec3x8) -> f32x8 {
+    const MARGIN: f32 = 1.0 + 1e-4;
+    lights.lights().iter().fold(f32x8::ZERO, |near, light| {
+        let limit = (limit + light.radius) * MARGIN;
+        let distance_squared = (position - Vec3x8::splat(light.center)).length_squared();
+        near | distance_squared.simd_le(f32x8::splat(limit * limit))
+    })
 }
 
 /// Draws a light from the uniform number `u`, with `sum` from [`light_sum`].

@@ -8,15 +8,13 @@
 //! ```
 //!
 //! 1. Where the distance is limited, rows farther than the limit plus the radius from every light are out of reach
-//!    whatever the point; a batch of nothing else draws nothing. The comparison has a margin of 10^-4, so that rounding
-//!    never makes a reachable start unreachable. The first row in reach is remembered in the path: earlier starts have
-//!    no ratios to compute.
+//!    whatever the point; a batch of nothing else draws nothing.
 
 use wide::{f32x8, u32x8};
 
-use super::{Columns, Reach, selection};
-use crate::columns::LANES;
+use super::{Columns, selection};
 use crate::columns::queues::CandidateBatch;
+use crate::lanes::LANES;
 use crate::random::{self, uniform_x8};
 use crate::tables::lights::Lights;
 use crate::transcendental::sin_cos_turn;
@@ -24,18 +22,14 @@ use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) {
-    let Columns { paths, vertices, rays, connections } = columns;
-    let vertex = vertices.at_mut(step.clock);
-    let n = paths.batches();
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { lights, reach, live, paths, last_surface, outlook, vertex, before, connections } = columns;
+    let n = live.batches();
     let [pixel, sample, birth, last_surface] =
-        [&paths.columns.pixel, &paths.columns.sample, &paths.columns.birth, &paths.columns.last_surface]
-            .map(|column| column.view(n));
+        [&paths.pixel, &paths.sample, &paths.birth, &last_surface.depth].map(|column| column.view(n));
     let limited = reach.starts < u32::MAX || reach.max_depth < u32::MAX;
-    let first_near = paths.columns.first_near.view_mut(n);
-    let (starts, arriving) = (vertex.position.view(n), rays.at(step.clock - 1).direction.view(n));
-    let light_sum = vertex.light_sum.view_mut(n);
-    for (b, live) in paths.live.each_batch() {
+    let (starts, arriving, light_sum) = (vertex.position.view(n), before.direction.view(n), outlook.light_sum.view(n));
+    for (b, live) in live.each_batch() {
         let start = starts.at(b);
         let depth = u32x8::splat(step.clock) - birth[b];
         let mut live = live;
@@ -48,20 +42,15 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             }
         }
         if reach.max_distance.is_finite() {
-            let near = near_any(lights, reach, start);
+            let near = selection::may_be_within(lights, reach.max_distance, start);
             if lanes::bits(near) & live == 0 {
                 continue;
             }
-            let near: u32x8 = bytemuck::cast(near);
-            first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
         }
         let block = random::block_x8(depth, reach.purpose);
         let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
 
-        let sum = selection::light_sum(lights, start);
-        if lights.selection_depends_on_start() {
-            light_sum[b] = sum;
-        }
+        let sum = if lights.selection_depends_on_start() { light_sum[b] } else { f32x8::ONE };
         let mut emitter = selection::choose(lights, start, sum, choice);
         if lights.has_meshes() {
             let block = random::block_x8(depth, reach.purpose.emitter());
@@ -75,20 +64,9 @@ pub fn run(lights: &Lights, reach: Reach, step: Step, columns: Columns<'_, '_>) 
             keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }
         let (lane, arriving) = (lanes::indices(b), arriving.at(b));
-        let batch = CandidateBatch { lane, emitter, start, arriving, point, weight: f32x8::ONE };
+        let batch = CandidateBatch { lane, emitter, start, arriving, point };
         connections.push_batch(lanes::bits(keep) & live, batch);
     }
-}
-
-/// Rows from which some light may be within reach.
-#[inline(always)]
-fn near_any(lights: &Lights, reach: Reach, start: Vec3x8) -> f32x8 {
-    const MARGIN: f32 = 1.0 + 1e-4;
-    lights.lights().iter().fold(f32x8::ZERO, |near, light| {
-        let limit = (reach.max_distance + light.radius) * MARGIN;
-        let distance_squared = (start - Vec3x8::splat(light.center)).length_squared();
-        near | distance_squared.simd_le(f32x8::splat(limit * limit))
-    })
 }
 
 /// One emitter of each light.

@@ -14,8 +14,8 @@ use core::ops::RangeInclusive;
 use wide::f32x8;
 
 use super::{Lis, Shape};
-use crate::columns::LANES;
 use crate::connect::{bridge, mvnee};
+use crate::lanes::LANES;
 use crate::mis_weight::suffix::{Arrival, Suffix};
 use crate::phase::HenyeyGreensteinX8;
 use crate::tables::lights::Lights;

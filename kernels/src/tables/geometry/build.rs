@@ -19,7 +19,7 @@ use super::collapse::Collapse;
 use super::groups::Groups;
 use super::nodes::{Child, DEPTH, Leaf, Node, Tree};
 use super::pages::Pages;
-use crate::columns::LANES;
+use crate::lanes::LANES;
 
 /// Levels in which nodes of the binary tree are opened.
 const OPENED: usize = DEPTH - 10;

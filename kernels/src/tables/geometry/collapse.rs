@@ -13,7 +13,7 @@
 
 use obvhs::bvh2::node::Bvh2Node;
 
-use crate::columns::LANES;
+use crate::lanes::LANES;
 
 /// Cost of eight boxes.
 const NODE: f32 = 1.0;

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use wide::{f32x8, u32x8};
 
 use super::pages::Pages;
-use crate::columns::LANES;
+use crate::lanes::LANES;
 
 /// Most inner nodes on a way from the root to a leaf.
 pub const DEPTH: usize = 32;

@@ -10,7 +10,7 @@ mod meshes;
 
 use wide::f32x8;
 
-use crate::columns::LANES;
+use crate::lanes::LANES;
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 use alias::AliasTable;

@@ -2,80 +2,136 @@
 
 use super::*;
 
-pub(super) fn check_light_sample(lights: &Lights, reach: Reach, step: Step, columns: light_sample::Columns<'_, '_>) {
-    let light_sample::Columns { paths, vertices, rays, connections } = columns;
-    let (kernel, mut twin) = run_both!(
-        light_sample(lights, reach, step),
-        [paths, vertices, connections],
-        light_sample::Columns { paths: &mut *paths, vertices: &mut *vertices, rays, connections: &mut *connections }
+pub(super) fn check_light_survey(step: Step, columns: light_survey::Columns<'_, '_>) {
+    let light_survey::Columns { lights, near, starts, live, paths, last_surface, vertex, outlook } = columns;
+    let [both] = run_both!(
+        light_survey(step),
+        [outlook],
+        light_survey::Columns { lights, near, starts, live, paths, last_surface, vertex, outlook: &mut *outlook }
     );
-    for lane in members(&paths.live) {
-        let near = |saved: &Saved| saved.row(0, lane)["first_near"].clone();
+    for lane in live.each() {
+        // The kernel fills whole batches, vertices that may not connect included.
+        if paths.depth_of(step.clock, lane) - last_surface.first_start(lane) >= starts {
+            continue;
+        }
+        let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.row(0, lane)["first_near"].clone());
         count_rows(1);
-        if near(&kernel.0) != near(&twin.0) {
+        if kernel != twin {
             count_decisions(1);
         }
-        // A lane that no light is near has no light sum; the kernel fills whole batches.
-        let is_near = paths.columns.first_near.rows()[lane] == paths.depth(step.clock, lane);
-        if lights.selection_depends_on_start()
-            && (is_near || reach.max_distance.is_infinite())
-            && may_start(reach, paths, step, lane)
-        {
-            let at = (slot(step.clock, vertices.slots()), lane);
-            check_row("light_sample", at, (&kernel.1, &twin.1), &[("light_sum", tolerances::LIGHT_SUM)]);
+        if lights.selection_depends_on_start() {
+            let mut both = both.clone();
+            both.0.forget("first_near");
+            both.1.forget("first_near");
+            check_row("light_survey", (0, lane), &both, &[("light_sum", tolerances::LIGHT_SUM)]);
         }
     }
-    // Connections have no weight yet.
-    twin.2.forget("weight");
-    let mut kernel = kernel.2;
-    kernel.forget("weight");
-    check_queue("light_sample", (&kernel, &twin.2), &[("point", tolerances::POSITION)]);
 }
 
-/// Whether the vertex of the clock may start a connection.
-fn may_start(reach: Reach, paths: &PathTable<'_>, step: Step, lane: usize) -> bool {
-    let depth = paths.depth(step.clock, lane);
-    depth <= reach.max_depth && depth - paths.first_start(lane) < reach.starts
+pub(super) fn check_light_sample(step: Step, columns: light_sample::Columns<'_, '_>) {
+    let light_sample::Columns { lights, reach, live, paths, last_surface, .. } = columns;
+    let light_sample::Columns { outlook, vertex, before, connections, .. } = columns;
+    let [both] = run_both!(
+        light_sample(step),
+        [connections],
+        light_sample::Columns {
+            lights,
+            reach,
+            live,
+            paths,
+            last_surface,
+            outlook,
+            vertex,
+            before,
+            connections: &mut *connections,
+        }
+    );
+    check_queue("light_sample", &both, &[("point", tolerances::POSITION)]);
 }
 
-pub(super) fn check_mvnee_count(
-    medium: &Medium,
-    lengths: PathLengths,
+pub(super) fn check_mvnee_count(step: Step, columns: mvnee_sample::CountColumns<'_, '_, Mvnee>) {
+    let (longest, paths, connections) = (columns.lengths.max, columns.paths, columns.connections);
+    let most = |at: usize| longest - 1 - paths.depth_of(step.clock, connections.lane.rows()[at] as usize);
+    check_count("mvnee_count", (SIMD.mvnee_count, REFERENCE.mvnee_count), step, columns, most);
+}
+
+pub(super) fn check_bridge_count(step: Step, columns: bridge_sample::CountColumns<'_, '_, Bridge>) {
+    let (longest, paths, connections) = (columns.lengths.max, columns.paths, columns.connections);
+    let depth = |at: usize| paths.depth_of(step.clock, connections.lane.rows()[at] as usize);
+    let bridge = columns.technique;
+    let most = |at: usize| bridge.room(longest, depth(at)) - 1;
+    check_count("bridge_count", (SIMD.bridge_count, REFERENCE.bridge_count), step, columns, most);
+}
+
+/// Compares counts, of which that of row `at` may be `most(at)` at most.
+fn check_count<T>(
+    stage: &str,
+    (simd, reference): Both<fn(Step, CountColumns<'_, '_, T>)>,
     step: Step,
-    columns: mvnee_sample::CountColumns<'_, '_>,
+    columns: CountColumns<'_, '_, T>,
+    most: impl Fn(usize) -> u32,
 ) {
-    let mvnee_sample::CountColumns { paths, connections, buckets } = columns;
-    let (kernel, twin) = run_both!(
-        mvnee_count(medium, lengths, step),
-        [buckets],
-        mvnee_sample::CountColumns { paths, connections, buckets: &mut *buckets }
+    let CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count } = columns;
+    let [both] = run_both!(
+        (simd, reference)(step),
+        [count],
+        CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count: &mut *count }
     );
     for at in 0..connections.len {
         count_rows(1);
-        if kernel.0.row(0, at) != twin.0.row(0, at) {
+        if both.0.row(0, at) != both.1.row(0, at) {
             count_decisions(1);
         }
-        let most = lengths.max - 1 - paths.depth(step.clock, connections.lane.rows()[at] as usize);
-        let count = buckets.count.rows()[at];
-        if count != DROPPED && count > most {
-            fail("mvnee_count", at, &format!("    {count} seeds where {most} fit"));
+        let count = count.rows()[at];
+        if count != DROPPED && count > most(at) {
+            fail(stage, at, &format!("    {count} vertices where {} fit", most(at)));
         }
     }
 }
 
-pub(super) fn check_mvnee_build(
-    medium: &Medium,
-    mvnee: &Mvnee,
+pub(super) fn check_mvnee_build(step: Step, columns: mvnee_sample::BuildColumns<'_, '_, Mvnee>) {
+    check_build("mvnee_build", (SIMD.mvnee_build, REFERENCE.mvnee_build), step, columns, |_, _| tolerances::CHAIN);
+}
+
+pub(super) fn check_bridge_build(step: Step, columns: bridge_sample::BuildColumns<'_, '_, Bridge>) {
+    // What the walk came to is scaled to the distance: a walk that ends near its origin is blown up, rounding included.
+    let blown_up = |[start, point]: [glam::Vec3; 2], chain: &[glam::Vec3]| {
+        let extent = chain.iter().map(|vertex| vertex.distance(start)).fold(0.0, f32::max);
+        tolerances::bridge_vertex(f64::from(extent), f64::from(start.distance(point)))
+    };
+    check_build("bridge_build", (SIMD.bridge_build, REFERENCE.bridge_build), step, columns, blown_up);
+}
+
+/// Compares the chains of connections; `tolerance` is that of the vertices of a chain between two ends.
+fn check_build<T>(
+    stage: &str,
+    (simd, reference): Both<fn(Step, BuildColumns<'_, '_, T>)>,
     step: Step,
-    columns: mvnee_sample::BuildColumns<'_, '_>,
+    columns: BuildColumns<'_, '_, T>,
+    tolerance: impl Fn([glam::Vec3; 2], &[glam::Vec3]) -> Tolerance,
 ) {
-    let mvnee_sample::BuildColumns { paths, connections, buckets, candidates, chains } = columns;
-    let (kernel, twin) = run_both!(
-        mvnee_build(medium, mvnee, step),
+    let BuildColumns { technique, medium, solid, paths, last_surface, .. } = columns;
+    let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
+    let [candidates_both, chains_both] = run_both!(
+        (simd, reference)(step),
         [candidates, chains],
-        mvnee_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
+        BuildColumns {
+            technique,
+            medium,
+            solid,
+            paths,
+            last_surface,
+            connections,
+            buckets,
+            candidates: &mut *candidates,
+            chains: &mut *chains,
+        }
     );
-    check_chains("mvnee_build", buckets, 0, (kernel.0, twin.0), (&kernel.1, &twin.1), |_, _| tolerances::CHAIN);
+    let of_row = |bucket: Bucket, at: usize| {
+        let chain: Vec<_> = chains.vertices[..bucket.inserted].iter().map(|vertex| vertex.row(at).into()).collect();
+        tolerance([candidates.start.row(at).into(), candidates.point.row(at).into()], &chain)
+    };
+    check_chains(stage, buckets, 0, (&candidates_both, &chains_both), of_row);
 }
 
 /// Compares connections that were built in buckets, with `appended` more vertices than these say; `tolerance` is that
@@ -84,15 +140,12 @@ fn check_chains(
     stage: &str,
     buckets: &BucketTable<'_>,
     appended: usize,
-    (mut candidates, mut candidates_twin): (Saved, Saved),
-    chains: (&Saved, &Saved),
+    (candidates, chains): (&Both<Saved>, &Both<Saved>),
     tolerance: impl Fn(Bucket, usize) -> Tolerance,
 ) {
-    candidates.forget("weight");
-    candidates_twin.forget("weight");
     for bucket in buckets.buckets() {
         for at in bucket.rows() {
-            check_row(stage, (0, at), (&candidates, &candidates_twin), &[]);
+            check_row(stage, (0, at), candidates, &[]);
             for vertex in 0..bucket.inserted + appended {
                 check_row(stage, (vertex, at), chains, &[("vertex", tolerance(*bucket, at))]);
             }
@@ -100,96 +153,39 @@ fn check_chains(
     }
 }
 
-pub(super) fn check_omnee_build(medium: &Medium, step: Step, columns: omnee_sample::BuildColumns<'_, '_>) {
-    let omnee_sample::BuildColumns { paths, connections, chains } = columns;
-    let (kernel, twin) = run_both!(
-        omnee_build(medium, step),
+pub(super) fn check_omnee_build(step: Step, columns: omnee_sample::BuildColumns<'_, '_>) {
+    let omnee_sample::BuildColumns { medium, paths, connections, chains } = columns;
+    let [both] = run_both!(
+        omnee_build(step),
         [chains],
-        omnee_sample::BuildColumns { paths, connections, chains: &mut *chains }
+        omnee_sample::BuildColumns { medium, paths, connections, chains: &mut *chains }
     );
     for at in 0..connections.len {
-        check_row("omnee_build", (0, at), (&kernel.0, &twin.0), &[("vertex", tolerances::CHAIN)]);
+        check_row("omnee_build", (0, at), &both, &[("vertex", tolerances::CHAIN)]);
     }
 }
 
-pub(super) fn check_bridge_count(
-    medium: &Medium,
-    bridge: &Bridge,
-    lengths: PathLengths,
-    step: Step,
-    columns: bridge_sample::CountColumns<'_, '_>,
-) {
-    let bridge_sample::CountColumns { paths, connections, buckets } = columns;
-    let (kernel, twin) = run_both!(
-        bridge_count(medium, bridge, lengths, step),
-        [buckets],
-        bridge_sample::CountColumns { paths, connections, buckets: &mut *buckets }
-    );
-    for at in 0..connections.len {
-        count_rows(1);
-        if kernel.0.row(0, at) != twin.0.row(0, at) {
-            count_decisions(1);
-        }
-        let room = bridge.room(lengths.max, paths.depth(step.clock, connections.lane.rows()[at] as usize));
-        let count = buckets.count.rows()[at];
-        if count != DROPPED && count >= room {
-            fail("bridge_count", at, &format!("    {count} vertices where {room} edges fit"));
-        }
-    }
-}
-
-pub(super) fn check_bridge_build(
-    medium: &Medium,
-    bridge: &Bridge,
-    step: Step,
-    columns: bridge_sample::BuildColumns<'_, '_>,
-) {
-    let bridge_sample::BuildColumns { paths, connections, buckets, candidates, chains } = columns;
-    let (kernel, twin) = run_both!(
-        bridge_build(medium, bridge, step),
-        [candidates, chains],
-        bridge_sample::BuildColumns { paths, connections, buckets, candidates: &mut *candidates, chains: &mut *chains }
-    );
-    // What the walk came to is scaled to the distance: a walk that ends near its origin is blown up, rounding included.
-    let blown_up = |bucket: Bucket, at: usize| {
-        let start = glam::Vec3::from(candidates.start.row(at));
-        let reach = |vertex: &Column3<'_>| glam::Vec3::from(vertex.row(at)).distance(start);
-        let extent = chains.vertices[..bucket.inserted].iter().map(reach).fold(0.0, f32::max);
-        tolerances::bridge_vertex(f64::from(extent), f64::from(start.distance(candidates.point.row(at).into())))
-    };
-    check_chains("bridge_build", buckets, 0, (kernel.0, twin.0), (&kernel.1, &twin.1), blown_up);
-}
-
-pub(super) fn check_lis_vertex(
-    medium: &Medium,
-    lights: &Lights,
-    lis: &Lis,
-    step: Step,
-    columns: lis_sample::VertexColumns<'_, '_>,
-) {
-    let lis_sample::VertexColumns { paths, connections, ends } = columns;
-    let (mut kernel, mut twin) = run_both!(
-        lis_vertex(medium, lights, lis, step),
+pub(super) fn check_lis_vertex(step: Step, columns: lis_sample::VertexColumns<'_, '_>) {
+    let lis_sample::VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
+    let [connections_both, ends_both] = run_both!(
+        lis_vertex(step),
         [connections, ends],
-        lis_sample::VertexColumns { paths, connections: &mut *connections, ends: &mut *ends }
+        lis_sample::VertexColumns { medium, lights, lis, paths, connections: &mut *connections, ends: &mut *ends }
     );
-    kernel.0.forget("weight");
-    twin.0.forget("weight");
     // Points come from directions and flights, both drawn by powers and logarithms.
-    check_queue("lis_vertex", (&kernel.0, &twin.0), &[("point", tolerances::CHAIN)]);
-    check_queue("lis_vertex", (&kernel.1, &twin.1), &[]);
+    check_queue("lis_vertex", &connections_both, &[("point", tolerances::CHAIN)]);
+    check_queue("lis_vertex", &ends_both, &[]);
     if connections.lane.rows()[..connections.len] != ends.lane.rows()[..ends.len] {
         fail("lis_vertex", 0, "    connections and the points behind them are not in the same rows");
     }
 }
 
-pub(super) fn check_lis_join(columns: lis_sample::JoinColumns<'_, '_>) {
+pub(super) fn check_lis_join(step: Step, columns: lis_sample::JoinColumns<'_, '_>) {
     let lis_sample::JoinColumns { buckets, ends, candidates, chains } = columns;
-    let (kernel, twin) = run_both!(
-        lis_join(),
+    let [candidates_both, chains_both] = run_both!(
+        lis_join(step),
         [candidates, chains],
         lis_sample::JoinColumns { buckets, ends, candidates: &mut *candidates, chains: &mut *chains }
     );
-    let chains = (&kernel.1, &twin.1);
-    check_chains("lis_join", buckets, 1, (kernel.0, twin.0), chains, |_, _| tolerances::EXACT);
+    check_chains("lis_join", buckets, 1, (&candidates_both, &chains_both), |_, _| tolerances::EXACT);
 }

@@ -5,30 +5,25 @@
 
 use std::cell::RefCell;
 
-use fogbow_kernels::columns::paths::{PathTable, VertexTable};
+use fogbow_kernels::columns::paths::PathColumns;
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use fogbow_kernels::columns::trail::TrailTable;
-use fogbow_kernels::columns::{Column3, LANES};
-use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
-use fogbow_kernels::connect::buckets::{BucketTable, DROPPED};
-use fogbow_kernels::connect::light_sample::{self, Reach, reference::cosine};
-use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
+use fogbow_kernels::connect::buckets::{BucketTable, BuildColumns, CountColumns, DROPPED};
+use fogbow_kernels::connect::light_sample::{self, reference::cosine};
+use fogbow_kernels::connect::light_survey;
+use fogbow_kernels::connect::lis::sample as lis_sample;
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
-use fogbow_kernels::mis_weight::reference::position_before;
+use fogbow_kernels::lanes::{LANES, LaneSet};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
-use fogbow_kernels::roulette::{self, Threshold};
-use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
-use fogbow_kernels::tables::media::Medium;
-use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{
-    PathLengths, Step, Walk, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight,
-    occlusion, scatter, surface,
+    Step, accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
+    prune, remember, roulette, scatter, surface,
 };
 
-use crate::compare::{Save, Saved, difference, members};
+use crate::compare::{Save, Saved, difference};
 use crate::tolerances::{self, Tolerance};
 
 /// What the checked stages found.
@@ -66,12 +61,16 @@ fn fail(stage: &str, row: usize, text: &str) {
 /// Every stage, checked.
 pub const CHECKED: Pipeline = Pipeline {
     generate: walk::check_generate,
+    remember: walk::check_remember,
     medium_sample: walk::check_medium_sample,
     first_flight: walk::check_first_flight,
     extend: walk::check_extend,
     light_hit: walk::check_light_hit,
+    prune: walk::check_prune,
+    flight_weight: walk::check_flight_weight,
     scatter: walk::check_scatter,
     surface: walk::check_surface,
+    light_survey: connect::check_light_survey,
     light_sample: connect::check_light_sample,
     mvnee_count: connect::check_mvnee_count,
     mvnee_build: connect::check_mvnee_build,
@@ -86,22 +85,29 @@ pub const CHECKED: Pipeline = Pipeline {
     accumulate: weigh::check_accumulate,
 };
 
-/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables.
+/// What kernel and twin left or are.
+type Both<T> = (T, T);
+
+/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables. The columns go on with what
+/// the kernel left.
 macro_rules! run_both {
-    ($stage:ident($($arg:expr),*), [$($table:ident),*], $columns:expr) => {{
-        let before = ($($table.save(),)*);
-        (SIMD.$stage)($($arg,)* $columns);
-        let kernel = ($($table.save(),)*);
+    ($stage:ident($step:expr), $tables:tt, $columns:expr) => {
+        run_both!((SIMD.$stage, REFERENCE.$stage)($step), $tables, $columns)
+    };
+    (($simd:expr, $reference:expr)($step:expr), [$($table:ident),*], $columns:expr) => {{
+        let before = [$($table.save()),*];
+        ($simd)($step, $columns);
+        let kernel = [$($table.save()),*];
         run_both!(@restore before, $($table),*);
-        (REFERENCE.$stage)($($arg,)* $columns);
-        let twin = ($($table.save(),)*);
+        ($reference)($step, $columns);
+        let twin = [$($table.save()),*];
         run_both!(@restore kernel, $($table),*);
-        (kernel, twin)
+        let mut twin = twin.into_iter();
+        kernel.map(|kernel| (kernel, twin.next().expect("as many tables")))
     }};
-    (@restore $saved:ident, $a:ident) => { $a.restore(&$saved.0) };
-    (@restore $saved:ident, $a:ident, $b:ident) => { $a.restore(&$saved.0); $b.restore(&$saved.1) };
-    (@restore $saved:ident, $a:ident, $b:ident, $c:ident) => {
-        $a.restore(&$saved.0); $b.restore(&$saved.1); $c.restore(&$saved.2)
+    (@restore $saved:ident, $($table:ident),*) => {
+        let mut saved = $saved.iter();
+        $( $table.restore(saved.next().expect("as many tables")); )*
     };
 }
 
@@ -112,7 +118,7 @@ mod weigh;
 type Tolerances<'a> = &'a [(&'a str, Tolerance)];
 
 /// Compares row `row` of table `table`.
-fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): &Both<Saved>, tolerances: Tolerances<'_>) {
     count_rows(1);
     if let Some(text) = difference(&kernel.row(table, row), &twin.row(table, row), tolerances) {
         fail(stage, row, &text);
@@ -120,7 +126,7 @@ fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): (&Saved,
 }
 
 /// Compares the rows of two queues that have the same lane; a lane that only one of them lists is another decision.
-fn check_queue(stage: &str, (kernel, twin): (&Saved, &Saved), tolerances: Tolerances<'_>) {
+fn check_queue(stage: &str, (kernel, twin): &Both<Saved>, tolerances: Tolerances<'_>) {
     let (kernel_lanes, twin_lanes) = (kernel.indices("lane"), twin.indices("lane"));
     for (at, lane) in kernel_lanes.iter().enumerate() {
         let Some(other) = twin_lanes.iter().position(|other| other == lane) else {
@@ -138,8 +144,16 @@ fn check_queue(stage: &str, (kernel, twin): (&Saved, &Saved), tolerances: Tolera
     }
 }
 
-fn lanes(paths: &PathTable<'_>) -> core::ops::Range<usize> {
-    0..paths.batches() * LANES
+/// Compares two sets of paths that go on.
+fn check_set(stage: &str, (kernel, twin): &Both<Saved>) {
+    if let Some(lane) = kernel.first_difference(twin) {
+        fail(stage, lane, "    only one of kernel and twin has the path in a set");
+    }
+}
+
+/// All lanes, in the set or not.
+fn lanes(set: &LaneSet<'_>) -> core::ops::Range<usize> {
+    0..set.batches() * LANES
 }
 
 /// The slot of `clock` in a ring of so many.

@@ -2,166 +2,237 @@
 
 use super::*;
 
-pub(super) fn check_generate(camera: &Camera, step: Step, columns: generate::Columns<'_, '_>) {
-    let generate::Columns { requests, paths, vertices, rays } = columns;
-    let (kernel, twin) = run_both!(
-        generate(camera, step),
-        [paths, vertices, rays],
-        generate::Columns { requests, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+pub(super) fn check_generate(step: Step, columns: generate::Columns<'_, '_>) {
+    let generate::Columns { camera, requested, requests, live, occupied, paths, last_surface, .. } = columns;
+    let generate::Columns { outlook, throughput, radiance, vertex, ray, .. } = columns;
+    let [live_both, occupied_both, paths_both, surface_both, outlook_both, throughput_both, radiance_both, at, toward] = run_both!(
+        generate(step),
+        [live, occupied, paths, last_surface, outlook, throughput, radiance, vertex, ray],
+        generate::Columns {
+            camera,
+            requested,
+            requests,
+            live: &mut *live,
+            occupied: &mut *occupied,
+            paths: &mut *paths,
+            last_surface: &mut *last_surface,
+            outlook: &mut *outlook,
+            throughput: &mut *throughput,
+            radiance: &mut *radiance,
+            vertex: &mut *vertex,
+            ray: &mut *ray,
+        }
     );
     let close = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION)];
-    for lane in lanes(paths) {
-        let allowed = if requests.lanes.contains(lane as u32) { close.as_slice() } else { &[] };
-        check_row("generate", (0, lane), (&kernel.0, &twin.0), &[]);
-        check_row("generate", (slot(step.clock, vertices.slots()), lane), (&kernel.1, &twin.1), allowed);
-        check_row("generate", (slot(step.clock, rays.slots()), lane), (&kernel.2, &twin.2), allowed);
-        if [0, 1].map(|set| kernel.0.contains(set, lane)) != [0, 1].map(|set| twin.0.contains(set, lane)) {
-            fail("generate", lane, "    live or occupied differ");
+    for lane in lanes(live) {
+        let allowed = if requested.contains(lane) { close.as_slice() } else { &[] };
+        for both in [&paths_both, &surface_both, &outlook_both, &throughput_both, &radiance_both, &at, &toward] {
+            check_row("generate", (0, lane), both, allowed);
         }
     }
+    check_set("generate", &live_both);
+    check_set("generate", &occupied_both);
 }
 
-pub(super) fn check_medium_sample(medium: &Medium, walk: &Walk, step: Step, columns: medium_sample::Columns<'_, '_>) {
-    let medium_sample::Columns { paths, flights } = columns;
-    let (kernel, twin) = run_both!(
-        medium_sample(medium, walk, step),
-        [flights, paths],
-        medium_sample::Columns { paths: &mut *paths, flights: &mut *flights }
-    );
-    let allowed = [("flight", tolerances::FLIGHT)];
-    for lane in members(&paths.live) {
-        check_row("medium_sample", (0, lane), (&kernel.0, &twin.0), &allowed);
+pub(super) fn check_remember(step: Step, columns: remember::Columns<'_, '_>) {
+    let remember::Columns { live, vertex, ray, outlook, trail } = columns;
+    let [both] =
+        run_both!(remember(step), [trail], remember::Columns { live, vertex, ray, outlook, trail: &mut *trail });
+    for lane in live.each() {
+        check_row("remember", (slot(step.clock, trail.slots()), lane), &both, &[]);
     }
-    for lane in lanes(paths) {
-        // The number and the probability are the same to the bit in kernel and twin.
-        if kernel.1.contains(0, lane) != twin.1.contains(0, lane) {
-            fail("medium_sample", lane, "    only one of kernel and twin ends the path");
+}
+
+pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_, '_>) {
+    let medium_sample::Columns { medium, walk, live, paths, flights } = columns;
+    let [live_both, both] = run_both!(
+        medium_sample(step),
+        [live, flights],
+        medium_sample::Columns { medium, walk, live: &mut *live, paths, flights: &mut *flights }
+    );
+    for lane in live.each() {
+        check_row("medium_sample", (0, lane), &both, &[("flight", tolerances::FLIGHT)]);
+    }
+    // The number and the probability are the same to the bit in kernel and twin.
+    check_set("medium_sample", &live_both);
+}
+
+pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, '_>) {
+    let first_flight::Columns { medium, lights, share, requested, paths, vertex, ray, flight, weight } = columns;
+    let [flight_both, weight_both] = run_both!(
+        first_flight(step),
+        [flight, weight],
+        first_flight::Columns {
+            medium,
+            lights,
+            share,
+            requested,
+            paths,
+            vertex,
+            ray,
+            flight: &mut *flight,
+            weight: &mut *weight,
         }
-    }
-}
-
-pub(super) fn check_first_flight(
-    medium: &Medium,
-    lights: &Lights,
-    share: f32,
-    step: Step,
-    columns: first_flight::Columns<'_, '_>,
-) {
-    let first_flight::Columns { requests, paths, vertices, rays, flights } = columns;
-    let (kernel, twin) = run_both!(
-        first_flight(medium, lights, share, step),
-        [flights],
-        first_flight::Columns { requests, paths, vertices, rays, flights: &mut *flights }
     );
-    let aimed = [("flight", tolerances::AIMED_FLIGHT), ("weight", tolerances::AIMED_WEIGHT)];
-    for lane in lanes(paths) {
-        let allowed = if requests.lanes.contains(lane as u32) { aimed.as_slice() } else { &[] };
-        check_row("first_flight", (0, lane), (&kernel.0, &twin.0), allowed);
+    for lane in lanes(requested) {
+        let allowed = |tolerance| if requested.contains(lane) { tolerance } else { tolerances::EXACT };
+        check_row("first_flight", (0, lane), &flight_both, &[("values", allowed(tolerances::AIMED_FLIGHT))]);
+        check_row("first_flight", (0, lane), &weight_both, &[("values", allowed(tolerances::AIMED_WEIGHT))]);
     }
 }
 
-pub(super) fn check_extend(lights: &Lights, surfaces: &Surfaces, step: Step, columns: extend::Columns<'_, '_>) {
-    let extend::Columns { paths, vertices, rays, flights, hits, surface_hits } = columns;
-    let (kernel, twin) = run_both!(
-        extend(lights, surfaces, step),
-        [hits, surface_hits, paths],
+pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
+    let extend::Columns { lights, surfaces, live, paths, vertex, ray, flight, .. } = columns;
+    let extend::Columns { on_surface, hits, surface_hits, .. } = columns;
+    let [on_surface_both, hits_both, surface_hits_both] = run_both!(
+        extend(step),
+        [on_surface, hits, surface_hits],
         extend::Columns {
-            paths: &mut *paths,
-            vertices,
-            rays,
-            flights,
+            lights,
+            surfaces,
+            live,
+            paths,
+            vertex,
+            ray,
+            flight,
+            on_surface: &mut *on_surface,
             hits: &mut *hits,
-            surface_hits: &mut *surface_hits
+            surface_hits: &mut *surface_hits,
         }
     );
-    check_queue("extend", (&kernel.0, &twin.0), &[("distance", tolerances::DISTANCE)]);
+    check_queue("extend", &hits_both, &[("distance", tolerances::DISTANCE)]);
     let met =
         [("distance", tolerances::DISTANCE), ("second", tolerances::BARYCENTRIC), ("third", tolerances::BARYCENTRIC)];
-    check_queue("extend", (&kernel.1, &twin.1), &met);
-    for lane in lanes(paths) {
-        let listed = kernel.1.indices("lane").contains(&(lane as u32));
-        if kernel.2.contains(2, lane) != listed {
-            fail("extend", lane, "    the set of lanes on a surface and their list differ");
+    check_queue("extend", &surface_hits_both, &met);
+    for (found, listed) in [(&on_surface_both.0, &surface_hits_both.0), (&on_surface_both.1, &surface_hits_both.1)] {
+        for lane in lanes(live) {
+            if found.contains(lane) != listed.indices("lane").contains(&(lane as u32)) {
+                fail("extend", lane, "    the set of lanes on a surface and their list differ");
+            }
         }
     }
-    count_rows(paths.live.count());
+    count_rows(live.count());
 }
 
-pub(super) fn check_light_hit(medium: &Medium, lights: &Lights, step: Step, columns: light_hit::Columns<'_, '_>) {
-    let light_hit::Columns { hits, vertices, rays, flights, paths, views, light_hits } = columns;
-    let (kernel, twin) = run_both!(
-        light_hit(medium, lights, step),
-        [paths, views, light_hits],
+pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
+    let light_hit::Columns { medium, lights, hits, paths, vertex, ray, before, flight, .. } = columns;
+    let light_hit::Columns { live, views, worth, light_hits, .. } = columns;
+    let [live_both, views_both, worth_both, light_hits_both] = run_both!(
+        light_hit(step),
+        [live, views, worth, light_hits],
         light_hit::Columns {
+            medium,
+            lights,
             hits,
-            vertices,
-            rays,
-            flights,
-            paths: &mut *paths,
+            paths,
+            vertex,
+            ray,
+            before,
+            flight,
+            live: &mut *live,
             views: &mut *views,
+            worth: &mut *worth,
             light_hits: &mut *light_hits,
         }
     );
-    let allowed = [("point", tolerances::POSITION), ("weight", tolerances::TRANSMITTANCE)];
-    check_queue("light_hit", (&kernel.1, &twin.1), &allowed);
-    check_queue("light_hit", (&kernel.2, &twin.2), &allowed);
-    for lane in lanes(paths) {
-        if kernel.0.contains(0, lane) != twin.0.contains(0, lane) {
-            fail("light_hit", lane, "    only one of kernel and twin ends the path");
+    check_queue("light_hit", &views_both, &[("point", tolerances::POSITION)]);
+    check_queue("light_hit", &light_hits_both, &[("point", tolerances::POSITION)]);
+    if views_both.0.indices("lane") == views_both.1.indices("lane") {
+        for at in 0..views.len {
+            check_row("light_hit", (0, at), &worth_both, &[("weight", tolerances::TRANSMITTANCE)]);
         }
     }
+    check_set("light_hit", &live_both);
 }
 
-pub(super) fn check_scatter(medium: &Medium, step: Step, columns: scatter::Columns<'_, '_>) {
-    let scatter::Columns { flights, paths, vertices, rays } = columns;
-    let (kernel, twin) = run_both!(
-        scatter(medium, step),
-        [paths, vertices, rays],
-        scatter::Columns { flights, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+pub(super) fn check_prune(step: Step, columns: prune::Columns<'_, '_>) {
+    let prune::Columns { segments, scatters, on_surface, paths, live } = columns;
+    let [both] =
+        run_both!(prune(step), [live], prune::Columns { segments, scatters, on_surface, paths, live: &mut *live });
+    check_set("prune", &both);
+}
+
+pub(super) fn check_flight_weight(step: Step, columns: flight_weight::Columns<'_, '_>) {
+    let flight_weight::Columns { requested, live, weight, throughput } = columns;
+    let [both] = run_both!(
+        flight_weight(step),
+        [throughput],
+        flight_weight::Columns { requested, live, weight, throughput: &mut *throughput }
     );
-    let allowed = [
-        ("position", tolerances::POSITION),
-        ("direction", tolerances::DIRECTION),
-        ("arc", tolerances::ARC),
-        ("throughput", tolerances::CONTRIBUTION),
-    ];
-    let next = step.clock + 1;
+    // All other paths keep their throughput to the bit.
+    for lane in lanes(live) {
+        let weighed = requested.contains(lane) && live.contains(lane);
+        let allowed = if weighed { tolerances::CONTRIBUTION } else { tolerances::EXACT };
+        check_row("flight_weight", (0, lane), &both, &[("channels", allowed)]);
+    }
+}
+
+pub(super) fn check_scatter(step: Step, columns: scatter::Columns<'_, '_>) {
+    let scatter::Columns { medium, live, on_surface, paths, flights, .. } = columns;
+    let scatter::Columns { vertex, next, ray, next_ray, throughput, .. } = columns;
+    let [next_both, ray_both, throughput_both] = run_both!(
+        scatter(step),
+        [next, next_ray, throughput],
+        scatter::Columns {
+            medium,
+            live,
+            on_surface,
+            paths,
+            flights,
+            vertex,
+            next: &mut *next,
+            ray,
+            next_ray: &mut *next_ray,
+            throughput: &mut *throughput,
+        }
+    );
+    let allowed = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION), ("arc", tolerances::ARC)];
     // Those that end on a surface are moved later.
-    let scatters = |lane: usize| paths.live.contains(lane as u32) && !paths.on_surface.contains(lane as u32);
-    for lane in lanes(paths).filter(|lane| scatters(*lane)) {
-        check_row("scatter", (slot(next, vertices.slots()), lane), (&kernel.1, &twin.1), &allowed);
-        check_row("scatter", (slot(next, rays.slots()), lane), (&kernel.2, &twin.2), &allowed);
+    let scatters = |lane: usize| live.contains(lane) && !on_surface.contains(lane);
+    for lane in lanes(live).filter(|lane| scatters(*lane)) {
+        check_row("scatter", (0, lane), &next_both, &allowed);
+        check_row("scatter", (0, lane), &ray_both, &allowed);
     }
     // All other paths keep their throughput to the bit.
-    lanes(paths).for_each(|lane| {
-        let allowed = if scatters(lane) { allowed.as_slice() } else { &[] };
-        check_row("scatter", (0, lane), (&kernel.0, &twin.0), allowed);
-    });
+    for lane in lanes(live) {
+        let allowed = if scatters(lane) { tolerances::CONTRIBUTION } else { tolerances::EXACT };
+        check_row("scatter", (0, lane), &throughput_both, &[("channels", allowed)]);
+    }
 }
 
-pub(super) fn check_surface(surfaces: &Surfaces, step: Step, columns: surface::Columns<'_, '_>) {
-    let surface::Columns { surface_hits, flights, paths, vertices, rays } = columns;
-    let (kernel, twin) = run_both!(
-        surface(surfaces, step),
-        [paths, vertices, rays],
-        surface::Columns { surface_hits, flights, paths: &mut *paths, vertices: &mut *vertices, rays: &mut *rays }
+pub(super) fn check_surface(step: Step, columns: surface::Columns<'_, '_>) {
+    let surface::Columns { surfaces, surface_hits, paths, flights, live, last_surface, .. } = columns;
+    let surface::Columns { vertex, next, ray, next_ray, throughput, .. } = columns;
+    let [live_both, surface_both, next_both, ray_both, throughput_both] = run_both!(
+        surface(step),
+        [live, last_surface, next, next_ray, throughput],
+        surface::Columns {
+            surfaces,
+            surface_hits,
+            paths,
+            flights,
+            live: &mut *live,
+            last_surface: &mut *last_surface,
+            vertex,
+            next: &mut *next,
+            ray,
+            next_ray: &mut *next_ray,
+            throughput: &mut *throughput,
+        }
     );
     let allowed = [
         ("position", tolerances::SURFACE_POSITION),
         ("direction", tolerances::DIRECTION),
-        ("surface_normal", tolerances::DIRECTION),
+        ("normal", tolerances::DIRECTION),
         ("arc", tolerances::ARC),
-        ("throughput", tolerances::CONTRIBUTION),
+        ("channels", tolerances::CONTRIBUTION),
     ];
-    let next = step.clock + 1;
     let met: Vec<_> = surface_hits.lane.rows()[..surface_hits.len].iter().map(|lane| *lane as usize).collect();
-    for lane in lanes(paths) {
+    for lane in lanes(live) {
         let allowed = if met.contains(&lane) { allowed.as_slice() } else { &[] };
-        check_row("surface", (slot(next, vertices.slots()), lane), (&kernel.1, &twin.1), allowed);
-        check_row("surface", (slot(next, rays.slots()), lane), (&kernel.2, &twin.2), allowed);
-        check_row("surface", (0, lane), (&kernel.0, &twin.0), allowed);
-        if kernel.0.contains(0, lane) != twin.0.contains(0, lane) {
-            fail("surface", lane, "    only one of kernel and twin ends the path");
+        for both in [&surface_both, &next_both, &ray_both, &throughput_both] {
+            check_row("surface", (0, lane), both, allowed);
         }
     }
+    check_set("surface", &live_both);
 }

@@ -2,60 +2,36 @@
 
 use super::*;
 
-pub(super) fn check_roulette(
-    medium: &Medium,
-    lights: &Lights,
-    threshold: Threshold,
-    step: Step,
-    columns: roulette::Columns<'_, '_>,
-) {
-    let roulette::Columns { bucket, candidates, paths } = columns;
-    let (kernel, twin) = run_both!(
-        roulette(medium, lights, threshold, step),
-        [candidates],
-        roulette::Columns { bucket, candidates: &mut *candidates, paths }
-    );
-    let (kernel, twin) = (kernel.0.reals("weight"), twin.0.reals("weight"));
-    for at in bucket.rows() {
-        count_rows(1);
-        let (weight, weight_twin) = (f64::from(kernel[at]), f64::from(twin[at]));
-        let Tolerance { absolute, relative } = tolerances::CONTRIBUTION;
-        if (weight == 0.0) != (weight_twin == 0.0) {
-            count_decisions(1);
-        } else if (weight - weight_twin).abs() > absolute + relative * weight {
-            fail("roulette", at, &format!("    weight: kernel {weight:e}  twin {weight_twin:e}"));
-        }
-    }
-}
-
-pub(super) fn check_mis_weight(
-    medium: &Medium,
-    lights: &Lights,
-    techniques: &Techniques,
-    walk: &Walk,
-    lengths: PathLengths,
-    step: Step,
-    columns: mis_weight::Columns<'_, '_>,
-) {
-    let mis_weight::Columns { bucket, candidates, chains, paths, vertices, trail, suffix } = columns;
-    let (kernel, twin) = run_both!(
-        mis_weight(medium, lights, techniques, walk, lengths, step),
-        [candidates],
+pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>) {
+    let mis_weight::Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, .. } = columns;
+    let mis_weight::Columns { chains, paths, last_surface, outlook, vertex, trail, suffix, worth, .. } = columns;
+    let [both] = run_both!(
+        mis_weight(step),
+        [worth],
         mis_weight::Columns {
+            medium,
+            lights,
+            techniques,
+            walk,
+            lengths,
+            solid,
             bucket,
-            candidates: &mut *candidates,
+            candidates,
             chains,
             paths,
-            vertices,
+            last_surface,
+            outlook,
+            vertex,
             trail,
-            suffix: &mut *suffix
+            suffix: &mut *suffix,
+            worth: &mut *worth,
         }
     );
-    let sight = Sight { bucket, candidates, chains, paths, vertices, trail, lights, step };
-    let (kernel_weights, twin_weights) = (kernel.0.reals("weight"), twin.0.reals("weight"));
+    let sight = Sight { bucket, candidates, chains, paths, trail, lights, step };
+    let [weights, weights_twin] = [&both.0, &both.1].map(|saved| saved.reals("weight"));
     for at in bucket.rows() {
         count_rows(1);
-        let (weight, weight_twin) = (f64::from(kernel_weights[at]), f64::from(twin_weights[at]));
+        let (weight, weight_twin) = (f64::from(weights[at]), f64::from(weights_twin[at]));
         let conditioning = sight.conditioning(f64::from(medium.phase.g), at);
         let Tolerance { absolute, relative } = tolerances::WEIGHT;
         let largest = weight.max(weight_twin);
@@ -65,11 +41,17 @@ pub(super) fn check_mis_weight(
             let text = format!(
                 "    weight: kernel {weight:e}  twin {weight_twin:e}, {} inserted, conditioning {conditioning:e}\n    {:?}\n    {:?}",
                 bucket.inserted,
-                kernel.0.row(0, at),
+                candidates.row(at),
                 sight.path(at),
             );
             fail("mis_weight", at, &text);
         }
+    }
+    let mut factors = both;
+    factors.0.forget("weight");
+    factors.1.forget("weight");
+    for at in bucket.rows() {
+        check_row("mis_weight", (0, at), &factors, &[("factor", tolerances::CONTRIBUTION)]);
     }
 }
 
@@ -78,8 +60,7 @@ struct Sight<'a, 'q> {
     bucket: Bucket,
     candidates: &'a CandidateQueue<'q>,
     chains: &'a ChainTable<'q>,
-    paths: &'a PathTable<'q>,
-    vertices: &'a VertexTable<'q>,
+    paths: &'a PathColumns<'q>,
     trail: &'a TrailTable<'q>,
     lights: &'a Lights,
     step: Step,
@@ -89,9 +70,8 @@ impl Sight<'_, '_> {
     /// Vertices from the camera, as far as it is remembered, to the light.
     fn path(&self, at: usize) -> Vec<glam::DVec3> {
         let lane = self.candidates.lane.rows()[at] as usize;
-        let depth = self.paths.depth(self.step.clock, lane);
-        let before = |back| position_before(self.vertices, self.trail, self.step, lane, back);
-        let history = (1..=depth).rev().filter_map(before).map(|position| position.map(|x| x as f32));
+        let depth = self.paths.depth_of(self.step.clock, lane).min(self.trail.slots() as u32);
+        let history = (1..=depth).rev().map(|back| self.trail.row(lane, self.step.clock - back).position);
         let inserted = self.chains.vertices[..self.bucket.inserted].iter().map(|vertex| vertex.row(at));
         let ends = [self.candidates.start.row(at), self.candidates.point.row(at)];
         let path = history.chain([ends[0]]).chain(inserted).chain([ends[1]]);
@@ -110,15 +90,35 @@ impl Sight<'_, '_> {
     }
 }
 
-pub(super) fn check_occlusion(lights: &Lights, surfaces: &Surfaces, columns: occlusion::Columns<'_, '_>) {
-    let occlusion::Columns { bucket, candidates, chains } = columns;
-    let before = candidates.weight.rows().to_vec();
-    let (kernel, twin) = run_both!(
-        occlusion(lights, surfaces),
-        [candidates],
-        occlusion::Columns { bucket, candidates: &mut *candidates, chains }
+pub(super) fn check_roulette(step: Step, columns: roulette::Columns<'_, '_>) {
+    let roulette::Columns { lights, threshold, bucket, candidates, paths, throughput, worth } = columns;
+    let [both] = run_both!(
+        roulette(step),
+        [worth],
+        roulette::Columns { lights, threshold, bucket, candidates, paths, throughput, worth: &mut *worth }
     );
-    let (kernel, twin) = (kernel.0.reals("weight"), twin.0.reals("weight"));
+    let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.reals("weight"));
+    for at in bucket.rows() {
+        count_rows(1);
+        let (weight, weight_twin) = (f64::from(kernel[at]), f64::from(twin[at]));
+        let Tolerance { absolute, relative } = tolerances::CONTRIBUTION;
+        if (weight == 0.0) != (weight_twin == 0.0) {
+            count_decisions(1);
+        } else if (weight - weight_twin).abs() > absolute + relative * weight {
+            fail("roulette", at, &format!("    weight: kernel {weight:e}  twin {weight_twin:e}"));
+        }
+    }
+}
+
+pub(super) fn check_occlusion(step: Step, columns: occlusion::Columns<'_, '_>) {
+    let occlusion::Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
+    let before = worth.weight.rows().to_vec();
+    let [both] = run_both!(
+        occlusion(step),
+        [worth],
+        occlusion::Columns { lights, surfaces, bucket, candidates, chains, worth: &mut *worth }
+    );
+    let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.reals("weight"));
     for at in bucket.rows() {
         count_rows(1);
         if kernel[at].to_bits() != twin[at].to_bits() {
@@ -130,23 +130,28 @@ pub(super) fn check_occlusion(lights: &Lights, surfaces: &Surfaces, columns: occ
     }
 }
 
-pub(super) fn check_accumulate(
-    medium: &Medium,
-    lights: &Lights,
-    lengths: PathLengths,
-    step: Step,
-    columns: accumulate::Columns<'_, '_>,
-) {
-    let accumulate::Columns { bucket, candidates, paths, dropped } = columns;
-    let (kernel, twin) = run_both!(
-        accumulate(medium, lights, lengths, step),
-        [paths, dropped],
-        accumulate::Columns { bucket, candidates, paths: &mut *paths, dropped: &mut *dropped }
+pub(super) fn check_accumulate(step: Step, columns: accumulate::Columns<'_, '_>) {
+    let accumulate::Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } =
+        columns;
+    let [radiance_both, dropped_both] = run_both!(
+        accumulate(step),
+        [radiance, dropped],
+        accumulate::Columns {
+            lights,
+            lengths,
+            bucket,
+            candidates,
+            worth,
+            paths,
+            throughput,
+            radiance: &mut *radiance,
+            dropped: &mut *dropped,
+        }
     );
-    for lane in lanes(paths) {
-        check_row("accumulate", (0, lane), (&kernel.0, &twin.0), &[("radiance", tolerances::CONTRIBUTION)]);
+    for lane in 0..radiance.channels()[0].rows().len() {
+        check_row("accumulate", (0, lane), &radiance_both, &[("channels", tolerances::CONTRIBUTION)]);
     }
-    if kernel.1 != twin.1 {
-        fail("accumulate", 0, &format!("    dropped {:?} and {:?}", kernel.1, twin.1));
+    if dropped_both.0 != dropped_both.1 {
+        fail("accumulate", 0, &format!("    dropped {:?} and {:?}", dropped_both.0, dropped_both.1));
     }
 }

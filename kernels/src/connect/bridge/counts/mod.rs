@@ -83,7 +83,7 @@ impl CountTable {
     /// `edges >= 1`. Where all are 0 all numbers are alike.
     pub fn from_weights(phase: HenyeyGreenstein, edges: usize, mut weights: impl FnMut(Knot) -> Vec<f64>) -> Self {
         let least = 1.0 - f64::from(phase.g).abs();
-        let stride = edges.next_multiple_of(crate::columns::LANES);
+        let stride = edges.next_multiple_of(crate::lanes::LANES);
         let mut table = Self {
             edges,
             inverse_least_h: (1.0 / (least * least)) as f32,

@@ -12,8 +12,8 @@
 use wide::{f32x8, u32x8};
 
 use super::{CountTable, DISTANCES, NEAREST, SURFACE, TURNS};
-use crate::columns::LANES;
 use crate::lanes;
+use crate::lanes::LANES;
 
 /// Places of eight starts in the table.
 #[derive(Clone, Copy)]

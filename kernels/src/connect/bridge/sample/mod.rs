@@ -4,9 +4,8 @@ pub mod reference;
 pub mod simd;
 
 use super::Bridge;
+use crate::Step;
 pub use crate::connect::buckets::{BuildColumns, CountColumns};
-use crate::tables::media::Medium;
-use crate::{PathLengths, Step};
 
 /// Draws the number of edges N of every bridge.
 ///
@@ -15,7 +14,7 @@ use crate::{PathLengths, Step};
 /// chosen if w is less than the place between the knots, the farther one in gamma if `(u - defensive) / (1 - defensive)`
 /// is, and N is the smallest number whose cumulative probability there exceeds v. A bridge of more than `room` edges is
 /// marked as dropped.
-pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, '_>);
+pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 
 /// Places the inserted vertices of every bridge.
 ///
@@ -28,4 +27,4 @@ pub type CountKernel = fn(&Medium, &Bridge, PathLengths, Step, CountColumns<'_, 
 /// becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit vectors
 /// across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the azimuth of the arriving direction (0 if
 /// that lies on the axis), and psi the roll of [`bridge`](super) for u, the third word of block `BRIDGE_COUNT`.
-pub type BuildKernel = fn(&Medium, &Bridge, Step, BuildColumns<'_, '_>);
+pub type BuildKernel = fn(Step, BuildColumns<'_, '_, Bridge>);

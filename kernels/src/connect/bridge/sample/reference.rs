@@ -14,35 +14,36 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::columns::paths::PathTable;
+use crate::columns::paths::LastSurfaceColumns;
 use crate::connect::bridge::reference::{Start, cell, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::{frame, sample_cosine, turn};
-use crate::tables::media::Medium;
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
-pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
-    let CountColumns { paths, connections, buckets } = columns;
+pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
+    let CountColumns { technique: bridge, medium, lengths, solid, paths, last_surface, connections, count } = columns;
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, arriving, point] =
             [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
-        let from = Start { depth: draws.depth, arriving, on_surface: is_on_surface(paths, lane, draws.depth) };
+        let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
+        let from = Start { depth: draws.depth, arriving, on_surface };
         let constants = (f64::from(medium.extinction), f64::from(medium.phase.g));
         let inserted = count_edges(bridge, constants, lengths, &from, point - start, &draws);
-        buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
+        count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
 
 /// The twin; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
+    let BuildColumns { technique: bridge, medium, solid, paths, last_surface, .. } = columns;
+    let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
     let mut inserted = Vec::new();
     for bucket in buckets.buckets() {
         for row in bucket.rows() {
@@ -53,7 +54,8 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
             let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            let from = Start { depth: draws.depth, arriving, on_surface: is_on_surface(paths, lane, draws.depth) };
+            let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
+            let from = Start { depth: draws.depth, arriving, on_surface };
             place(from.roll(bridge), f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
@@ -65,8 +67,8 @@ pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns
 }
 
 /// Whether the start at `depth` is on a surface.
-fn is_on_surface(paths: &PathTable<'_>, lane: usize, depth: u32) -> bool {
-    paths.has_surfaces && paths.columns.last_surface.rows()[lane] == depth
+fn is_on_surface(last_surface: &LastSurfaceColumns<'_>, lane: usize, depth: u32) -> bool {
+    last_surface.depth.rows()[lane] == depth
 }
 
 impl Draws {
@@ -167,6 +169,7 @@ mod tests {
     use super::*;
     use crate::connect::bridge::reference::{count_probability, density, roll_density};
     use crate::phase::HenyeyGreenstein;
+    use crate::tables::media::Medium;
     use core::f64::consts::TAU;
 
     fn bridge(g: f64) -> Bridge {

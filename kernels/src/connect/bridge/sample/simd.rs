@@ -16,35 +16,37 @@
 
 use wide::{f32x8, u32x8};
 
+use crate::columns::Column3;
 use crate::columns::queues::CandidateBatch;
-use crate::columns::{Column3, LANES};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
+use crate::lanes::LANES;
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
 use crate::random;
-use crate::tables::media::Medium;
 use crate::transcendental::{neg_ln, sin_cos_half_turn};
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, lanes};
+use crate::{Step, lanes};
 
 /// Shortest length by which a direction is normalised.
 const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
-pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
-    let CountColumns { paths, connections, buckets } = columns;
+pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
+    let CountColumns { technique: bridge, medium, lengths, solid, paths, last_surface, connections, count } = columns;
     let most = bridge.max_inserted.saturating_add(1);
     let phase = HenyeyGreensteinX8::new(medium.phase);
     for b in 0..connections.len.div_ceil(LANES) {
-        let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
+        let lane_of = connections.lane.batch(b).to_array();
+        let sequence = Sequence::new(step, paths, &lane_of);
+        let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
         let [choice, number, _, along] = sequence.uniforms(random::BRIDGE_COUNT);
         let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
         let to_light = connections.point.batch(b) - connections.start.batch(b);
         let distance = to_light.length_squared().sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
         let h = phase.h(connections.arriving.batch(b), axis);
-        let cell = bridge.counts.cell(f32x8::splat(medium.extinction) * distance, h, sequence.on_surface);
+        let cell = bridge.counts.cell(f32x8::splat(medium.extinction) * distance, h, on_surface);
 
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
         let across = (choice - f32x8::splat(bridge.defensive)) * f32x8::splat(1.0 / (1.0 - bridge.defensive));
@@ -52,24 +54,27 @@ pub fn count(medium: &Medium, bridge: &Bridge, lengths: PathLengths, step: Step,
         let tabled = bridge.counts.draw(&cell, [along, across], number);
         let inserted = lanes::as_integer_mask(uniform).select(spread, tabled);
         let fits = inserted.simd_lt(room);
-        buckets.count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
+        count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
     }
 }
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, bridge: &Bridge, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
+    let BuildColumns { technique: bridge, medium, solid, paths, last_surface, .. } = columns;
+    let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
             if bucket.inserted > 0 {
-                let sequence = Sequence::new(step, paths, &candidate.lane.to_array());
+                let lane_of = candidate.lane.to_array();
+                let sequence = Sequence::new(step, paths, &lane_of);
+                let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
                 let chain = &mut chains.vertices[..bucket.inserted];
                 let end = walk(&sequence, &phase, chain, b);
                 let [.., roll, _] = sequence.uniforms(random::BRIDGE_COUNT);
-                let placement = Placement::new(&phase, bridge.roll, sequence.on_surface, &candidate, end, roll);
+                let placement = Placement::new(&phase, bridge.roll, on_surface, &candidate, end, roll);
                 place(&placement, candidate.start, chain, b);
             }
         }

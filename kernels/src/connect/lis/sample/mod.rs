@@ -6,7 +6,7 @@ pub mod simd;
 
 use super::Lis;
 use crate::Step;
-use crate::columns::paths::PathTable;
+use crate::columns::paths::PathColumns;
 use crate::columns::queues::{CandidateQueue, ChainTable, EndQueue};
 use crate::connect::buckets::BucketTable;
 use crate::tables::lights::Lights;
@@ -14,10 +14,15 @@ use crate::tables::media::Medium;
 
 /// What making vertices from the light may touch.
 pub struct VertexColumns<'a, 'q> {
+    /// The medium around everything.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a Lights,
+    /// The settings of the technique.
+    pub lis: &'a Lis,
     /// Read: pixel, sample, birth.
-    pub paths: &'a PathTable<'q>,
-    /// Read: every column of the connections but the weight. Filled: `point`, which becomes the vertex; connections whose
-    /// start is out of the shape's reach are left out.
+    pub paths: &'a PathColumns<'q>,
+    /// Filled: `point`, which becomes the vertex; connections whose start is too far from it are left out.
     pub connections: &'a mut CandidateQueue<'q>,
     /// Filled, at the same rows: the points on the light.
     pub ends: &'a mut EndQueue<'q>,
@@ -28,7 +33,7 @@ pub struct VertexColumns<'a, 'q> {
 /// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a light
 /// of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the third the
 /// flight `-ln(1 - u) / mu_t`; where both sides of a light shine, it is the back if the fourth is below 1/2.
-pub type VertexKernel = fn(&Medium, &Lights, &Lis, Step, VertexColumns<'_, '_>);
+pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);
 
 /// What completing the connections may touch.
 pub struct JoinColumns<'a, 'q> {
@@ -43,4 +48,4 @@ pub struct JoinColumns<'a, 'q> {
 }
 
 /// Appends the vertices made from the light to the chains; a bucket's rows then insert one vertex more than it says.
-pub type JoinKernel = fn(JoinColumns<'_, '_>);
+pub type JoinKernel = fn(Step, JoinColumns<'_, '_>);

@@ -17,20 +17,19 @@ use crate::connect::light_sample::reference::normal;
 use crate::connect::lis::Lis;
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::frame;
-use crate::tables::lights::{Emitter, Lights};
-use crate::tables::media::Medium;
+use crate::tables::lights::Emitter;
 use crate::{Step, random};
 
 /// The twin; see [`VertexKernel`](super::VertexKernel).
-pub fn vertex(medium: &Medium, lights: &Lights, lis: &Lis, step: Step, columns: VertexColumns<'_, '_>) {
-    let VertexColumns { paths, connections, ends } = columns;
+pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
+    let VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
     let rows: Vec<Candidate> = (0..connections.len).map(|row| connections.row(row)).collect();
     (connections.len, ends.len) = (0, 0);
     for connection in rows {
         let lane = connection.lane as usize;
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        let u = uniforms(pixel, sample, paths.depth(step.clock, lane), step.seed);
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
         let vertex = place(&lights.emitters()[connection.emitter as usize], f64::from(medium.extinction), end, u);
         if is_within_reach(lis, start, vertex) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
@@ -62,7 +61,7 @@ pub fn is_within_reach(lis: &Lis, start: DVec3, vertex: DVec3) -> bool {
 }
 
 /// The twin; see [`JoinKernel`](super::JoinKernel).
-pub fn join(columns: JoinColumns<'_, '_>) {
+pub fn join(_: Step, columns: JoinColumns<'_, '_>) {
     let JoinColumns { buckets, ends, candidates, chains } = columns;
     for bucket in buckets.buckets() {
         for row in bucket.rows() {

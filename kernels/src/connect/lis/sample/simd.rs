@@ -13,19 +13,17 @@
 use wide::f32x8;
 
 use super::{JoinColumns, VertexColumns};
-use crate::columns::LANES;
 use crate::columns::queues::{CandidateBatch, EndBatch};
-use crate::connect::lis::Lis;
 use crate::connect::sequence::Sequence;
+use crate::lanes::LANES;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::transcendental::{exp, neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, random};
 
 /// The SIMD kernel; see [`VertexKernel`](super::VertexKernel).
-pub fn vertex(medium: &Medium, lights: &Lights, lis: &Lis, step: Step, columns: VertexColumns<'_, '_>) {
-    let VertexColumns { paths, connections, ends } = columns;
+pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
+    let VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
     let mean_free_path = f32x8::splat((1.0 / f64::from(medium.extinction)) as f32);
     let reach_squared = f32x8::splat(lis.max_distance() * lis.max_distance());
     let count = core::mem::take(&mut connections.len);
@@ -75,7 +73,7 @@ fn one_minus_exp(a: f32x8) -> f32x8 {
 }
 
 /// The SIMD kernel; see [`JoinKernel`](super::JoinKernel).
-pub fn join(columns: JoinColumns<'_, '_>) {
+pub fn join(_: Step, columns: JoinColumns<'_, '_>) {
     let JoinColumns { buckets, ends, candidates, chains } = columns;
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {

@@ -19,26 +19,25 @@ use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
 use crate::phase::reference::frame;
-use crate::tables::media::Medium;
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
-pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
-    let CountColumns { paths, connections, buckets } = columns;
+pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
+    let CountColumns { medium, lengths, paths, connections, count, .. } = columns;
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
         let inserted = count_seeds(f64::from(medium.extinction), (point - start).length(), lengths, &draws);
-        buckets.count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
+        count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
 
 /// The twin; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
-    let settings = Settings::from(mvnee);
+pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
+    let BuildColumns { technique, medium, paths, connections, buckets, candidates, chains, .. } = columns;
+    let settings = Settings::from(technique);
     let mut inserted = Vec::new();
     for bucket in buckets.buckets() {
         for row in bucket.rows() {

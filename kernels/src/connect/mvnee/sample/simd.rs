@@ -12,16 +12,17 @@
 
 use wide::{f32x8, u32x8};
 
+use crate::columns::Column3;
 use crate::columns::queues::CandidateBatch;
-use crate::columns::{Column3, LANES};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::sequence::Sequence;
+use crate::lanes::LANES;
 use crate::random;
 use crate::tables::media::Medium;
 use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, lanes};
+use crate::{Step, lanes};
 
 #[inline(always)]
 fn mean_free_path(medium: &Medium) -> f32x8 {
@@ -36,8 +37,8 @@ fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
 }
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
-pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountColumns<'_, '_>) {
-    let CountColumns { paths, connections, buckets } = columns;
+pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
+    let CountColumns { medium, lengths, paths, connections, count: counts, .. } = columns;
     let mean_free_path = mean_free_path(medium);
     for b in 0..connections.len.div_ceil(LANES) {
         let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
@@ -58,13 +59,13 @@ pub fn count(medium: &Medium, lengths: PathLengths, step: Step, columns: CountCo
             }
         }
         let fits = count.simd_le(longest);
-        buckets.count.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
+        counts.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
     }
 }
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, mvnee: &Mvnee, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, buckets, candidates, chains } = columns;
+pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
+    let BuildColumns { technique: mvnee, medium, paths, connections, buckets, candidates, chains, .. } = columns;
     let mean_free_path = mean_free_path(medium);
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {

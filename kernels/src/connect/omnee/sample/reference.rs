@@ -13,18 +13,17 @@ use glam::DVec3;
 use super::BuildColumns;
 use crate::connect::omnee::reference::forward_share;
 use crate::phase::reference::{frame, sample_cosine};
-use crate::tables::media::Medium;
 use crate::{Step, random};
 
 /// The twin; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, chains } = columns;
+pub fn build(step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { medium, paths, connections, chains } = columns;
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
-        let (pixel, sample) = (paths.columns.pixel.rows()[lane], paths.columns.sample.rows()[lane]);
-        let u = uniforms(pixel, sample, paths.depth(step.clock, lane), step.seed);
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
         let vertex = place(f64::from(medium.phase.g), start, point, u);
         chains.vertices[0].set_row(row, vertex.as_vec3().to_array());
     }

@@ -10,16 +10,15 @@ use wide::f32x8;
 
 use super::BuildColumns;
 use crate::Step;
-use crate::columns::LANES;
 use crate::connect::sequence::Sequence;
+use crate::lanes::LANES;
 use crate::phase::{HenyeyGreensteinX8, forward_share};
 use crate::random;
-use crate::tables::media::Medium;
 use crate::transcendental::sin_cos_turn;
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
-pub fn build(medium: &Medium, step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { paths, connections, chains } = columns;
+pub fn build(step: Step, columns: BuildColumns<'_, '_>) {
+    let BuildColumns { medium, paths, connections, chains } = columns;
     let phase = HenyeyGreensteinX8::new(medium.phase);
     let share = f32x8::splat(forward_share(f64::from(medium.phase.g)) as f32);
     for b in 0..connections.len.div_ceil(LANES) {

@@ -1,0 +1,72 @@
+//! A quantity of every path per channel.
+
+use bumpalo::Bump;
+
+use super::{Column, ColumnMut, ColumnRef, ColumnSet};
+
+/// One column for every channel in use: a single one where everything is grey, red, green and blue otherwise.
+pub struct Spectrum<'q> {
+    channels: &'q mut [Column<'q, f32>],
+}
+
+impl<'q> Spectrum<'q> {
+    /// Zeroed columns with room for at least `rows` rows.
+    ///
+    /// # Panics
+    /// If there are neither 1 nor 3 channels.
+    pub fn new_in(arena: &'q Bump, rows: usize, channels: usize) -> Self {
+        assert!(channels == 1 || channels == 3, "{channels} channels; 1 or 3 are possible");
+        Self { channels: arena.alloc_slice_fill_with(channels, |_| Column::new_in(arena, rows)) }
+    }
+
+    /// The columns in use, to read.
+    #[inline(always)]
+    pub fn channels(&self) -> &[Column<'q, f32>] {
+        self.channels
+    }
+
+    /// The columns in use, to fill.
+    #[inline(always)]
+    pub fn channels_mut(&mut self) -> &mut [Column<'q, f32>] {
+        self.channels
+    }
+
+    /// Row `row`: red, green and blue, which are the same where one channel is in use.
+    pub fn row(&self, row: usize) -> [f32; 3] {
+        let last = self.channels.len() - 1;
+        [0, 1, 2].map(|channel: usize| self.channels[channel.min(last)].rows()[row])
+    }
+
+    /// Overwrites row `row`, in the channels in use.
+    pub fn set_row(&mut self, row: usize, value: [f32; 3]) {
+        for (channel, value) in self.channels.iter_mut().zip(value) {
+            channel.rows_mut()[row] = value;
+        }
+    }
+}
+
+impl ColumnSet for Spectrum<'_> {
+    fn visit(&self, visit: &mut dyn FnMut(&'static str, ColumnRef<'_>)) {
+        self.channels.iter().for_each(|channel| visit("channels", ColumnRef::F32(channel.rows())));
+    }
+
+    fn visit_mut(&mut self, visit: &mut dyn FnMut(&'static str, ColumnMut<'_>)) {
+        self.channels.iter_mut().for_each(|channel| visit("channels", ColumnMut::F32(channel.rows_mut())));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grey_spectrum_has_the_same_in_all_channels() {
+        let arena = Bump::new();
+        let [mut grey, mut coloured] = [1, 3].map(|channels| Spectrum::new_in(&arena, 8, channels));
+        for spectrum in [&mut grey, &mut coloured] {
+            spectrum.set_row(5, [0.5, 0.25, 2.0]);
+        }
+        assert_eq!((grey.row(5), coloured.row(5)), ([0.5; 3], [0.5, 0.25, 2.0]));
+        assert_eq!((grey.channels().len(), coloured.channels().len()), (1, 3));
+    }
+}

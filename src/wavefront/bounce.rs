@@ -1,0 +1,53 @@
+//! One segment of every path.
+
+use super::{Source, Wavefront};
+
+impl Wavefront<'_> {
+    /// One segment of every live path, and everything that connects from its end.
+    pub fn bounce(&mut self) {
+        self.stats.segments += self.live.count() as u64;
+        self.remember();
+        self.fly();
+        self.extend();
+        self.hit_lights();
+        self.prune();
+        if self.live.is_empty() {
+            self.step.clock += 1;
+            return;
+        }
+        self.turn();
+        self.step.clock += 1;
+        self.connect();
+    }
+
+    /// Draws the flights.
+    pub fn fly(&mut self) {
+        self.medium_sample();
+        if self.frame.aims() && !self.requested.is_empty() {
+            self.first_flight();
+        }
+    }
+
+    /// Lights met on the way: weighed and counted before the other paths scatter.
+    fn hit_lights(&mut self) {
+        if self.hits.len == 0 {
+            return;
+        }
+        self.light_hit();
+        self.contribute(Source::Views, self.candidates.views.direct());
+        let bucket = self.candidates.light_hits.direct();
+        self.mis_weight(Source::LightHits, bucket);
+        self.contribute(Source::LightHits, bucket);
+    }
+
+    /// Takes every path to its next vertex and turns it there.
+    pub fn turn(&mut self) {
+        if self.frame.aims() && !self.requested.is_empty() {
+            self.flight_weight();
+        }
+        self.scatter();
+        if self.surface_hits.len > 0 {
+            self.surface();
+        }
+    }
+}
