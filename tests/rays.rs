@@ -1,7 +1,8 @@
 //! Rays meet what they should: kernel against twin, watertightness, ties, edges of all kinds, and leaving surfaces.
 
 use fogbow_kernels::tables::geometry::Geometry;
-use fogbow_kernels::trace::{self, Hit, Ray};
+use fogbow_kernels::tables::geometry::TriangleHit;
+use fogbow_kernels::trace::{self, Ray};
 use fogbow_testing::meshes::{self, Mesh, Random, point, ray};
 use fogbow_testing::rays::{Departures, compare, depart, leaks, may_meet};
 use fogbow_testing::tolerances::DIFFERENT_HITS;
@@ -168,7 +169,7 @@ fn distances_count_in_the_length_of_the_direction() {
         let hit = trace::closest(&geometry, &ray);
         for scale in [2_f32.powi(-30), 0.25, 2_f32.powi(30)] {
             let longer = Ray { direction: ray.direction.map(|d| d * scale), max: ray.max / scale, ..ray };
-            let expected = hit.map(|hit| Hit { distance: hit.distance / scale, ..hit });
+            let expected = hit.map(|hit| TriangleHit { distance: hit.distance / scale, ..hit });
             assert_eq!(trace::closest(&geometry, &longer), expected, "{ray:?}, {scale} times");
         }
     }
@@ -183,7 +184,7 @@ fn the_tree_does_not_show() {
         (0..geometry.len()).map(|i| Geometry::new(geometry.corners(i).to_vec(), vec![[0, 1, 2]])).collect();
     for ray in random_rays(3000, 10) {
         let hits = (0..).zip(&alone).filter_map(|(i, one)| Some((i, trace::closest(one, &ray)?)));
-        let hits = hits.map(|(triangle, hit)| Hit { triangle, ..hit });
+        let hits = hits.map(|(triangle, hit)| TriangleHit { triangle, ..hit });
         let nearest = hits.reduce(|best, hit| if hit.distance < best.distance { hit } else { best });
         let found = trace::closest(&geometry, &ray);
         assert_eq!(found, nearest, "{ray:?}");

@@ -20,8 +20,8 @@ use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{Column, Spectrum};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::buckets::BucketTable;
+use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::{self, LANES, LaneSet};
-use fogbow_kernels::mis_weight::suffix::Suffix;
 use fogbow_kernels::pipeline::Pipeline;
 
 pub use self::candidates::{Candidates, Source};

@@ -6,14 +6,17 @@
 
 pub mod bridge;
 pub mod buckets;
+pub mod density;
 mod joint;
 pub mod light_sample;
 pub mod light_survey;
+pub mod likelihood;
 pub mod lis;
 pub mod mvnee;
 pub mod nee;
 pub mod omnee;
 pub mod sequence;
+pub mod suffix;
 
 use bridge::Bridge;
 use light_sample::Reach;

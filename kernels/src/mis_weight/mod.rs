@@ -13,19 +13,16 @@
 //! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
-pub mod density;
 pub mod reference;
 pub mod simd;
-pub mod suffix;
 #[cfg(test)]
 mod tests;
-
-use suffix::Suffix;
 
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::Techniques;
+use crate::connect::suffix::Suffix;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};

@@ -26,8 +26,8 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::Columns;
-use super::density::Density;
 use crate::columns::trail::TrailTable;
+use crate::connect::density::Density;
 use crate::connect::light_sample::reference::{cosine, light_density, normal};
 use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
 use crate::phase::reference as phase;

@@ -15,12 +15,12 @@ use core::ops::RangeInclusive;
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use super::suffix::{Arrival, Suffix, SuffixVertex};
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::lis::{self, Lis, Shape};
+use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
 use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
 use crate::lanes::LANES;
 use crate::phase::{HenyeyGreensteinX8, forward_share};

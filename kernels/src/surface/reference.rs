@@ -36,8 +36,8 @@ use super::Columns;
 use crate::columns::paths::{LastSurface, Vertex};
 use crate::columns::queues::SurfaceHit;
 use crate::phase::reference as phase;
+use crate::tables::geometry::TriangleHit;
 use crate::tables::surfaces::Surfaces;
-use crate::trace::Hit;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
@@ -83,7 +83,7 @@ pub fn is_black(surfaces: &Surfaces, hit: SurfaceHit, direction: DVec3) -> bool 
 /// Reflected share of the light where a surface was met, per channel, [0, 1].
 pub fn albedo(surfaces: &Surfaces, hit: SurfaceHit) -> [f32; 3] {
     let SurfaceHit { triangle, distance, second, third, .. } = hit;
-    surfaces.albedo(&Hit { triangle, distance, barycentric: [second, third] })
+    surfaces.albedo(&TriangleHit { triangle, distance, barycentric: [second, third] })
 }
 
 /// The unit normal of a triangle on its front, from where its corners run counterclockwise.

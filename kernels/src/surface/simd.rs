@@ -14,8 +14,9 @@ use super::Columns;
 use crate::columns::queues::SurfaceHit;
 use crate::lanes::LANES;
 use crate::random::uniform_x8;
+use crate::tables::geometry::TriangleHit;
 use crate::tables::surfaces::Surfaces;
-use crate::trace::{Hit, surface};
+use crate::trace::surface;
 use crate::transcendental::sin_cos_turn;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
@@ -77,7 +78,7 @@ impl Points {
     #[inline(always)]
     fn set(&mut self, i: usize, surfaces: &Surfaces, found: SurfaceHit, direction: [f32; 3]) {
         let SurfaceHit { triangle, distance, second, third, .. } = found;
-        let hit = Hit { triangle, distance, barycentric: [second, third] };
+        let hit = TriangleHit { triangle, distance, barycentric: [second, third] };
         let corners = surfaces.geometry().corners(triangle as usize);
         let front = surface::normal(corners);
         let is_front = dot(front, direction) < 0.0;

@@ -1,8 +1,8 @@
 //! What is solid: triangles, and how they look.
 
 use crate::tables::geometry::Geometry;
+use crate::tables::geometry::TriangleHit;
 use crate::tables::textures::{Image, Texture, TextureRef};
-use crate::trace::Hit;
 
 /// How a surface looks: a Lambert reflector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,7 +94,7 @@ impl Surfaces {
 
     /// Reflected share of the light where a ray met a surface, per channel, [0, 1].
     #[inline(always)]
-    pub fn albedo(&self, hit: &Hit) -> [f32; 3] {
+    pub fn albedo(&self, hit: &TriangleHit) -> [f32; 3] {
         let material = self.material(hit.triangle);
         if material.texture.is_none() && self.paint.colors.is_empty() {
             return material.albedo;
@@ -103,7 +103,7 @@ impl Surfaces {
     }
 
     /// The product of factor, colours of vertices and texture.
-    fn painted_albedo(&self, material: &Material, hit: &Hit) -> [f32; 3] {
+    fn painted_albedo(&self, material: &Material, hit: &TriangleHit) -> [f32; 3] {
         let corners = self.geometry.indices(hit.triangle as usize).map(|corner| corner as usize);
         let [second, third] = hit.barycentric;
         let weights = [1.0 - second - third, second, third];
@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn albedo(surfaces: &Surfaces, barycentric: [f32; 2]) -> [f32; 3] {
-        surfaces.albedo(&Hit { triangle: 0, distance: 1.0, barycentric })
+        surfaces.albedo(&TriangleHit { triangle: 0, distance: 1.0, barycentric })
     }
 
     #[test]

@@ -35,14 +35,3 @@ pub struct Ray {
     /// Bound of t, exclusive, > 0; may be infinite.
     pub max: f32,
 }
-
-/// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Index of the triangle.
-    pub triangle: u32,
-    /// Parameter t of the ray, `(0, max)`: a distance where the direction is a unit vector.
-    pub distance: f32,
-    /// Weights of the second and of the third corner, `[0, 1]`; the first has the rest.
-    pub barycentric: [f32; 2],
-}

@@ -15,11 +15,12 @@
 use arrayvec::ArrayVec;
 use wide::f32x8;
 
+use super::Ray;
 use super::ray::Ready;
 use super::triangles::cross;
-use super::{Hit, Ray};
 use crate::lanes;
 use crate::lanes::LANES;
+use crate::tables::geometry::TriangleHit;
 use crate::tables::geometry::{Child, DEPTH, Geometry, Node};
 
 /// Most entries of the stack.
@@ -27,14 +28,14 @@ const STACK: usize = (LANES - 1) * DEPTH;
 
 /// The closest hit of the ray, with the smallest index among equals.
 #[inline]
-pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
+pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<TriangleHit> {
     let tree = geometry.tree();
     let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
     if leaves.is_empty() {
         return None;
     }
     let ready = Ready::new(ray, tree)?;
-    let mut best = Hit { triangle: 0, distance: ray.max, barycentric: [0.0; 2] };
+    let mut best = TriangleHit { triangle: 0, distance: ray.max, barycentric: [0.0; 2] };
     let mut found = false;
     let mut stack = ArrayVec::<u64, STACK>::new();
     let mut child = tree.root;
@@ -46,7 +47,7 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<Hit> {
                 for lane in lanes::each(crossings.bits) {
                     let (distance, triangle) = (crossings.distance[lane], triangles[lane]);
                     if distance < best.distance || (distance == best.distance && triangle < best.triangle) {
-                        best = Hit { triangle, distance, barycentric: [crossings.u[lane], crossings.v[lane]] };
+                        best = TriangleHit { triangle, distance, barycentric: [crossings.u[lane], crossings.v[lane]] };
                         found = true;
                     }
                 }

@@ -2,7 +2,8 @@
 
 use fogbow_kernels::lanes;
 use fogbow_kernels::tables::geometry::Geometry;
-use fogbow_kernels::trace::{self, Hit, Ray, reference, surface};
+use fogbow_kernels::tables::geometry::TriangleHit;
+use fogbow_kernels::trace::{self, Ray, reference, surface};
 use fogbow_kernels::vec3x8::Vec3x8;
 use glam::DVec3;
 use wide::f32x8;
@@ -83,7 +84,7 @@ pub fn compare(name: &str, mesh: &Mesh, rays: &[Ray]) -> Agreement {
 }
 
 /// Whether two hits are the same triangle at the same place, or both none.
-fn same(geometry: &Geometry, ray: &Ray, found: Option<Hit>, expected: Option<reference::Hit>) -> bool {
+fn same(geometry: &Geometry, ray: &Ray, found: Option<TriangleHit>, expected: Option<reference::Hit>) -> bool {
     match (found, expected) {
         (None, None) => true,
         (Some(found), Some(expected)) => {
@@ -96,7 +97,7 @@ fn same(geometry: &Geometry, ray: &Ray, found: Option<Hit>, expected: Option<ref
 }
 
 /// The triangle that only one of two different hits knows of: the nearer.
-fn disputed(found: Option<Hit>, expected: Option<reference::Hit>) -> usize {
+fn disputed(found: Option<TriangleHit>, expected: Option<reference::Hit>) -> usize {
     let distance_found = found.map_or(f64::INFINITY, |hit| f64::from(hit.distance));
     match expected {
         Some(expected) if expected.distance < distance_found => expected.triangle,
@@ -106,7 +107,7 @@ fn disputed(found: Option<Hit>, expected: Option<reference::Hit>) -> usize {
 
 /// Whether rounding decides about the triangle: the ray passes its outline, or meets it at the start or at the end of the
 /// ray or of the hit that was found, within tolerance.
-fn close(geometry: &Geometry, triangle: usize, ray: &Ray, found: Option<Hit>) -> bool {
+fn close(geometry: &Geometry, triangle: usize, ray: &Ray, found: Option<TriangleHit>) -> bool {
     let (corners, reach) = (geometry.corners(triangle), reach(geometry, ray));
     if distance_from_outline(corners, ray) <= EDGE.relative * reach {
         return true;

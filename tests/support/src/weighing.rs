@@ -6,8 +6,9 @@ use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTa
 use fogbow_kernels::columns::trail::{Mark, TrailTable};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
+use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::LANES;
-use fogbow_kernels::mis_weight::{self, suffix::Suffix};
+use fogbow_kernels::mis_weight;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{PathLengths, Step, Walk};

@@ -19,7 +19,7 @@
 use glam::DVec3;
 
 use super::{Bridge, Roll, counts};
-use crate::mis_weight::density::Density;
+use crate::connect::density::Density;
 use crate::phase::reference as phase;
 
 /// The start of a bridge.

@@ -16,9 +16,8 @@
 use wide::f32x8;
 
 use super::{Bridge, Roll};
-use crate::mis_weight::suffix::{Arrival, Suffix};
+use crate::connect::suffix::{Arrival, Suffix};
 use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
-use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 
 /// Shortest length by which the axis is normalised `[m]`.
@@ -73,31 +72,4 @@ pub fn ratios(
 fn angle(direction: Vec3x8, axis: Vec3x8) -> PlaneAngle {
     let cosine = direction.dot(axis);
     PlaneAngle { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
-}
-
-/// What a walk's length says of its number of edges N: the density x^N e^-x / (N-1)!, up to a factor 1/x.
-#[derive(Clone, Copy, Debug)]
-pub struct LengthLikelihood {
-    edges: f32,
-    inverse_edges: f32,
-    /// c_N = N - N ln N + ln (N - 1)!
-    scale: f32,
-}
-
-impl LengthLikelihood {
-    /// That of `edges` edges, >= 1.
-    pub fn new(edges: usize) -> Self {
-        let n = edges as f64;
-        let log_factorial: f64 = (1..edges).map(|k| (k as f64).ln()).sum();
-        let scale = n - n * n.ln() + log_factorial;
-        Self { edges: n as f32, inverse_edges: (1.0 / n) as f32, scale: scale as f32 }
-    }
-
-    /// `(N-1)! e^x / x^N` for x = `depth`, the optical length mu_t L.
-    #[inline(always)]
-    fn inverse(&self, depth: f32x8) -> f32x8 {
-        let [n, inverse, scale] = [self.edges, self.inverse_edges, self.scale].map(f32x8::splat);
-        let y = depth * inverse;
-        exp((y - f32x8::ONE + neg_ln(y)).mul_add(n, scale))
-    }
 }

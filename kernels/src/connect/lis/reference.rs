@@ -19,9 +19,9 @@ use glam::DVec3;
 
 use super::{Lis, Shape};
 use crate::connect::bridge::reference::Start;
+use crate::connect::density::Density;
 use crate::connect::light_sample::reference::cosine;
 use crate::connect::{bridge, mvnee, nee};
-use crate::mis_weight::density::Density;
 use crate::tables::lights::Emitter;
 
 /// p_dir: the density with which `point` of an emitter sends a ray in the unit direction `w` (solid angle) [1/sr].

@@ -14,9 +14,9 @@ use core::ops::RangeInclusive;
 use wide::f32x8;
 
 use super::{Lis, Shape};
+use crate::connect::suffix::{Arrival, Suffix};
 use crate::connect::{bridge, mvnee};
 use crate::lanes::LANES;
-use crate::mis_weight::suffix::{Arrival, Suffix};
 use crate::phase::HenyeyGreensteinX8;
 use crate::tables::lights::Lights;
 use crate::transcendental::{exp, neg_ln};

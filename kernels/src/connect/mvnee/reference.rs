@@ -19,7 +19,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::{GGX_WIDTH, Mvnee, Offset};
-use crate::mis_weight::density::Density;
+use crate::connect::density::Density;
 
 /// [`Mvnee`] in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]

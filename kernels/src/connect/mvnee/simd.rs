@@ -20,7 +20,7 @@
 use wide::f32x8;
 
 use super::{GGX_WIDTH, Mvnee, Offset};
-use crate::mis_weight::suffix::{Arrival, Projection, Suffix};
+use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 

@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use crate::mis_weight::density::Density;
+use crate::connect::density::Density;
 
 /// Density of making `chain`, the vertices from the start to the point on the light.
 ///

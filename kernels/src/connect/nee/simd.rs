@@ -4,7 +4,7 @@
 
 use wide::f32x8;
 
-use crate::mis_weight::suffix::{Arrival, SuffixVertex};
+use crate::connect::suffix::{Arrival, SuffixVertex};
 use crate::transcendental::exp;
 
 /// Ratio of the one start that next event estimation has: the vertex next to the light.

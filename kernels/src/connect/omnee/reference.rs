@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use crate::mis_weight::density::Density;
+use crate::connect::density::Density;
 use crate::phase::reference as phase;
 
 /// Below this |g| the forward share is a series.

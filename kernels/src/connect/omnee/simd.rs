@@ -4,7 +4,7 @@
 
 use wide::f32x8;
 
-use crate::mis_weight::suffix::{Arrival, Suffix};
+use crate::connect::suffix::{Arrival, Suffix};
 use crate::transcendental::exp;
 
 /// Ratio of the one start that the technique has, two edges from the light; `forward_share` is F.

@@ -27,6 +27,17 @@ pub struct Geometry {
     tree: Tree,
 }
 
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Parameter t of the ray, `(0, max)`: a distance where the direction is a unit vector.
+    pub distance: f32,
+    /// Weights of the second and of the third corner, `[0, 1]`; the first has the rest.
+    pub barycentric: [f32; 2],
+}
+
 impl Geometry {
     /// A table of the triangles whose corners are the named `positions` `[m]`, finite and of a size below 10^12.
     ///

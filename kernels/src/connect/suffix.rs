@@ -3,7 +3,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
-use crate::connect::bridge::simd::LengthLikelihood;
+use super::likelihood::LengthLikelihood;
 use crate::vec3x8::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
