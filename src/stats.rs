@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use fogbow_kernels::accumulate::Dropped;
-use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::Technique;
 use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
 
@@ -21,48 +21,6 @@ pub struct StageStats {
     pub batches: u64,
     /// Time spent, summed over threads `[s]`.
     pub seconds: f64,
-}
-
-/// What makes connections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Connector {
-    /// Next event estimation.
-    Nee,
-    /// Multiple-vertex next event estimation.
-    Mvnee,
-    /// Once-more next event estimation.
-    Omnee,
-    /// Bridges.
-    Bridge,
-    /// Light importance sampling and its companion.
-    Lis,
-}
-
-impl Connector {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Nee, Self::Mvnee, Self::Omnee, Self::Bridge, Self::Lis];
-
-    /// The technique's name in scenes, flags and statistics.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nee => "nee",
-            Self::Mvnee => "mvnee",
-            Self::Omnee => "omnee",
-            Self::Bridge => "bridge",
-            Self::Lis => "lis",
-        }
-    }
-
-    /// Whether it is one of `techniques`.
-    pub fn is_active(self, techniques: &Techniques) -> bool {
-        match self {
-            Self::Nee => techniques.nee,
-            Self::Mvnee => techniques.mvnee.is_some(),
-            Self::Omnee => techniques.omnee,
-            Self::Bridge => techniques.bridge.is_some(),
-            Self::Lis => techniques.lis.is_some(),
-        }
-    }
 }
 
 /// Connections of one technique.
@@ -113,7 +71,7 @@ pub struct Stats {
     /// One entry for each of [`Stage::ALL`]; only filled if detailed.
     pub stages: Vec<StageStats>,
     /// One entry for each of [`Connector::ALL`]; all but `tried` only filled if detailed.
-    pub connections: [ConnectionStats; Connector::ALL.len()],
+    pub connections: [ConnectionStats; Technique::ALL.len()],
     /// What connections cost.
     pub work: Work,
     /// Contributions that were not finite.
@@ -160,7 +118,7 @@ impl Stats {
             samples: 0,
             segments: 0,
             stages: vec![StageStats::default(); Stage::ALL.len()],
-            connections: [ConnectionStats::default(); Connector::ALL.len()],
+            connections: [ConnectionStats::default(); Technique::ALL.len()],
             work: Work::default(),
             dropped: Dropped::default(),
             light_by_length: None,
@@ -196,8 +154,8 @@ impl Stats {
     }
 
     /// The counters of one technique's connections.
-    pub fn connections(&mut self, connector: Connector) -> &mut ConnectionStats {
-        &mut self.connections[connector as usize]
+    pub fn connections(&mut self, technique: Technique) -> &mut ConnectionStats {
+        &mut self.connections[technique as usize]
     }
 
     /// (rows, batches with a row) of a set of lanes; not counted unless statistics are detailed.

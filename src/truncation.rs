@@ -140,7 +140,7 @@ fn look_up_to(longest: u32, way: &Way, frame: &Frame, size: [u32; 2], renderer: 
 fn bridges(frame: &Frame, longest: u32) -> Techniques {
     let edges = longest.saturating_sub(1).max(1) as usize;
     let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / n as f64).collect();
-    let counts = CountTable::from_weights(frame.medium.phase, edges, |_| weights.clone());
+    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges, |_| weights.clone());
     Techniques { bridge: Some(Bridge::with_counts(Roll::Aligned, Arc::new(counts))), ..Techniques::default() }
 }
 

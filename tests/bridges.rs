@@ -12,7 +12,8 @@ use fogbow_kernels::connect::bridge::reference::{Start, count_probability, densi
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
-use fogbow_kernels::phase::reference as phase;
+use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::phase::reference::Phase;
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
@@ -46,9 +47,9 @@ fn with(frame: Frame, change: impl FnOnce(Bridge) -> Bridge) -> Frame {
     Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
 }
 
-/// Extinction and mean cosine.
-fn constants(frame: &Frame) -> (f64, f64) {
-    (f64::from(frame.medium.extinction), f64::from(frame.medium.phase.g))
+/// Extinction and phase function.
+fn constants(frame: &Frame) -> (f64, &dyn Phase) {
+    (f64::from(frame.medium.extinction), frame.medium.phase.twin())
 }
 
 /// A start in the medium.
@@ -110,7 +111,7 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
     let mixed = |frame: Frame, defensive: f32| with(frame, |bridge| Bridge { defensive, ..bridge });
     let few = |frame: Frame, max_inserted: u32| with(frame, |bridge| Bridge { max_inserted, ..bridge });
     let poisson = |frame: Frame| {
-        let counts = Arc::new(CountTable::poisson(frame.medium.phase));
+        let counts = Arc::new(CountTable::poisson(frame.medium.phase.twin().lobe()));
         with(frame, |bridge| Bridge { defensive: 0.0, counts, ..bridge })
     };
     for (name, frame, events) in [
@@ -135,12 +136,12 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
 
 /// Density of the inner vertices of `chain` as a free walk that sets out along the axis, with flights of mean `flight` times
 /// the distance between the ends: such a walk knows nothing of where it should arrive.
-fn walk_density(g: f64, chain: &[DVec3], flight: f64) -> f64 {
+fn walk_density(phase: &dyn Phase, chain: &[DVec3], flight: f64) -> f64 {
     let way = chain[chain.len() - 1] - chain[0];
     let (mean, mut direction, mut density) = (flight * way.length(), way.normalize(), 1.0);
     for ends in chain[..chain.len() - 1].windows(2) {
         let (length, next) = (ends[0].distance(ends[1]), (ends[1] - ends[0]).normalize());
-        density *= phase::density(g, direction.dot(next)) * (-length / mean).exp() / (mean * length * length);
+        density *= phase.density(direction.dot(next)) * (-length / mean).exp() / (mean * length * length);
         direction = next;
     }
     density
@@ -153,7 +154,7 @@ fn any_density_over_that_of_bridges_has_mean_one() {
     for (roll, g) in [(Roll::Aligned, 0.5), (Roll::Uniform, 0.4), (Roll::Aligned, -0.3)] {
         // All counts from 1 to 8 alike: h / p is conditional on the count.
         let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
-        let (bridge, longest) = (settings(&frame), frame.lengths.max);
+        let (bridge, phase, longest) = (settings(&frame), frame.medium.phase.twin(), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
         bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
             let edges = chain.len() - 1;
@@ -162,7 +163,7 @@ fn any_density_over_that_of_bridges_has_mean_one() {
             let count = count_probability(&bridge, constants(&frame), longest, &start, way, edges as u32);
             // A very short edge may be rounded to nothing.
             degenerate += u32::from(made == 0.0);
-            quotients[edges].add(if made > 0.0 { walk_density(f64::from(g), chain, 0.3) * count / made } else { 0.0 });
+            quotients[edges].add(if made > 0.0 { walk_density(phase, chain, 0.3) * count / made } else { 0.0 });
         });
         assert!(degenerate < 20, "{degenerate} edges without length");
         for (edges, quotient) in quotients.iter().enumerate().skip(2) {
@@ -175,13 +176,13 @@ fn any_density_over_that_of_bridges_has_mean_one() {
     assert!(p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
 }
 
-/// How strongly the roll to the first edge is concentrated, 0 .. 1, and the share of all rolls that are below it.
-fn roll(g: f64, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
+/// How strongly the roll to the first edge by a lobe is concentrated, 0 .. 1, and the share of all rolls that are below it.
+fn roll(g: f32, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
     let [axis, first] = [chain[chain.len() - 1], chain[1]].map(|end| (end - chain[0]).normalize());
     let [from, to] = [arriving, first].map(|v| v - v.dot(axis) * axis);
     let psi = axis.dot(from.cross(to)).atan2(from.dot(to));
     // The integral of sqrt(a^2 - b^2) / (a - b cos psi) / (2 pi).
-    let (a, b) = roll_coefficients(g, arriving, axis, first);
+    let (a, b) = roll_coefficients(HenyeyGreenstein { g }, arriving, axis, first);
     (b / a, 0.5 + (((a + b) / (a - b)).sqrt() * (0.5 * psi).tan()).atan() / PI)
 }
 
@@ -196,9 +197,9 @@ fn rolls_follow_their_density() {
         let mut found = vec![0.0; (limits.len() + 1) * SHARES];
         bridges(&frame, SAMPLES, 2, |arriving, chain| {
             if chain.len() > 2 {
-                let (concentration, _) = roll(f64::from(g), arriving, chain);
+                let (concentration, _) = roll(g, arriving, chain);
                 // A uniform roll is the aligned one of an isotropic medium.
-                let (_, share) = roll(if kind == Roll::Aligned { f64::from(g) } else { 0.0 }, arriving, chain);
+                let (_, share) = roll(if kind == Roll::Aligned { g } else { 0.0 }, arriving, chain);
                 let class = limits.partition_point(|limit| *limit < concentration.abs());
                 found[class * SHARES + ((share * SHARES as f64) as usize).min(SHARES - 1)] += 1.0;
             }
@@ -279,6 +280,7 @@ fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
     const ACROSS: usize = 10;
     for g in [-0.5_f32, 0.0, 0.5, 0.9] {
         let frame = frame(g, Roll::Aligned);
+        let phase = frame.medium.phase.twin();
         // All vertices lie in the ball over the chain, where the turn is less than a right angle. Place along the axis,
         // (1 - cos(pi x)) / 2, and distance from it, a share y^2 of the widest there: finer where vertices are dense.
         let widest = |along: f64| (along * (1.0 - along)).max(0.0).sqrt();
@@ -310,7 +312,7 @@ fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
                 let ring = TAU * across * (widest(along) * 2.0 * y * width(ACROSS));
                 let volume = ring * FRAC_PI_2 * (PI * x).sin() * width(ALONG);
                 let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
-                expected[cell(x, y)] += total * omnee::reference::density(f64::from(g), &chain, 1.0).value() * volume;
+                expected[cell(x, y)] += total * omnee::reference::density(phase, &chain, 1.0).value() * volume;
             }
         }
         let mass = expected.iter().sum::<f64>() / total;

@@ -8,7 +8,8 @@ use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
-use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::phase::reference::Phase;
+use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction, henyey_greenstein};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::truths::{Case, Start, density_ratios};
@@ -21,7 +22,28 @@ fn vertices(case: &Case) -> Vec<DVec3> {
 }
 
 fn medium(case: &Case) -> Medium {
-    Medium { extinction: case.mu_t as f32, albedo: [1.0; 3], phase: HenyeyGreenstein { g: case.g as f32 } }
+    Medium { extinction: case.mu_t as f32, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(case.g as f32) }
+}
+
+/// The phase function of a case, whose mean cosine single precision does not hold. Its lobes are those of the medium.
+struct Exact(f64);
+
+impl Phase for Exact {
+    fn density(&self, cosine: f64) -> f64 {
+        henyey_greenstein::reference::density(self.0, cosine)
+    }
+
+    fn sample_cosine(&self, u: f64) -> f64 {
+        henyey_greenstein::reference::sample_cosine(self.0, u)
+    }
+
+    fn forward_share(&self) -> f64 {
+        henyey_greenstein::reference::forward_share(self.0)
+    }
+
+    fn mean_cosine(&self) -> f64 {
+        self.0
+    }
 }
 
 #[test]
@@ -33,28 +55,32 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
         let settings =
             mvnee::reference::Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: slope::of(case.g) };
         for start in &case.starts {
+            let phase = Exact(case.g);
             let traced =
-                path_tracing_density(case.mu_t, case.g, &path, start.start, None, normal).expect("has a density");
+                path_tracing_density(case.mu_t, &phase, &path, start.start, None, normal).expect("has a density");
             let chain = &path[start.start..];
             let light = 1.0 / case.light_area;
             let arriving = (path[start.start] - path[start.start - 1]).normalize();
-            let medium = (case.mu_t, case.g);
+            let medium: (f64, &dyn Phase) = (case.mu_t, &phase);
             let from = bridge::reference::Start { depth: start.start as u32, arriving, on_surface: false };
             let bridge = |roll: Roll| {
                 let density =
                     bridge::reference::density(&poisson_bridge(case, roll), medium, 1000, &from, chain, light);
                 density.times(1.0 / count_quotient(case, start.start))
             };
-            let found = [
-                traced.value() / start.path_tracing_density,
-                quotient(nee::reference::density(chain, normal, light).over(traced), start.nee),
-                quotient(mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced), start.mvnee),
-                quotient(bridge(Roll::Uniform).over(traced), start.bridge),
-                quotient(bridge(Roll::Aligned).over(traced), start.aligned_bridge),
-            ];
-            for (name, quotient) in ["path tracing", "nee", "mvnee", "bridge", "aligned bridge"].iter().zip(found) {
+            let nee = nee::reference::density(chain, normal, light).over(traced);
+            let mvnee = mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced);
+            let [uniform, aligned] = [Roll::Uniform, Roll::Aligned].map(|roll| bridge(roll).over(traced));
+            for (name, quotient, tolerance) in [
+                ("path tracing", traced.value() / start.path_tracing_density, 1e-9),
+                ("nee", quotient(nee, start.nee), 1e-9),
+                ("mvnee", quotient(mvnee, start.mvnee), 1e-9),
+                ("bridge", quotient(uniform, start.bridge), 1e-9),
+                // The lobe by which it rolls is in single precision.
+                ("aligned bridge", quotient(aligned, start.aligned_bridge), 2e-6),
+            ] {
                 let place = format!("case {index}, start {}: {name}", start.start);
-                assert!((quotient - 1.0).abs() < 1e-9, "{place} is off by a factor {quotient}");
+                assert!((quotient - 1.0).abs() < tolerance, "{place} is off by a factor {quotient}");
             }
             checked += 1;
         }
@@ -69,8 +95,8 @@ fn quotient(found: f64, recorded: f64) -> f64 {
 
 /// Bridges with about the counts that were recorded: nothing but Poisson, from a table.
 fn poisson_bridge(case: &Case, roll: Roll) -> Bridge {
-    let phase = HenyeyGreenstein { g: case.g as f32 };
-    Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(phase))) }
+    let lobe = HenyeyGreenstein { g: case.g as f32 };
+    Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(lobe))) }
 }
 
 /// The probability that the table gives to the number of edges from vertex `start` on, over the Poisson probability that was
@@ -80,8 +106,9 @@ fn count_quotient(case: &Case, start: usize) -> f64 {
     let arriving = (path[start] - path[start - 1]).normalize();
     let (way, edges) = (path[path.len() - 1] - path[start], path.len() - 1 - start);
     let from = bridge::reference::Start { depth: start as u32, arriving, on_surface: false };
-    let bridge = poisson_bridge(case, Roll::Uniform);
-    let tabled = bridge::reference::count_probability(&bridge, (case.mu_t, case.g), 1000, &from, way, edges as u32);
+    let (bridge, phase) = (poisson_bridge(case, Roll::Uniform), Exact(case.g));
+    let medium: (f64, &dyn Phase) = (case.mu_t, &phase);
+    let tabled = bridge::reference::count_probability(&bridge, medium, 1000, &from, way, edges as u32);
     let mean = case.mu_t * way.length();
     let poisson = (1..edges).fold((-mean).exp(), |p, k| p * mean / k as f64);
     tabled / poisson
@@ -189,7 +216,7 @@ fn any_turn() -> impl Strategy<Value = DQuat> {
 fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
     let has = |bit: u32| bits >> bit & 1 == 1;
     // The counts of the paper are the quickest to tabulate.
-    let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase)));
+    let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase.twin().lobe())));
     let lis = Shape::Bridge(bridge.clone());
     Techniques {
         nee: has(0),
@@ -217,7 +244,7 @@ proptest! {
     ) {
         // A technique's share of a path is its density over the sum of all; the weight is path tracing's share, and each
         // of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
-        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let made = Made { vertices: &path, inserted: 0, first_start: 1, emitter: 0 };
@@ -242,7 +269,7 @@ proptest! {
     fn weights_do_not_depend_on_how_a_path_was_made(
         path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64,
     ) {
-        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for bits in EVERY {
             let techniques = techniques(&medium, bits, mesc);
@@ -264,7 +291,7 @@ proptest! {
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let weight = |path: &[DVec3], turn: DQuat, scale: f64| {
                 let extinction = (1.3 / scale) as f32;
-                let medium = Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+                let medium = Medium { extinction, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
                 let lights = lights_around(path, turn, scale, selection);
                 let techniques = techniques(&medium, bits, mesc);
                 let weigher = Weigher::new(kernel, &medium, &lights, &techniques);

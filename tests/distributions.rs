@@ -8,7 +8,7 @@ use fogbow_kernels::columns::queues::Candidate;
 use fogbow_kernels::connect::light_sample::Reach;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
 use fogbow_kernels::connect::nee;
-use fogbow_kernels::phase::{HenyeyGreenstein, reference as phase};
+use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
 use fogbow_kernels::tables::lights::{Emitter, Selection, Shape};
@@ -69,7 +69,7 @@ fn scattered_directions_match_the_phase_function() {
     for g in [-0.95, -0.3, 0.0, 1e-4, 0.5, 0.9, 0.99] {
         let frame = frame(g);
         // Cells of equal probability in the cosine, from the twin's inversion, and of equal azimuth.
-        let edges: Vec<_> = (1..32).map(|i| phase::sample_cosine(f64::from(g), f64::from(i) / 32.0)).collect();
+        let edges: Vec<_> = (1..32).map(|i| frame.medium.phase.twin().sample_cosine(f64::from(i) / 32.0)).collect();
         let mut cells = vec![0.0; 32 * 8];
         after_walks(&frame, SAMPLES, 1, |wavefront| {
             let clock = wavefront.step.clock;
@@ -203,9 +203,8 @@ fn lights_are_selected_with_their_probability() {
 
 #[test]
 fn isotropic_media_forget_where_light_came_from() {
-    let isotropic = HenyeyGreenstein { g: 0.0 };
     let mut frame = frame(0.0);
-    frame.medium.phase = isotropic;
+    frame.medium.phase = PhaseFunction::henyey_greenstein(0.0);
     let mut cosines = Moments::default();
     after_walks(&frame, SAMPLES, 2, |wavefront| {
         let clock = wavefront.step.clock;

@@ -1,7 +1,7 @@
 //! Lights that are more than a disk: rooms that shine evenly, meshes however they are cut, any unit of length.
 
 use fogbow::frame::Frame;
-use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
@@ -23,7 +23,8 @@ fn closed_room() -> Vec<Face> {
 
 /// Nothing, and media that absorb nothing.
 fn media() -> [Medium; 3] {
-    let medium = |extinction: f32, g: f32| Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } };
+    let medium =
+        |extinction: f32, g: f32| Medium { extinction, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
     let vacuum = Medium { albedo: [0.0; 3], ..medium(0.0, 0.0) };
     [vacuum, medium(0.7, 0.8), medium(1.5, -0.4)]
 }
@@ -36,7 +37,8 @@ fn assert_even(name: &str, groups: &[(Material, Vec<Face>)], first_shining: u32,
         for active in Active::ALL {
             let camera = Camera::new(DVec3::new(0.2, 0.9, 0.3), DVec3::new(0.1, 0.1, 1.0), DVec3::Y, 1.5, 0.0, SIZE);
             let lights = Lights::with_meshes(Vec::new(), vec![mesh.clone()], Selection::Uniform);
-            let base = Frame { surfaces: surfaces.clone(), ..frames::plain(camera, medium, lights, longest, 7) };
+            let base =
+                Frame { surfaces: surfaces.clone(), ..frames::plain(camera, medium.clone(), lights, longest, 7) };
             let mut frame = frames::with_techniques(&base, active, 3.0).with_walk(u32::MAX, 1.0);
             if medium.never_scatters() {
                 frame.techniques = frame.techniques.without_vertices();

@@ -7,11 +7,11 @@ use fogbow_kernels::PathLengths;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::reference::Start;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
-use fogbow_kernels::connect::light_sample::reference::normal;
 use fogbow_kernels::connect::lis::reference::{density, vertex_density};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
-use fogbow_kernels::phase::reference as phase;
+use fogbow_kernels::emission::reference::normal;
+use fogbow_kernels::phase::reference::Phase;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
@@ -109,12 +109,12 @@ fn other_vertex_density(disk: &Emitter, point: DVec3, vertex: DVec3) -> f64 {
 }
 
 /// Density of the inner vertices of `chain` as a free walk that sets out along the axis.
-fn walk_density(g: f64, chain: &[DVec3]) -> f64 {
+fn walk_density(phase: &dyn Phase, chain: &[DVec3]) -> f64 {
     let way = chain[chain.len() - 1] - chain[0];
     let (mean, mut direction, mut density) = (0.3 * way.length(), way.normalize(), 1.0);
     for ends in chain[..chain.len() - 1].windows(2) {
         let (length, next) = (ends[0].distance(ends[1]), (ends[1] - ends[0]).normalize());
-        density *= phase::density(g, direction.dot(next)) * (-length / mean).exp() / (mean * length * length);
+        density *= phase.density(direction.dot(next)) * (-length / mean).exp() / (mean * length * length);
         direction = next;
     }
     density
@@ -123,7 +123,7 @@ fn walk_density(g: f64, chain: &[DVec3]) -> f64 {
 /// Another density of the inner vertices between start and vertex, where the shape has any.
 fn other_shape_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
     match &settings(frame).shape {
-        Shape::Bridge(_) => walk_density(f64::from(frame.medium.phase.g), to_vertex),
+        Shape::Bridge(_) => walk_density(frame.medium.phase.twin(), to_vertex),
         Shape::Mvnee(mvnee) => {
             let settings = mvnee::reference::Settings::from(mvnee);
             let other =
@@ -153,12 +153,12 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
         frame(0.6, None, mvnee),
         frame(0.6, Some(20.0), mvnee),
     ] {
-        let (disk, g) = (&frame.lights.emitters()[0], f64::from(frame.medium.phase.g));
+        let (disk, medium) = (&frame.lights.emitters()[0], (EXTINCTION, frame.medium.phase.twin()));
         let mut quotients = [Moments::default(); 8];
         connections(&frame, 16 * SAMPLES, |arriving, chain| {
             let (to_vertex, edges) = (&chain[..chain.len() - 1], chain.len() - 1);
             let from = Start { depth: 2, arriving, on_surface: false };
-            let made = density(&settings(&frame), (EXTINCTION, g), disk, frame.lengths.max, &from, chain, 1.0).value();
+            let made = density(&settings(&frame), medium, disk, frame.lengths.max, &from, chain, 1.0).value();
             let other = other_vertex_density(disk, chain[edges], chain[edges - 1]);
             for (count, quotient) in quotients.iter_mut().enumerate() {
                 // Very short edges may be rounded to nothing.

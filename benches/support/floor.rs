@@ -1,7 +1,7 @@
 //! The floor: a walk through fog over plain columns, with nothing that makes a renderer: no refill, no film, no queues, no
 //! candidates. Rates of frames are best read as multiples of its time.
 
-use fogbow_kernels::phase::{HenyeyGreenstein, HenyeyGreensteinX8};
+use fogbow_kernels::phase::{HenyeyGreenstein, HenyeyGreensteinX8, PhaseX8};
 use fogbow_kernels::random::{uniform_x8, words_x8};
 use fogbow_kernels::transcendental::neg_ln;
 use fogbow_kernels::vec3x8::Vec3x8;

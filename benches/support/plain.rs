@@ -57,7 +57,7 @@ impl State {
             weights: vec![0.0; lanes],
             seed: frame.seed,
             extinction: frame.medium.extinction,
-            g: frame.medium.phase.g,
+            g: frame.medium.phase.mean_cosine() as f32,
             center: disk.origin.into(),
             normal: disk.normal.into(),
             tangent: disk.tangent.into(),

@@ -8,6 +8,7 @@
 pub mod accumulate;
 pub mod columns;
 pub mod connect;
+pub mod emission;
 pub mod extend;
 pub mod first_flight;
 pub mod flight_weight;

@@ -25,12 +25,13 @@ use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{bridge, lis, nee, omnee};
+use fogbow_kernels::emission::reference as emission;
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath};
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
-    roulette, scatter,
+    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, occlusion, random, roulette,
+    scatter,
 };
 use glam::DVec3;
 
@@ -188,10 +189,10 @@ impl Walk<'_> {
         };
         let emitter = &lights.emitters()[index];
         let point = self.last() + distance * self.direction;
-        if light_sample::cosine(emitter, point, self.direction) > 0.0 {
+        if emission::cosine(emitter, point, self.direction) > 0.0 {
             let weight = match segment {
                 0 => {
-                    let profile = mis_weight::reference::profile(emitter, point, self.direction);
+                    let profile = emission::profile(emitter, point, self.direction);
                     profile * light_hit::reference::transmittance(self.extinction(), distance)
                 }
                 _ => self.weigh(index, &[point]),
@@ -223,7 +224,7 @@ impl Walk<'_> {
     /// Appends the vertex at the end of the flight.
     fn scatter(&mut self, flight: f64, u: [f64; 2]) {
         let medium = &self.frame.medium;
-        let event = scatter::reference::scatter(f64::from(medium.phase.g), self.last(), self.direction, flight, u);
+        let event = scatter::reference::scatter(medium.phase.twin(), self.last(), self.direction, flight, u);
         self.path.push(event.position);
         self.direction = event.direction;
         for (throughput, albedo) in self.throughput.iter_mut().zip(medium.albedo) {
@@ -266,7 +267,7 @@ impl Walk<'_> {
             return;
         };
         let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
-        let vertex = omnee_sample::place(f64::from(self.frame.medium.phase.g), self.last(), point, u);
+        let vertex = omnee_sample::place(self.frame.medium.phase.twin(), self.last(), point, u);
         self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, emitter, &[vertex, point]);
     }
 
@@ -283,15 +284,15 @@ impl Walk<'_> {
 
     /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
     fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
-        let (start, g) = (self.last(), f64::from(self.frame.medium.phase.g));
+        let (start, phase) = (self.last(), self.frame.medium.phase.twin());
         let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
         let from = bridge::reference::Start { depth: self.depth(), arriving, on_surface };
-        let medium = (self.extinction(), g);
+        let medium = (self.extinction(), phase);
         let count = bridge_sample::count_edges(bridge, medium, lengths, &from, point - start, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(from.roll(bridge), g, start, arriving, point, &draws, &mut inserted);
+        bridge_sample::place(from.roll(bridge), phase, start, arriving, point, &draws, &mut inserted);
         Some(inserted)
     }
 

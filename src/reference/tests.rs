@@ -6,7 +6,7 @@ use std::sync::Arc;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::Roll;
 use fogbow_kernels::connect::mvnee::Offset;
-use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
@@ -17,13 +17,13 @@ const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let albedo = [albedo, 0.75 * albedo, 0.9 * albedo];
-    let medium = Medium { extinction: 0.5, albedo, phase: HenyeyGreenstein { g: 0.5 } };
+    let medium = Medium { extinction: 0.5, albedo, phase: PhaseFunction::henyey_greenstein(0.5) };
     let disk = |z: f64, normal: DVec3, radiance| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, radiance);
     let disks = vec![disk(3.0, -DVec3::Z, [1.0, 2.0, 3.0]), disk(4.0, DVec3::Z, [4.0, 1.0, 2.0])];
     let bridge = Bridge::new(Roll::Aligned, &medium, lengths.max);
     Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
-        medium,
+        medium: medium.clone(),
         lights: Lights::new(disks, Selection::IntensityDistance),
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques {

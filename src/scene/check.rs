@@ -6,7 +6,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
-use fogbow_kernels::phase::HenyeyGreenstein;
+use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
@@ -121,7 +121,7 @@ impl Check<'_> {
 
     fn medium(&self, scene: &Scene) -> Result<Medium> {
         let Some(medium) = &scene.medium else {
-            return Ok(Medium { extinction: 0.0, albedo: [0.0; 3], phase: HenyeyGreenstein { g: 0.0 } });
+            return Ok(Medium { extinction: 0.0, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) });
         };
         let scattering = self.coefficient("medium.scattering", medium.scattering)?;
         let absorption = self.coefficient("medium.absorption", medium.absorption)?;
@@ -139,7 +139,7 @@ impl Check<'_> {
         let remedy = "give a mean cosine from -0.9999 to 0.9999";
         self.require(g.abs() <= SHARPEST, "medium.phase.g", format!("{g:?}"), remedy)?;
         let albedo = scattering.map(|s| if extinction[0] > 0.0 { (s / extinction[0]) as f32 } else { 0.0 });
-        let phase = HenyeyGreenstein { g: g as f32 };
+        let phase = PhaseFunction::henyey_greenstein(g as f32);
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 

@@ -63,7 +63,7 @@ fn exponent(inner: f64, outer: f64) -> f64 {
 mod tests {
     use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-    use fogbow_kernels::mis_weight::reference::profile;
+    use fogbow_kernels::emission::reference::profile;
     use fogbow_kernels::tables::lights::Emitter;
     use glam::DVec3;
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use fogbow_kernels::connect::Technique;
 use fogbow_kernels::pipeline::Stage;
 use serde_json::{Value, json};
 
@@ -10,7 +11,7 @@ use crate::error::Result;
 use crate::figures::{number, starts};
 use crate::output;
 use crate::pilot::Trial;
-use crate::stats::{ConnectionStats, Connector, Stats};
+use crate::stats::{ConnectionStats, Stats};
 use crate::truncation::Truncation;
 
 /// A finished render.
@@ -23,9 +24,8 @@ pub struct Report<'a> {
 impl Report<'_> {
     /// Names of the active techniques, `path` if there is no other.
     pub fn techniques(&self) -> String {
-        let active =
-            Connector::ALL.into_iter().filter(|connector| connector.is_active(&self.session.scene.frame.techniques));
-        let active: Vec<_> = active.map(Connector::name).collect();
+        let active: Vec<_> =
+            self.session.scene.frame.techniques.rows().map(|(technique, _)| technique.name()).collect();
         if active.is_empty() { "path".into() } else { active.join(",") }
     }
 
@@ -139,12 +139,12 @@ fn left_out(Truncation { max_segments, share, error, sufficient }: Truncation) -
 }
 
 fn connections(stats: &Stats) -> Value {
-    let one = |connector: Connector| {
-        let ConnectionStats { tried, weighted, faint, occluded } = stats.connections[connector as usize];
+    let one = |technique: Technique| {
+        let ConnectionStats { tried, weighted, faint, occluded } = stats.connections[technique as usize];
         let counts = json!({ "tried": tried, "weighted": weighted, "faint": faint, "occluded": occluded });
-        (connector.name().to_string(), counts)
+        (technique.name().to_string(), counts)
     };
-    Value::Object(Connector::ALL.into_iter().map(one).collect())
+    Value::Object(Technique::ALL.into_iter().map(one).collect())
 }
 
 fn dropped(report: &Report<'_>) -> Value {

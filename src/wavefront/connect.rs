@@ -4,13 +4,12 @@ use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
 use fogbow_kernels::connect::light_sample::Reach;
 use fogbow_kernels::connect::lis::{self, Lis, Shape};
-use fogbow_kernels::connect::{Joint, nee, omnee};
+use fogbow_kernels::connect::{Joint, Technique, nee, omnee};
 use fogbow_kernels::random::{self, Purpose};
 use fogbow_kernels::{PathLengths, Step};
 
 use super::stages::rows;
 use super::{Source, Wavefront};
-use crate::stats::Connector;
 
 impl Wavefront<'_> {
     /// Everything that connects from the current vertices.
@@ -24,31 +23,31 @@ impl Wavefront<'_> {
             self.light_survey();
         }
         if let Some(mvnee) = &techniques.mvnee {
-            self.connect_by(Connector::Mvnee, mvnee, mvnee.reach());
+            self.connect_by(Technique::Mvnee, mvnee, mvnee.reach());
         }
         if techniques.nee {
-            self.connect_straight(Connector::Nee, nee::REACH);
+            self.connect_straight(Technique::Nee, nee::REACH);
         }
         if techniques.omnee {
             self.connect_once_more(omnee::reach(lengths));
         }
         if let Some(bridge) = &techniques.bridge {
-            self.connect_by(Connector::Bridge, bridge, bridge.reach());
+            self.connect_by(Technique::Bridge, bridge, bridge.reach());
         }
         if let Some(lis) = &techniques.lis {
             self.connect_from_light(lis, lis::reach(lengths));
         }
         if let Some(reach) = techniques.companion() {
-            self.connect_straight(Connector::Lis, reach);
+            self.connect_straight(Technique::Lis, reach);
         }
     }
 
     /// Connections in a straight line.
-    fn connect_straight(&mut self, connector: Connector, reach: Reach) {
+    fn connect_straight(&mut self, technique: Technique, reach: Reach) {
         self.light_sample(reach);
         let bucket = self.candidates.connections.direct();
-        self.stats.connections(connector).tried += bucket.len as u64;
-        self.settle(connector, reach.purpose, Source::Connections, bucket);
+        self.stats.connections(technique).tried += bucket.len as u64;
+        self.settle(technique, reach.purpose, Source::Connections, bucket);
     }
 
     /// Connections through one vertex.
@@ -56,22 +55,22 @@ impl Wavefront<'_> {
         self.light_sample(reach);
         self.omnee_build();
         let bucket = Bucket { inserted: 1, ..self.candidates.connections.direct() };
-        self.stats.connections(Connector::Omnee).tried += bucket.len as u64;
-        self.settle(Connector::Omnee, reach.purpose, Source::Connections, bucket);
+        self.stats.connections(Technique::Omnee).tried += bucket.len as u64;
+        self.settle(Technique::Omnee, reach.purpose, Source::Connections, bucket);
     }
 
     /// Connections through as many vertices as the technique draws.
-    fn connect_by<T: Joint>(&mut self, connector: Connector, technique: &T, reach: Reach) {
+    fn connect_by<T: Joint>(&mut self, technique: Technique, settings: &T, reach: Reach) {
         self.light_sample(reach);
-        self.join(technique, self.frame.lengths, self.step);
-        self.settle_buckets(connector, reach.purpose, 0);
+        self.join(settings, self.frame.lengths, self.step);
+        self.settle_buckets(technique, reach.purpose, 0);
     }
 
     /// Connections to a vertex made from the light.
     fn connect_from_light(&mut self, lis: &Lis, reach: Reach) {
         self.light_sample(reach);
         self.join_from_light(lis);
-        self.settle_buckets(Connector::Lis, reach.purpose, 1);
+        self.settle_buckets(Technique::Lis, reach.purpose, 1);
     }
 
     /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one vertex
@@ -118,13 +117,13 @@ impl Wavefront<'_> {
 
     /// What becomes of connections that were sorted and built, to light points of `purpose`; `appended` vertices were
     /// inserted since they were sorted.
-    fn settle_buckets(&mut self, connector: Connector, purpose: Purpose, appended: usize) {
-        self.stats.connections(connector).tried += self.candidates.connections.len as u64;
+    fn settle_buckets(&mut self, technique: Technique, purpose: Purpose, appended: usize) {
+        self.stats.connections(technique).tried += self.candidates.connections.len as u64;
         for index in 0..self.buckets.buckets().len() {
             let bucket = self.buckets.buckets()[index];
             if bucket.len > 0 {
                 let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
-                self.settle(connector, purpose, Source::Bridged, bucket);
+                self.settle(technique, purpose, Source::Bridged, bucket);
             }
         }
     }

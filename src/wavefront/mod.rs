@@ -18,7 +18,6 @@ use fogbow_kernels::columns::queues::{
 };
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{Column, Spectrum};
-use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::{self, LANES, LaneSet};
@@ -59,9 +58,7 @@ pub fn default_lanes(frame: &Frame) -> usize {
 
 /// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone.
 fn remembered(frame: &Frame) -> usize {
-    let Techniques { nee: _, mvnee, omnee, bridge, lis } = &frame.techniques;
-    let looks_back = mvnee.is_some() || *omnee || bridge.is_some() || lis.is_some();
-    if looks_back { frame.walk_segments() as usize } else { 0 }
+    if frame.techniques.look_back() { frame.walk_segments() as usize } else { 0 }
 }
 
 /// Everything one worker needs to render a frame: tables and queues of fixed capacity in one arena.
@@ -128,10 +125,7 @@ impl<'q> Wavefront<'q> {
         let lanes = lanes.max(1).next_multiple_of(LANES);
         let channels = frame.channels();
         let segments = frame.lengths.max as usize;
-        let longest = match frame.techniques {
-            Techniques { mvnee: None, bridge: None, lis: None, omnee, .. } => usize::from(omnee),
-            _ => segments.saturating_sub(2),
-        };
+        let longest = frame.techniques.most_inserted(frame.lengths.max);
         let bridged = BucketTable::rows(lanes, longest);
         Self {
             frame,

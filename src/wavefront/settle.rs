@@ -2,15 +2,15 @@
 
 use fogbow_kernels::accumulate::reference::{added, counts};
 use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::connect::Technique;
 use fogbow_kernels::random::Purpose;
 
 use super::{Source, Wavefront};
-use crate::stats::Connector;
 
 impl Wavefront<'_> {
     /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing has
     /// traced yet.
-    pub(super) fn settle(&mut self, connector: Connector, purpose: Purpose, source: Source, mut bucket: Bucket) {
+    pub(super) fn settle(&mut self, technique: Technique, purpose: Purpose, source: Source, mut bucket: Bucket) {
         self.count_work(source, bucket);
         self.mis_weight(source, bucket);
         let weighted = self.count(bucket);
@@ -28,7 +28,7 @@ impl Wavefront<'_> {
         }
         let free = self.count(bucket);
         self.contribute(source, bucket);
-        let stats = self.stats.connections(connector);
+        let stats = self.stats.connections(technique);
         stats.weighted += weighted;
         stats.faint += weighted - kept;
         stats.occluded += kept - free;

@@ -17,6 +17,7 @@ pub mod nee;
 pub mod omnee;
 pub mod sequence;
 pub mod suffix;
+mod technique;
 
 use bridge::Bridge;
 use light_sample::Reach;
@@ -24,6 +25,7 @@ use lis::Lis;
 use mvnee::Mvnee;
 
 pub use joint::Joint;
+pub use technique::{Densities, Row, Technique};
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,12 +52,6 @@ impl Techniques {
     /// all.
     pub fn companion(&self) -> Option<Reach> {
         self.lis.as_ref().filter(|_| !self.nee).map(Lis::companion)
-    }
-
-    /// Longest distance between start and light point, of the techniques for which the starts of a path that are near a light
-    /// are remembered `[m]`; infinite if none is limited.
-    pub fn near(&self) -> f32 {
-        self.mvnee.as_ref().map_or(f32::INFINITY, |mvnee| mvnee.max_distance)
     }
 
     /// Whether any vertex connects.

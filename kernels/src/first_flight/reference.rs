@@ -112,7 +112,7 @@ mod tests {
     use crate::columns::paths::{Path, PathColumns, RayColumns, VertexColumns};
     use crate::lanes::LaneSet;
     use crate::medium_sample;
-    use crate::phase::HenyeyGreenstein;
+    use crate::phase::PhaseFunction;
     use crate::tables::lights::{Emitter, Selection};
     use crate::tables::media::Medium;
     use bumpalo::Bump;
@@ -280,7 +280,7 @@ mod tests {
                 requested.insert(lane);
             }
         }
-        let medium = Medium { extinction: 0.5, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
+        let medium = Medium { extinction: 0.5, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
         let columns = Columns {
             medium: &medium,
             lights: &lights(),

@@ -11,8 +11,7 @@ use glam::DVec3;
 use super::Columns;
 use crate::Step;
 use crate::columns::queues::Candidate;
-use crate::connect::light_sample::reference::cosine;
-use crate::mis_weight::reference::profile;
+use crate::emission::reference::{cosine, profile};
 use crate::tables::lights::{Emitter, Shape};
 
 /// The twin; see [`Kernel`](super::Kernel).

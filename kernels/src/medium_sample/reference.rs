@@ -51,7 +51,7 @@ mod tests {
     use crate::columns::paths::{Path, PathColumns};
     use crate::columns::queues::FlightTable;
     use crate::lanes::LaneSet;
-    use crate::phase::HenyeyGreenstein;
+    use crate::phase::PhaseFunction;
     use crate::tables::media::Medium;
     use bumpalo::Bump;
 
@@ -79,7 +79,7 @@ mod tests {
             paths.set_row(lane, Path { pixel: lane as u32, sample: 0, birth: 50 - depth });
             live.insert(lane);
         }
-        let medium = Medium { extinction: 2.0, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.0 } };
+        let medium = Medium { extinction: 2.0, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
         let walk = Walk { segments: 9, starts: 1, survival: 0.75 };
         let columns = Columns { medium: &medium, walk: &walk, live: &mut live, paths: &paths, flights: &mut flights };
         run(Step { seed: 5, clock: 50 }, columns);

@@ -28,10 +28,11 @@ use glam::DVec3;
 use super::Columns;
 use crate::columns::trail::TrailTable;
 use crate::connect::density::Density;
-use crate::connect::light_sample::reference::{cosine, light_density, normal};
+use crate::connect::light_sample::reference::light_density;
 use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
-use crate::phase::reference as phase;
-use crate::tables::lights::{Emitter, Lights};
+use crate::emission::reference::{normal, profile};
+use crate::phase::reference::Phase;
+use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
@@ -139,13 +140,13 @@ impl Competition<'_> {
         let Self { medium, lights, techniques, walk: _, lengths } = *self;
         let vertices = path.vertices;
         let surface = path.surface.filter(|_| start == path.first_start);
-        let constants @ (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
+        let constants @ (extinction, phase) = (f64::from(medium.extinction), medium.phase.twin());
         let [.., before, point] = vertices else {
             return 0.0;
         };
         let emitter = &lights.emitters()[path.emitter];
         let normal = normal(emitter, *point, *point - *before);
-        let Some(traced) = path_tracing_density(extinction, g, vertices, start, surface, normal) else {
+        let Some(traced) = path_tracing_density(extinction, phase, vertices, start, surface, normal) else {
             return 0.0;
         };
         let (chain, depth, longest) = (&vertices[start..], start as u32, lengths.max);
@@ -160,7 +161,7 @@ impl Competition<'_> {
             sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
         }
         if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
-            sum += omnee::reference::density(g, chain, light_density).over(traced);
+            sum += omnee::reference::density(phase, chain, light_density).over(traced);
         }
         if let Some(lis) = &techniques.lis {
             let density = lis::reference::density(lis, constants, emitter, longest, &from, chain, light_density);
@@ -177,19 +178,6 @@ impl Competition<'_> {
     }
 }
 
-/// Radiance of an emitter from `point` towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
-pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
-    let cosine = cosine(emitter, point, direction);
-    if cosine <= 0.0 {
-        return 0.0;
-    }
-    let ([a, b], exponent) = (emitter.window.map(f64::from), f64::from(emitter.exponent));
-    if a > 0.0 {
-        return (a * cosine + b).clamp(0.0, 1.0).powi(2) / cosine;
-    }
-    if emitter.focused { (exponent + 1.0) / (2.0 * PI) * cosine.powf(exponent) } else { 1.0 }
-}
-
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
 pub fn reach(walk: &Walk, i: usize) -> f64 {
     f64::from(walk.survival).powi(i as i32 - 1)
@@ -200,7 +188,7 @@ pub fn reach(walk: &Walk, i: usize) -> f64 {
 /// where a segment has no length and so no direction.
 pub fn path_tracing_density(
     extinction: f64,
-    g: f64,
+    phase: &dyn Phase,
     path: &[DVec3],
     start: usize,
     surface: Option<DVec3>,
@@ -216,7 +204,7 @@ pub fn path_tracing_density(
         density = density
             .times(match surface {
                 Some(normal) if j == start => leaving.dot(normal).max(0.0) / PI,
-                _ => phase::density(g, arriving.dot(leaving)),
+                _ => phase.density(arriving.dot(leaving)),
             })
             .times_exp(-extinction * length)
             .times(1.0 / (length * length))

@@ -19,28 +19,30 @@ use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, Ver
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
-use crate::connect::lis::{self, Lis, Shape};
+use crate::connect::lis::{self, Lis};
 use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
-use crate::connect::{Techniques, bridge, mvnee, nee, omnee};
+use crate::connect::{Densities, bridge, mvnee, nee, omnee};
 use crate::lanes::LANES;
-use crate::phase::{HenyeyGreensteinX8, forward_share};
+use crate::phase::PhaseX8;
 use crate::tables::lights::Lights;
 use crate::tables::media::Medium;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, Walk, lanes};
+use crate::{PathLengths, Step, Walk, lanes, with_phase};
 
 /// Shortest length by which a segment's direction is normalised `[m]`.
 const LEAST_LENGTH: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
+    with_phase!(&columns.medium.phase, |phase| weigh(step, columns, phase));
+}
+
+fn weigh<P: PhaseX8>(step: Step, columns: Columns<'_, '_>, phase: P) {
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
     let Columns { candidates, chains, paths, last_surface, outlook, vertex, trail, suffix, worth, .. } = columns;
     fill_factor(medium, bucket, worth);
-    let phase = HenyeyGreensteinX8::new(medium.phase);
-    let share = forward_share(f64::from(medium.phase.g)) as f32;
-    let (densities, usable, lis) = (asks_for_densities(techniques), farthest_of(techniques), techniques.lis.as_ref());
+    let (densities, usable, lis) = (techniques.densities(), techniques.farthest_start(), techniques.lis.as_ref());
     let near = techniques.companion().map_or(0.0, |reach| reach.max_distance);
     for (b, rows) in bucket.batches() {
         let batch = Batch {
@@ -49,8 +51,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             emitter_of: candidates.emitter.batch(b).to_array(),
             lights,
             phase,
-            densities,
-            last_density: lis.is_some(),
+            densities: densities == Densities::All,
+            last_density: densities >= Densities::Last,
             log_survival: walk.survival.ln(),
         };
         let starts = batch.starts(paths, last_surface, walk, step, rows);
@@ -71,7 +73,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
         }
         if techniques.omnee && nearest <= 2 && needed >= 2 {
-            sum += omnee::simd::ratio(&arrival, suffix, share);
+            sum += omnee::simd::ratio(&arrival, suffix, phase.forward_share());
         }
         if let Some(mvnee) = &techniques.mvnee {
             sum += mvnee::simd::ratios(mvnee, &arrival, suffix, nearest..=farthest_near);
@@ -97,21 +99,6 @@ fn fill_factor(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
     for (factor, albedo) in worth.factor.channels_mut().iter_mut().zip(medium.albedo) {
         let inserted = f32x8::splat(albedo.powi(bucket.inserted as i32));
         bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
-    }
-}
-
-/// Whether phase functions are needed at every vertex.
-fn asks_for_densities(techniques: &Techniques) -> bool {
-    let by_mvnee = techniques.lis.as_ref().is_some_and(|lis| matches!(lis.shape, Shape::Mvnee(_)));
-    techniques.nee || techniques.omnee || techniques.mvnee.is_some() || by_mvnee
-}
-
-/// The farthest start, counted from the light, that any technique but MVNEE can use.
-fn farthest_of(techniques: &Techniques) -> usize {
-    match techniques {
-        Techniques { bridge: Some(_), .. } | Techniques { lis: Some(_), .. } => usize::MAX,
-        Techniques { omnee: true, .. } => 2,
-        _ => 1,
     }
 }
 
@@ -158,12 +145,12 @@ impl Starts {
 
 /// Eight candidates of one bucket.
 #[derive(Clone, Copy)]
-struct Batch<'a> {
+struct Batch<'a, P> {
     inserted: usize,
     lane_of: [u32; LANES],
     emitter_of: [u32; LANES],
     lights: &'a Lights,
-    phase: HenyeyGreensteinX8,
+    phase: P,
     /// Whether phase functions are asked for.
     densities: bool,
     /// Whether that of the vertex next to the light is.
@@ -179,7 +166,7 @@ fn segment(from: Vec3x8, to: Vec3x8) -> (f32x8, Vec3x8) {
     (length, edge * (f32x8::ONE / length.fast_max(f32x8::splat(LEAST_LENGTH))))
 }
 
-impl Batch<'_> {
+impl<P: PhaseX8> Batch<'_, P> {
     /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads.
     #[inline(always)]
     fn walk_connection(
@@ -214,7 +201,7 @@ impl Batch<'_> {
         suffix.vertices[self.inserted + 2].leaving = arriving;
         if self.densities || self.last_density && self.inserted == 0 {
             let start = &mut suffix.vertices[self.inserted + 1];
-            start.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
+            start.inverse_density = self.phase.inverse_density(arriving, leaving);
         }
 
         Arrival {
@@ -229,7 +216,7 @@ impl Batch<'_> {
     /// Completes an inserted vertex once the segment that arrives there is known.
     #[inline(always)]
     fn arrive(&self, vertex: &mut SuffixVertex, length_squared: f32x8, arriving: Vec3x8, leaving: Vec3x8) {
-        vertex.inverse_density = self.phase.inverse_density(self.phase.h(arriving, leaving));
+        vertex.inverse_density = self.phase.inverse_density(arriving, leaving);
         vertex.spread = length_squared * vertex.inverse_density;
     }
 
@@ -257,7 +244,7 @@ impl Batch<'_> {
         if farthest >= nearest.max(2) {
             let (left, most) = (u32x8::splat(lengths.max - 1), f32x8::splat(lis.most_edges()));
             let room = |a: usize| lanes::to_f32(left - starts.depth(a)).fast_min(most);
-            let emission = lis::simd::emission(self.lights, &self.emitter_of, arrival.cos_light);
+            let emission = self.lights.direction_density(&self.emitter_of, arrival.cos_light);
             let starts = nearest.max(2)..=farthest;
             sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
         }
@@ -375,7 +362,7 @@ impl Batch<'_> {
                     suffix.vertices.get_disjoint_mut([a - 1, a, a + 1]).expect("three vertices");
                 let length_squared = (before.position - vertex.position).length_squared();
                 before.spread = length_squared * before.inverse_density;
-                vertex.inverse_density = self.phase.inverse_density(self.phase.h(after.leaving, vertex.leaving));
+                vertex.inverse_density = self.phase.inverse_density(after.leaving, vertex.leaving);
             }
         }
     }

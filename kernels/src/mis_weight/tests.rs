@@ -5,18 +5,19 @@ use core::f64::consts::PI;
 use glam::DVec3;
 use wide::f32x8;
 
-use super::reference::{Competition, CompletePath, profile};
+use super::reference::{Competition, CompletePath};
 use crate::connect::bridge::reference::{Start, count_probability};
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::mvnee::{Mvnee, Offset};
-use crate::connect::{Techniques, bridge, omnee};
-use crate::phase::{HenyeyGreenstein, reference as phase};
+use crate::connect::{Techniques, bridge};
+use crate::emission::reference::profile;
+use crate::phase::PhaseFunction;
 use crate::tables::lights::{Emitter, Lights, Selection};
 use crate::tables::media::Medium;
 use crate::{PathLengths, Walk};
 
 fn medium(extinction: f32, g: f32) -> Medium {
-    Medium { extinction, albedo: [1.0; 3], phase: HenyeyGreenstein { g } }
+    Medium { extinction, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) }
 }
 
 fn light(center: DVec3) -> Lights {
@@ -117,7 +118,7 @@ fn bent() -> (Medium, Lights, [DVec3; 6]) {
 #[test]
 fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
     let (medium, lights, path) = bent();
-    let (extinction, g) = (f64::from(medium.extinction), f64::from(medium.phase.g));
+    let (extinction, phase) = (f64::from(medium.extinction), medium.phase.twin());
     let direction = |j: usize| (path[j + 1] - path[j]).normalize();
     let area = PI * 0.25;
     let lengths = PathLengths { min: 1, max: 9 };
@@ -127,15 +128,15 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
         let length: f64 = (start..5).map(|j| (path[j + 1] - path[j]).length()).sum();
         let s = (path[5] - path[start]).length();
         let cos_light = direction(4).z;
-        let common = 1.0 / (area * phase::density(g, direction(start - 1).dot(direction(start))) * cos_light);
+        let common = 1.0 / (area * phase.density(direction(start - 1).dot(direction(start))) * cos_light);
         let factorial: f64 = (1..n).map(f64::from).product();
         let axis = (path[5] - path[start]) / s;
         let from = Start { depth: start as u32, arriving: direction(start - 1), on_surface: false };
         let aligned = Bridge::new(Roll::Aligned, &medium, lengths.max);
-        let count = count_probability(&aligned, (extinction, g), lengths.max, &from, s * axis, n as u32);
+        let count = count_probability(&aligned, (extinction, phase), lengths.max, &from, s * axis, n as u32);
         let uniform = common * count * factorial * extinction * s.powi(3) * (extinction * length).exp()
             / (extinction * length).powi(n);
-        let roll = bridge::reference::roll_density(g, direction(start - 1), axis, direction(start));
+        let roll = bridge::reference::roll_density(phase, direction(start - 1), axis, direction(start));
         for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll)] {
             let bridge = Bridge { roll: kind, ..aligned.clone() };
             let found = sum(&Techniques { bridge: Some(bridge), ..Techniques::default() }, start);
@@ -147,7 +148,7 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
             continue;
         }
         let theta = direction(3).angle_between(direction(4));
-        let share = omnee::reference::forward_share(g);
+        let share = phase.forward_share();
         let expected = common * s * theta.sin() / theta * (extinction * length).exp() / (share * extinction);
         assert!((found / expected - 1.0).abs() < 1e-6, "{found}, expected {expected}");
     }

@@ -10,14 +10,18 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::phase::HenyeyGreensteinX8;
+use crate::phase::PhaseX8;
 use crate::random::uniform_x8;
-use crate::{Step, lanes};
+use crate::{Step, lanes, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
+    with_phase!(&columns.medium.phase, |phase| scatter(step, columns, phase));
+}
+
+#[inline(always)]
+fn scatter(step: Step, columns: Columns<'_, '_>, phase: impl PhaseX8) {
     let Columns { medium, live, on_surface, paths, flights, vertex, next, ray, next_ray, throughput } = columns;
-    let phase = HenyeyGreensteinX8::new(medium.phase);
     let n = live.batches();
     let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
     let (flight, cosine, azimuth) = (flights.flight.view(n), flights.cosine.view(n), flights.azimuth.view(n));

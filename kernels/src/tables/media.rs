@@ -1,16 +1,16 @@
 //! The medium that fills space.
 
-use crate::phase::HenyeyGreenstein;
+use crate::phase::PhaseFunction;
 
 /// A homogeneous medium of grey extinction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     /// Extinction coefficient mu_t = mu_s + mu_a [1/m], >= 0; 0 is vacuum.
     pub extinction: f32,
     /// Single-scattering albedo mu_s / mu_t per channel, in [0, 1]; 0 in vacuum.
     pub albedo: [f32; 3],
     /// Where a scattering event sends light.
-    pub phase: HenyeyGreenstein,
+    pub phase: PhaseFunction,
 }
 
 impl Medium {

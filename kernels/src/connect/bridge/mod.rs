@@ -55,6 +55,7 @@ use std::sync::Arc;
 use counts::CountTable;
 
 use super::light_sample::Reach;
+use super::{Densities, Row};
 use crate::random;
 use crate::tables::media::Medium;
 
@@ -109,6 +110,18 @@ impl Bridge {
     /// Most edges of a bridge from a start at `depth`, where paths have at most `longest` segments; `depth < longest`.
     pub fn room(&self, longest: u32, depth: u32) -> u32 {
         (longest - depth).min(self.max_inserted.saturating_add(1))
+    }
+
+    /// What others must know of it.
+    pub fn row(&self) -> Row {
+        Row {
+            reach: self.reach(),
+            most_inserted: self.max_inserted,
+            looks_back: true,
+            farthest_start: usize::MAX,
+            densities: Densities::None,
+            near: f32::INFINITY,
+        }
     }
 
     /// Every start within the distance limit connects, whichever way the light faces.

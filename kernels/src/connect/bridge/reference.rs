@@ -8,19 +8,20 @@
 //! ```
 //!
 //! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first edge,
-//! at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of a wrapped Cauchy
-//! distribution,
+//! at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of wrapped Cauchy
+//! distributions, one per lobe by which the phase function rolls, of its g and its share w,
 //!
 //! ```text
 //! a = 1 + g^2 - 2 g cos beta cos gamma,   b = 2 g sin beta sin gamma
-//! 2 pi p(psi) = sqrt(a^2 - b^2) / (a - b cos psi)
+//! 2 pi p(psi) = sum over the lobes of w sqrt(a^2 - b^2) / (a - b cos psi)
 //! ```
 
 use glam::DVec3;
 
 use super::{Bridge, Roll, counts};
 use crate::connect::density::Density;
-use crate::phase::reference as phase;
+use crate::phase::HenyeyGreenstein;
+use crate::phase::reference::Phase;
 
 /// The start of a bridge.
 #[derive(Clone, Copy, Debug)]
@@ -50,16 +51,21 @@ pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
 }
 
 /// The place in the table of counts of a start with a light point `way` from there `[m]`.
-pub fn cell(bridge: &Bridge, (extinction, g): (f64, f64), start: &Start, way: DVec3) -> counts::reference::Cell {
+pub fn cell(
+    bridge: &Bridge,
+    (extinction, phase): (f64, &dyn Phase),
+    start: &Start,
+    way: DVec3,
+) -> counts::reference::Cell {
     let turn = (!start.on_surface).then(|| start.arriving.dot(way.normalize_or(start.arriving)));
-    counts::reference::cell(&bridge.counts, g, extinction * way.length(), turn)
+    counts::reference::cell(&bridge.counts, phase.lobe(), extinction * way.length(), turn)
 }
 
 /// P(N): the probability of `edges` edges from `start` to a light point `way` from there `[m]`, where paths have at most
-/// `longest` segments; extinction [1/m] and mean cosine are those of the medium.
+/// `longest` segments; extinction [1/m] and phase function are those of the medium.
 pub fn count_probability(
     bridge: &Bridge,
-    medium: (f64, f64),
+    medium: (f64, &dyn Phase),
     longest: u32,
     start: &Start,
     way: DVec3,
@@ -79,8 +85,9 @@ fn log_factorial(k: u32) -> f64 {
     (2..=k).map(|factor| f64::from(factor).ln()).sum()
 }
 
-/// The coefficients a and b of `h(arriving . first) = a - b cos psi`, for unit vectors.
-pub fn roll_coefficients(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> (f64, f64) {
+/// The coefficients a and b of `h(arriving . first) = a - b cos psi` of a lobe, for unit vectors.
+pub fn roll_coefficients(lobe: HenyeyGreenstein, arriving: DVec3, axis: DVec3, first: DVec3) -> (f64, f64) {
+    let g = f64::from(lobe.g);
     let (cos_gamma, cos_beta) = (arriving.dot(axis), first.dot(axis));
     let (sin_gamma, sin_beta) = (arriving.cross(axis).length(), first.cross(axis).length());
     (1.0 + g * g - 2.0 * g * cos_beta * cos_gamma, 2.0 * g * sin_beta * sin_gamma)
@@ -88,13 +95,16 @@ pub fn roll_coefficients(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> 
 
 /// 2 pi p(psi) of the aligned roll that takes the first edge to `first`; all three are unit vectors. 1 if one of the two
 /// directions lies on the axis.
-pub fn roll_density(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
+pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
     let across = |v: DVec3| (v - v.dot(axis) * axis).try_normalize();
     let (Some(arriving_side), Some(first_side)) = (across(arriving), across(first)) else {
         return 1.0;
     };
-    let (a, b) = roll_coefficients(g, arriving, axis, first);
-    (a * a - b * b).sqrt() / (a - b * arriving_side.dot(first_side))
+    let lobe_density = |lobe: HenyeyGreenstein| {
+        let (a, b) = roll_coefficients(lobe, arriving, axis, first);
+        (a * a - b * b).sqrt() / (a - b * arriving_side.dot(first_side))
+    };
+    phase.roll_lobes().into_iter().map(|(share, lobe)| share * lobe_density(lobe)).sum()
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light.
@@ -103,7 +113,7 @@ pub fn roll_density(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
 /// has an edge without length.
 pub fn density(
     bridge: &Bridge,
-    medium: (f64, f64),
+    medium: (f64, &dyn Phase),
     longest: u32,
     start: &Start,
     chain: &[DVec3],
@@ -126,30 +136,30 @@ pub fn density(
     let length: f64 = edges.iter().map(|edge| edge.length()).sum();
     let mut density =
         counted.times_exp(3.0 * distance.ln() + log_factorial(count - 1) - f64::from(count) * length.ln());
-    let (_, g) = medium;
+    let (_, phase) = medium;
     for pair in edges.windows(2) {
-        density = density.times(phase::density(g, pair[0].normalize().dot(pair[1].normalize())));
+        density = density.times(phase.density(pair[0].normalize().dot(pair[1].normalize())));
     }
     for edge in &edges {
         density = density.times(1.0 / edge.length_squared());
     }
     match start.roll(bridge) {
         Roll::Uniform => density,
-        Roll::Aligned => density.times(roll_density(g, start.arriving, way / distance, edges[0].normalize())),
+        Roll::Aligned => density.times(roll_density(phase, start.arriving, way / distance, edges[0].normalize())),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase::HenyeyGreenstein;
+    use crate::phase::PhaseFunction;
     use crate::tables::media::Medium;
     use core::f64::consts::{PI, TAU};
 
     const DEFENSIVE: f64 = super::super::DEFENSIVE as f64;
 
-    fn bridge(roll: Roll, g: f64) -> Bridge {
-        let phase = HenyeyGreenstein { g: g as f32 };
+    fn bridge(roll: Roll, g: f32) -> Bridge {
+        let phase = PhaseFunction::henyey_greenstein(g);
         Bridge::new(roll, &Medium { extinction: 0.7, albedo: [1.0; 3], phase }, 40)
     }
 
@@ -160,8 +170,9 @@ mod tests {
     #[test]
     fn count_probabilities_add_up_to_one_with_room_and_to_less_without() {
         let bridge = bridge(Roll::Aligned, 0.6);
+        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
         let sum = |longest: u32, way: f64| -> f64 {
-            let p = |n| count_probability(&bridge, (1.0, 0.6), longest, &start(1, DVec3::Y), way * DVec3::Z, n);
+            let p = |n| count_probability(&bridge, medium, longest, &start(1, DVec3::Y), way * DVec3::Z, n);
             (0..=longest + 2).map(p).sum()
         };
         for way in [0.0, 2e-3, 1.0, 8.0, 60.0, 1e9] {
@@ -178,8 +189,9 @@ mod tests {
         let free = bridge(Roll::Aligned, 0.6);
         let limited = Bridge { max_inserted: 2, ..free.clone() };
         let (at, way) = (start(4, DVec3::X), 1.5 * DVec3::Z);
-        let tabled = counts::reference::probability(&free.counts, &cell(&free, (1.0, 0.6), &at, way), 3);
-        let found = |bridge: &Bridge, longest: u32, n: u32| count_probability(bridge, (1.0, 0.6), longest, &at, way, n);
+        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
+        let tabled = counts::reference::probability(&free.counts, &cell(&free, medium, &at, way), 3);
+        let found = |bridge: &Bridge, longest: u32, n: u32| count_probability(bridge, medium, longest, &at, way, n);
         // Room min(9 - 4, 3), and 5.
         for (bridge, room) in [(&limited, 3.0), (&free, 5.0)] {
             let expected = (1.0 - DEFENSIVE) * tabled + DEFENSIVE / room;
@@ -202,20 +214,23 @@ mod tests {
         {
             let steps = 4096;
             let width = TAU / f64::from(steps);
-            let density = |k: i32| roll_density(g, tilted(gamma, 0.3), DVec3::Z, tilted(beta, f64::from(k) * width));
+            let phase = HenyeyGreenstein { g };
+            let density =
+                |k: i32| roll_density(&phase, tilted(gamma, 0.3), DVec3::Z, tilted(beta, f64::from(k) * width));
             let sum: f64 = (0..steps).map(density).sum();
             assert!((sum * width / TAU - 1.0).abs() < 1e-9, "g = {g}: {}", sum * width);
         }
-        assert_eq!(roll_density(0.9, DVec3::X, DVec3::Z, DVec3::Z), 1.0);
-        assert_eq!(roll_density(0.9, DVec3::Z, DVec3::Z, DVec3::X), 1.0);
+        let phase = HenyeyGreenstein { g: 0.9 };
+        assert_eq!(roll_density(&phase, DVec3::X, DVec3::Z, DVec3::Z), 1.0);
+        assert_eq!(roll_density(&phase, DVec3::Z, DVec3::Z, DVec3::X), 1.0);
     }
 
     #[test]
     fn the_roll_is_proportional_to_the_phase_function_to_the_power_two_thirds() {
-        let (g, arriving) = (0.7, tilted(0.8, 2.0));
+        let (phase, arriving) = (HenyeyGreenstein { g: 0.7 }, tilted(0.8, 2.0));
         let constant = |azimuth: f64| {
             let first = tilted(1.1, azimuth);
-            roll_density(g, arriving, DVec3::Z, first) / phase::density(g, arriving.dot(first)).powf(2.0 / 3.0)
+            roll_density(&phase, arriving, DVec3::Z, first) / phase.density(arriving.dot(first)).powf(2.0 / 3.0)
         };
         for azimuth in [0.5, 1.9, 3.0, 6.0] {
             assert!((constant(azimuth) / constant(0.0) - 1.0).abs() < 1e-12, "{azimuth}");
@@ -230,6 +245,7 @@ mod tests {
         let point = DVec3::new(0.0, 0.0, distance);
         for (roll, g) in [(Roll::Uniform, 0.0), (Roll::Uniform, 0.6), (Roll::Aligned, 0.6), (Roll::Aligned, -0.5)] {
             let (bridge, at) = (bridge(roll, g), start(2, arriving));
+            let medium: (f64, &dyn Phase) = (0.7, &HenyeyGreenstein { g });
             let (turns, shares, azimuths) = (400, 200, 24);
             let mut sum = 0.0;
             for (i, j) in (0..turns).flat_map(|i| (0..shares).map(move |j| (i, j))) {
@@ -240,11 +256,11 @@ mod tests {
                 for k in 0..azimuths {
                     let vertex = l1 * tilted(alpha, TAU * f64::from(k) / f64::from(azimuths));
                     let chain = [DVec3::ZERO, vertex, point];
-                    sum += density(&bridge, (0.7, g), 9, &at, &chain, 2.0).value() * volume;
+                    sum += density(&bridge, medium, 9, &at, &chain, 2.0).value() * volume;
                 }
             }
             sum *= PI * TAU / f64::from(turns * shares * azimuths);
-            let expected = 2.0 * count_probability(&bridge, (0.7, g), 9, &at, point, 2);
+            let expected = 2.0 * count_probability(&bridge, medium, 9, &at, point, 2);
             assert!((sum / expected - 1.0).abs() < 1e-3, "{bridge:?}, g = {g}: {sum}, expected {expected}");
         }
     }
@@ -253,10 +269,11 @@ mod tests {
     fn a_single_edge_obeys_the_formula_of_many() {
         let (start, point) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 4.0));
         let s = (point - start).length();
+        let medium: (f64, &dyn Phase) = (0.8, &HenyeyGreenstein { g: 0.9 });
         for roll in [Roll::Aligned, Roll::Uniform] {
             let (bridge, at) = (bridge(roll, 0.9), super::Start { depth: 1, arriving: DVec3::X, on_surface: false });
-            let p = density(&bridge, (0.8, 0.9), 9, &at, &[start, point], 3.0).value();
-            let count = count_probability(&bridge, (0.8, 0.9), 9, &at, point - start, 1);
+            let p = density(&bridge, medium, 9, &at, &[start, point], 3.0).value();
+            let count = count_probability(&bridge, medium, 9, &at, point - start, 1);
             let many = 3.0 * count * s.powi(3) / s / (s * s);
             assert!((p / many - 1.0).abs() < 1e-14, "{p} and {many}");
         }
@@ -264,13 +281,14 @@ mod tests {
 
     #[test]
     fn a_thousand_vertices_in_any_unit_of_length_have_a_density() {
-        let bridge = bridge(Roll::Aligned, 0.9);
+        let (bridge, phase) = (bridge(Roll::Aligned, 0.9), HenyeyGreenstein { g: 0.9 });
         let zigzag = |k: i32| DVec3::new(0.3 * f64::from(k % 3), 0.2 * f64::from(k % 2), 0.5 * f64::from(k));
         let ratios = [1e-6, 1.0, 1e6].map(|unit| {
             let path: Vec<_> = (0..1025).map(|k| unit * zigzag(k)).collect();
-            let p = density(&bridge, (1.0 / unit, 0.9), 2048, &start(1, DVec3::Z), &path[1..], 1.0 / (unit * unit));
-            let traced = crate::mis_weight::reference::path_tracing_density(1.0 / unit, 0.9, &path, 1, None, -DVec3::Z)
-                .expect("one");
+            let p = density(&bridge, (1.0 / unit, &phase), 2048, &start(1, DVec3::Z), &path[1..], 1.0 / (unit * unit));
+            let traced =
+                crate::mis_weight::reference::path_tracing_density(1.0 / unit, &phase, &path, 1, None, -DVec3::Z)
+                    .expect("one");
             p.over(traced)
         });
         assert!(ratios[1].is_finite() && ratios[1] > 0.0, "{ratios:?}");
@@ -281,7 +299,7 @@ mod tests {
     fn chains_beyond_the_reach_or_with_an_empty_edge_are_never_made() {
         let aligned = bridge(Roll::Aligned, 0.5);
         let made = |bridge: &Bridge, chain: &[DVec3]| {
-            density(bridge, (1.0, 0.5), 4, &start(1, DVec3::X), chain, 1.0).value() > 0.0
+            density(bridge, (1.0, &HenyeyGreenstein { g: 0.5 }), 4, &start(1, DVec3::X), chain, 1.0).value() > 0.0
         };
         let chain = [DVec3::ZERO, DVec3::Y, DVec3::ONE, DVec3::Z, 2.0 * DVec3::Z];
         assert!(made(&aligned, &chain[..4]) && made(&aligned, &[DVec3::ZERO, DVec3::Z]));

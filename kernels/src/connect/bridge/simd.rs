@@ -2,8 +2,7 @@
 //! for each start a, counted from the light (N = a edges), within reach:
 //!     x = mu_t L
 //!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) P_table(N; mu_t s, gamma) + eps / room ] (N - 1)! e^x / x^N * turn
-//!     turn = 4 pi h^{3/2} / (1 - g^2)  (uniform roll),   4 pi sqrt(h h_- h_+) / (1 - g^2)  (aligned roll),
-//!            1 / p_w  (start on a surface)
+//!     turn = 1 / phase  (uniform roll),   2 pi p(psi) / phase  (aligned roll),   1 / p_w  (start on a surface)
 //! ```
 //!
 //! 1. One start costs a logarithm, an exponential and four entries of the table, whatever lies between it and the light. All
@@ -17,7 +16,7 @@ use wide::f32x8;
 
 use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
-use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
+use crate::phase::{PhaseX8, PlaneAngle};
 use crate::vec3x8::Vec3x8;
 
 /// Shortest length by which the axis is normalised `[m]`.
@@ -28,14 +27,14 @@ const LEAST_LENGTH: f32 = 1e-30;
 #[inline(always)]
 pub fn ratios(
     bridge: &Bridge,
-    phase: &HenyeyGreensteinX8,
+    phase: &impl PhaseX8,
     arrival: &Arrival,
     suffix: &Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     room: impl Fn(usize) -> f32x8,
 ) -> f32x8 {
     let mut sum = f32x8::ZERO;
-    let extinction = arrival.extinction;
+    let (extinction, lobe) = (arrival.extinction, phase.lobe());
     let reach_squared = f32x8::splat(bridge.max_distance * bridge.max_distance);
     let farthest = (*starts.end()).min(bridge.max_inserted.saturating_add(1) as usize);
     for a in *starts.start()..=farthest {
@@ -46,25 +45,23 @@ pub fn ratios(
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST_LENGTH)));
 
-        let arriving = angle(suffix.vertices[a + 1].leaving, axis);
-        let h = phase.h(suffix.vertices[a + 1].leaving, start.leaving);
+        let arriving = suffix.vertices[a + 1].leaving;
         let turn = match bridge.roll {
             Roll::Aligned => {
-                let (near, far) = phase.h_in_plane(arriving, angle(start.leaving, axis));
-                (h * near * far).sqrt()
+                phase.rolled_shape([arriving, start.leaving], [angle(arriving, axis), angle(start.leaving, axis)])
             }
-            Roll::Uniform => h * h.sqrt(),
+            Roll::Uniform => phase.inverse_shape(arriving, start.leaving),
         };
-        let turn = start.on_surface.select(start.inverse_density / phase.inverse_scale(), turn);
+        let turn = start.on_surface.select(start.inverse_density / phase.scale(), turn);
         let (straight, depth) = (extinction * distance, extinction * (start.arc - arrival.skipped));
-        let cell = bridge.counts.cell(straight, phase.h(suffix.vertices[a + 1].leaving, axis), start.on_surface);
+        let cell = bridge.counts.cell(straight, lobe.h(arriving, axis), start.on_surface);
         let uniform = f32x8::splat(bridge.defensive) / room(a);
         let count = f32x8::splat(1.0 - bridge.defensive).mul_add(bridge.counts.probability(a, &cell), uniform);
         let likelihood = suffix.likelihoods[a].inverse(depth);
         let ratio = start.attempt * count * likelihood * distance_squared * straight * turn;
         sum += possible.select(ratio, f32x8::ZERO);
     }
-    sum * phase.inverse_scale() * arrival.inverse_area / arrival.cos_light
+    sum * phase.scale() * arrival.inverse_area / arrival.cos_light
 }
 
 /// The angle between unit vectors.

@@ -22,6 +22,7 @@ use glam::DVec3;
 
 use super::{Columns, Reach};
 use crate::columns::queues::Candidate;
+use crate::emission::reference::cosine;
 use crate::random::Purpose;
 use crate::tables::lights::{Emitter, LEAST_SELECTION_DISTANCE, Light, Lights, Selection, Shape};
 use crate::{Step, random};
@@ -154,22 +155,6 @@ pub fn point_on(emitter: &Emitter, [u, v]: [f64; 2]) -> DVec3 {
             origin + height * tangent.cross(bitangent) + (radius * radius - height * height).max(0.0).sqrt() * around
         }
         Shape::Triangle => origin + u.sqrt() * ((1.0 - v) * tangent + v * bitangent),
-    }
-}
-
-/// Cosine between the normal of an emitter at `point`, on the side that shines, and the way back of a ray that arrives there in
-/// `direction`; negative where it is dark, 0 if there is no direction.
-pub fn cosine(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
-    -direction.normalize_or_zero().dot(normal(emitter, point, direction))
-}
-
-/// Unit normal of an emitter at `point`, on the side that shines; where both do, on the one where a ray in `direction` arrives.
-pub fn normal(emitter: &Emitter, point: DVec3, direction: DVec3) -> DVec3 {
-    let [origin, flat] = [emitter.origin, emitter.normal].map(|v| DVec3::from(v.map(f64::from)));
-    match emitter.shape {
-        Shape::Sphere => (point - origin) / f64::from(emitter.radius),
-        _ if emitter.double_sided && direction.dot(flat) > 0.0 => -flat,
-        _ => flat,
     }
 }
 

@@ -36,6 +36,7 @@ pub(crate) mod simd;
 use super::bridge::Bridge;
 use super::light_sample::Reach;
 use super::mvnee::Mvnee;
+use super::{Densities, Row};
 use crate::tables::media::Medium;
 use crate::{PathLengths, random};
 
@@ -79,6 +80,22 @@ impl Lis {
         match &self.shape {
             Shape::Bridge(bridge) => bridge.max_inserted.saturating_add(1) as f32,
             Shape::Mvnee(_) => f32::INFINITY,
+        }
+    }
+
+    /// What others must know of it.
+    pub fn row(&self) -> Row {
+        let (inserted, densities) = match &self.shape {
+            Shape::Bridge(bridge) => (bridge.max_inserted, Densities::Last),
+            Shape::Mvnee(_) => (u32::MAX, Densities::All),
+        };
+        Row {
+            reach: Reach::new(random::LIS_LIGHT),
+            most_inserted: inserted.saturating_add(1),
+            looks_back: true,
+            farthest_start: usize::MAX,
+            densities,
+            near: f32::INFINITY,
         }
     }
 

@@ -13,27 +13,15 @@
 //! where q is the density of a bridge or of MVNEE without that of its light point. The companion has that of next event
 //! estimation, within its distance.
 
-use core::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::{Lis, Shape};
 use crate::connect::bridge::reference::Start;
 use crate::connect::density::Density;
-use crate::connect::light_sample::reference::cosine;
 use crate::connect::{bridge, mvnee, nee};
+use crate::emission::reference::direction_density;
+use crate::phase::reference::Phase;
 use crate::tables::lights::Emitter;
-
-/// p_dir: the density with which `point` of an emitter sends a ray in the unit direction `w` (solid angle) [1/sr].
-pub fn direction_density(emitter: &Emitter, point: DVec3, w: DVec3) -> f64 {
-    let cosine = cosine(emitter, point, -w);
-    if cosine <= 0.0 {
-        return 0.0;
-    }
-    let exponent = f64::from(emitter.exponent);
-    let side = if emitter.double_sided { 0.5 } else { 1.0 };
-    side * (exponent + 2.0) / TAU * cosine.powf(exponent + 1.0)
-}
 
 /// Density of making `vertex` from `point` on the emitter (volume measure) [1/m^3].
 pub fn vertex_density(emitter: &Emitter, extinction: f64, point: DVec3, vertex: DVec3) -> Density {
@@ -50,7 +38,7 @@ pub fn vertex_density(emitter: &Emitter, extinction: f64, point: DVec3, vertex: 
 /// segments; `light_density` is p_A P_l at the start. Zero unless a vertex is inserted.
 pub fn density(
     lis: &Lis,
-    medium: (f64, f64),
+    medium: (f64, &dyn Phase),
     emitter: &Emitter,
     longest: u32,
     start: &Start,
@@ -88,15 +76,18 @@ pub fn companion_density(lis: &Lis, chain: &[DVec3], normal: DVec3, light_densit
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::TAU;
+
     use super::*;
     use crate::connect::bridge::{Bridge, Roll};
-    use crate::connect::light_sample::reference::normal;
     use crate::connect::mvnee::{Mvnee, Offset};
-    use crate::phase::HenyeyGreenstein;
+    use crate::emission::reference::normal;
+    use crate::phase::{HenyeyGreenstein, PhaseFunction};
     use crate::tables::media::Medium;
     use core::f64::consts::{FRAC_PI_2, PI};
 
-    const MEDIUM: Medium = Medium { extinction: 0.75, albedo: [1.0; 3], phase: HenyeyGreenstein { g: 0.5 } };
+    const PHASE: HenyeyGreenstein = HenyeyGreenstein { g: 0.5 };
+    const MEDIUM: Medium = Medium { extinction: 0.75, albedo: [1.0; 3], phase: PhaseFunction::HenyeyGreenstein(PHASE) };
     const START: Start = Start { depth: 1, arriving: DVec3::X, on_surface: false };
 
     fn disk(exponent: Option<f64>) -> Emitter {
@@ -110,7 +101,7 @@ mod tests {
     }
 
     fn made(lis: &Lis, longest: u32, chain: &[DVec3]) -> f64 {
-        density(lis, (0.75, 0.5), &disk(Some(3.0)), longest, &START, chain, 2.0).value()
+        density(lis, (0.75, &PHASE), &disk(Some(3.0)), longest, &START, chain, 2.0).value()
     }
 
     #[test]
@@ -160,7 +151,7 @@ mod tests {
                 let chain = [to_vertex.clone(), vec![point]].concat();
                 let joined = match &lis.shape {
                     Shape::Bridge(bridge) => {
-                        bridge::reference::density(bridge, (0.75, 0.5), 7, &START, &to_vertex, 2.0)
+                        bridge::reference::density(bridge, (0.75, &PHASE), 7, &START, &to_vertex, 2.0)
                     }
                     Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), 0.75, &to_vertex, 2.0),
                 };

@@ -8,7 +8,6 @@
 //!    and 1 in that of cos_light.
 //! 2. p_dir / cos theta is one power, so that grazing light needs no division.
 
-use core::f32::consts::TAU;
 use core::ops::RangeInclusive;
 
 use wide::f32x8;
@@ -16,17 +15,14 @@ use wide::f32x8;
 use super::{Lis, Shape};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::connect::{bridge, mvnee};
-use crate::lanes::LANES;
-use crate::phase::HenyeyGreensteinX8;
-use crate::tables::lights::Lights;
-use crate::transcendental::{exp, neg_ln};
+use crate::phase::PhaseX8;
 
 /// Sum of the ratios of all `starts`, >= 2, counted from the light; `room(a)` are the most edges from start `a` to the
 /// vertex made from the light.
 #[inline(always)]
 pub fn ratios(
     lis: &Lis,
-    phase: &HenyeyGreensteinX8,
+    phase: &impl PhaseX8,
     emission: f32x8,
     arrival: &Arrival,
     suffix: &mut Suffix<'_>,
@@ -53,13 +49,4 @@ pub fn ratios(
         Shape::Bridge(bridge) => bridge::simd::ratios(bridge, phase, arrival, suffix, starts, |a| room(a + 1)),
         Shape::Mvnee(mvnee) => mvnee::simd::ratios(mvnee, arrival, suffix, starts),
     }
-}
-
-/// p_dir over the cosine [1/sr], for emitters and directions at angles of these cosines.
-#[inline(always)]
-pub fn emission(lights: &Lights, emitters: &[u32; LANES], cosine: f32x8) -> f32x8 {
-    let exponent = lights.gather(emitters, |emitter| emitter.exponent);
-    let per_turn = lights.gather(emitters, |emitter| if emitter.double_sided { 0.5 / TAU } else { 1.0 / TAU });
-    let power = exp(-exponent * neg_ln(cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE))));
-    (exponent + f32x8::splat(2.0)) * per_turn * power
 }

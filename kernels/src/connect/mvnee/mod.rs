@@ -20,6 +20,7 @@ pub mod reference;
 pub(crate) mod simd;
 
 use super::light_sample::Reach;
+use super::{Densities, Row};
 use crate::random;
 use crate::tables::media::Medium;
 
@@ -53,7 +54,19 @@ impl Mvnee {
         Self {
             max_distance: (mesc / f64::from(medium.extinction)) as f32,
             offset,
-            slope: slope::of(f64::from(medium.phase.g)) as f32,
+            slope: slope::of(medium.phase.mean_cosine()) as f32,
+        }
+    }
+
+    /// What others must know of it.
+    pub fn row(&self) -> Row {
+        Row {
+            reach: self.reach(),
+            most_inserted: u32::MAX,
+            looks_back: true,
+            farthest_start: 1,
+            densities: Densities::All,
+            near: self.max_distance,
         }
     }
 

@@ -12,7 +12,18 @@ pub mod reference;
 pub(crate) mod simd;
 
 use super::light_sample::Reach;
+use super::{Densities, Row};
 use crate::random;
 
 /// Every start in front of the light connects, at any distance.
 pub const REACH: Reach = Reach { facing: true, ..Reach::new(random::NEE_LIGHT) };
+
+/// What others must know of it.
+pub const ROW: Row = Row {
+    reach: REACH,
+    most_inserted: 0,
+    looks_back: false,
+    farthest_start: 1,
+    densities: Densities::All,
+    near: f32::INFINITY,
+};

@@ -5,32 +5,19 @@
 //!
 //! ```text
 //! p = p_A P_l * phase(cos theta) / F * s (sin theta / theta) / (d_1^2 d_2^2)      (volume and area measure)
-//! F = (1 - g^2) / (2 g) [1 / (1 - g) - 1 / sqrt(1 + g^2)]                         the forward share
 //! ```
 //!
-//! which is the density 2 pi sin theta phase / F of theta, 1 / theta of the angle at the start and 1 / (2 pi) of the
-//! azimuth, over the volume `d_1^2 d_2^2 / s` that the three angles span.
+//! with F the phase function's share of the forward hemisphere: the density 2 pi sin theta phase / F of theta, 1 / theta of
+//! the angle at the start and 1 / (2 pi) of the azimuth, over the volume `d_1^2 d_2^2 / s` that the three angles span.
 
 use glam::DVec3;
 
 use crate::connect::density::Density;
-use crate::phase::reference as phase;
-
-/// Below this |g| the forward share is a series.
-const NEARLY_ISOTROPIC: f64 = 1e-3;
-
-/// Share of the phase function in the forward hemisphere.
-pub fn forward_share(g: f64) -> f64 {
-    if g.abs() < NEARLY_ISOTROPIC {
-        // The Legendre series sum (2 l + 1) / 2 g^l int_0^1 P_l: even orders but the first integrate to nothing.
-        return 0.5 + 0.75 * g - 7.0 / 16.0 * g.powi(3);
-    }
-    (1.0 - g * g) / (2.0 * g) * (1.0 / (1.0 - g) - 1.0 / (1.0 + g * g).sqrt())
-}
+use crate::phase::reference::Phase;
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
 /// start. Zero unless exactly one vertex is inserted, and turns the path forward.
-pub fn density(g: f64, chain: &[DVec3], light_density: f64) -> Density {
+pub fn density(phase: &dyn Phase, chain: &[DVec3], light_density: f64) -> Density {
     let [start, vertex, point] = chain else {
         return Density::ZERO;
     };
@@ -45,7 +32,7 @@ pub fn density(g: f64, chain: &[DVec3], light_density: f64) -> Density {
     let theta = across.atan2(along);
     let sine_over_angle = if theta == 0.0 { 1.0 } else { theta.sin() / theta };
     Density::new(light_density)
-        .times(phase::density(g, theta.cos()) / forward_share(g))
+        .times(phase.density(theta.cos()) / phase.forward_share())
         .times((*point - *start).length() * sine_over_angle)
         .times(1.0 / first.length_squared())
         .times(1.0 / second.length_squared())
@@ -54,21 +41,22 @@ pub fn density(g: f64, chain: &[DVec3], light_density: f64) -> Density {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::HenyeyGreenstein;
     use core::f64::consts::{PI, TAU};
 
     #[test]
     fn the_forward_share_is_what_the_phase_function_integrates_to() {
         for g in [-0.9, -0.3, -1e-3, -1e-6, 0.0, 1e-9, 0.999e-3, 0.5, 0.9, 0.97] {
+            let [share, mirrored] = [g, -g].map(|g| HenyeyGreenstein { g }.forward_share());
             // Midpoint rule over the angle, where the peak is less narrow.
             let steps = 20_000;
             let width = 0.5 * PI / f64::from(steps);
             let angle = |i: i32| (f64::from(i) + 0.5) * width;
-            let sum: f64 = (0..steps).map(|i| TAU * phase::density(g, angle(i).cos()) * angle(i).sin() * width).sum();
-            assert!((sum - forward_share(g)).abs() < 1e-5, "g = {g}: {sum} and {}", forward_share(g));
-            assert!((forward_share(g) + forward_share(-g) - 1.0).abs() < 1e-12, "g = {g}");
+            let density = |cosine: f64| HenyeyGreenstein { g }.density(cosine);
+            let sum: f64 = (0..steps).map(|i| TAU * density(angle(i).cos()) * angle(i).sin() * width).sum();
+            assert!((sum - share).abs() < 1e-5, "g = {g}: {sum} and {share}");
+            assert!((share + mirrored - 1.0).abs() < 1e-12, "g = {g}");
         }
-        let [below, above] = [1.0 - 1e-9, 1.0].map(|f| forward_share(f * NEARLY_ISOTROPIC));
-        assert!((below - above).abs() < 1e-11, "{below} and {above}");
     }
 
     #[test]
@@ -87,7 +75,8 @@ mod tests {
                 let [d1, d2] = [theta - alpha, alpha].map(|angle| distance * angle.sin() / theta.sin());
                 let vertex = start + d1 * (alpha.cos() * axis + alpha.sin() * side);
                 let volume = TAU * d1 * d1 * d2 * d2 / distance * theta / f64::from(shares);
-                sum += density(g, &[start, vertex, point], 0.25).value() * volume * 0.5 * PI / f64::from(angles);
+                sum += density(&HenyeyGreenstein { g }, &[start, vertex, point], 0.25).value() * volume * 0.5 * PI
+                    / f64::from(angles);
             }
             assert!((sum / 0.25 - 1.0).abs() < 1e-4, "g = {g}: {sum}");
         }
@@ -107,7 +96,8 @@ mod tests {
             let widest = (z * (distance - z)).sqrt();
             let rho = widest * v;
             let ring = TAU * rho * widest * distance * 6.0 * u * (1.0 - u) * width * width;
-            sum += density(0.5, &[DVec3::ZERO, DVec3::new(rho, 0.0, z), point], 1.0).value() * ring;
+            sum += density(&HenyeyGreenstein { g: 0.5 }, &[DVec3::ZERO, DVec3::new(rho, 0.0, z), point], 1.0).value()
+                * ring;
         }
         assert!((sum - 1.0).abs() < 3e-3, "{sum}");
     }
@@ -117,7 +107,7 @@ mod tests {
         let (start, point) = (DVec3::ZERO, DVec3::X);
         let made = |inner: &[DVec3]| {
             let chain = [&[start], inner, &[point]].concat();
-            density(0.5, &chain, 1.0).value() > 0.0
+            density(&HenyeyGreenstein { g: 0.5 }, &chain, 1.0).value() > 0.0
         };
         assert!(made(&[DVec3::new(0.5, 0.1, 0.0)]) && made(&[0.25 * point]));
         assert!(!made(&[]) && !made(&[0.25 * point, 0.5 * point]));

@@ -9,7 +9,7 @@ use crate::transcendental::exp;
 
 /// Ratio of the one start that the technique has, two edges from the light; `forward_share` is F.
 #[inline(always)]
-pub fn ratio(arrival: &Arrival, suffix: &Suffix<'_>, forward_share: f32) -> f32x8 {
+pub fn ratio(arrival: &Arrival, suffix: &Suffix<'_>, forward_share: f32x8) -> f32x8 {
     let Arrival { extinction, inverse_area, cos_light, .. } = *arrival;
     let (point, inserted, start) = (&suffix.vertices[0], &suffix.vertices[1], &suffix.vertices[2]);
     let cosine = inserted.leaving.dot(start.leaving);
@@ -19,6 +19,6 @@ pub fn ratio(arrival: &Arrival, suffix: &Suffix<'_>, forward_share: f32) -> f32x
     let sinc = straight.select(f32x8::ONE, sine / theta);
     let distance = (point.position - start.position).length_squared().sqrt();
     let geometry = inverse_area * start.attempt * distance * sinc * start.inverse_density;
-    let ratio = geometry * exp(extinction * start.arc) / (f32x8::splat(forward_share) * extinction * cos_light);
+    let ratio = geometry * exp(extinction * start.arc) / (forward_share * extinction * cos_light);
     (start.eligible & cosine.simd_gt(f32x8::ZERO)).select(ratio, f32x8::ZERO)
 }

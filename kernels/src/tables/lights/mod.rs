@@ -11,7 +11,6 @@ mod meshes;
 use wide::f32x8;
 
 use crate::lanes::LANES;
-use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 use alias::AliasTable;
 pub use emitter::{Emitter, Shape};
@@ -59,10 +58,10 @@ pub struct Lights {
     of_triangle: Vec<u32>,
     selection: Selection,
     /// What there is among the emitters: code for the rest is passed by.
-    focused: bool,
-    cones: bool,
-    spheres: bool,
-    double_sided: bool,
+    pub(crate) focused: bool,
+    pub(crate) cones: bool,
+    pub(crate) spheres: bool,
+    pub(crate) double_sided: bool,
 }
 
 impl Lights {
@@ -176,47 +175,6 @@ impl Lights {
     /// Whether probabilities depend on the start, so that a vertex's `light_sum` is defined.
     pub fn selection_depends_on_start(&self) -> bool {
         self.selection == Selection::IntensityDistance
-    }
-
-    /// Unit normals of the fronts of emitters at `point`.
-    #[inline(always)]
-    pub fn normal(&self, emitters: &[u32; LANES], point: Vec3x8) -> Vec3x8 {
-        let flat = self.gather3(emitters, |emitter| emitter.normal);
-        if !self.spheres {
-            return flat;
-        }
-        let from_center = point - self.gather3(emitters, |emitter| emitter.origin);
-        from_center.mul_add(self.gather(emitters, |emitter| emitter.curvature), flat)
-    }
-
-    /// Cosine to the normal, at `point`, on the side that shines, of rays that arrive there in `direction`; negative where it
-    /// is dark.
-    #[inline(always)]
-    pub fn cosine(&self, emitters: &[u32; LANES], point: Vec3x8, direction: Vec3x8) -> f32x8 {
-        let cosine = -direction.dot(self.normal(emitters, point));
-        if !self.double_sided {
-            return cosine;
-        }
-        let both = self.gather(emitters, |emitter| if emitter.double_sided { -1.0 } else { 1.0 });
-        cosine.fast_max(cosine * both)
-    }
-
-    /// Radiance of emitters at the angles of these cosines, over their `radiance`.
-    #[inline(always)]
-    pub fn profile(&self, emitters: &[u32; LANES], cosine: f32x8) -> f32x8 {
-        if !self.focused {
-            return f32x8::ONE;
-        }
-        let exponent = self.gather(emitters, |emitter| emitter.exponent);
-        let scale = self.gather(emitters, |emitter| emitter.scale);
-        let cosine = cosine.fast_max(f32x8::splat(f32::MIN_POSITIVE));
-        let power = scale * exp(-exponent * neg_ln(cosine));
-        if !self.cones {
-            return power;
-        }
-        let [a, b] = [0, 1].map(|i| self.gather(emitters, |emitter| emitter.window[i]));
-        let window = a.mul_add(cosine, b).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-        a.simd_gt(f32x8::ZERO).select(window * window / cosine, power)
     }
 
     /// One value of eight emitters.

@@ -32,7 +32,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
     for at in bucket.rows() {
         count_rows(1);
         let (weight, weight_twin) = (f64::from(weights[at]), f64::from(weights_twin[at]));
-        let conditioning = sight.conditioning(f64::from(medium.phase.g), at);
+        let conditioning = sight.conditioning(medium.phase.mean_cosine(), at);
         let Tolerance { absolute, relative } = tolerances::WEIGHT;
         let largest = weight.max(weight_twin);
         if (weight == 0.0) != (weight_twin == 0.0) && largest > absolute {

@@ -22,9 +22,8 @@
 //! knots around at random, and probabilities are the steps of the rounded distribution: what is drawn is what is weighed, as
 //! far as uniform numbers of 23 bits can tell. Rarer counts than that are left to the uniform part of the counts.
 //!
-//! The law is that of the Henyey-Greenstein function: `h` is its coordinate of turns, the factor `p_w / p(psi)` its own. Another
-//! phase function needs a coordinate of turns that falls with its value, and a mean of any quality: an error of the table costs
-//! efficiency, and nothing else.
+//! The coordinate of turns is the `h` of a Henyey-Greenstein lobe: of the phase function itself, or of the one that has its mean
+//! cosine. An error of the table costs efficiency, and nothing else.
 
 pub mod moments;
 pub mod reference;
@@ -81,8 +80,8 @@ impl core::fmt::Debug for CountTable {
 impl CountTable {
     /// The table whose probabilities are, knot by knot, in proportion to `weights(knot)[N - 1]`, >= 0, N = 1 .. `edges`;
     /// `edges >= 1`. Where all are 0 all numbers are alike.
-    pub fn from_weights(phase: HenyeyGreenstein, edges: usize, mut weights: impl FnMut(Knot) -> Vec<f64>) -> Self {
-        let least = 1.0 - f64::from(phase.g).abs();
+    pub fn from_weights(lobe: HenyeyGreenstein, edges: usize, mut weights: impl FnMut(Knot) -> Vec<f64>) -> Self {
+        let least = 1.0 - f64::from(lobe.g).abs();
         let stride = edges.next_multiple_of(crate::lanes::LANES);
         let mut table = Self {
             edges,
@@ -91,15 +90,15 @@ impl CountTable {
             cumulative: vec![1.0; DISTANCES * TURNS * stride],
             stride,
         };
-        knots(phase).for_each(|knot| table.fill(knot.index, &weights(knot)));
+        knots(lobe).for_each(|knot| table.fill(knot.index, &weights(knot)));
         table
     }
 
     /// About the counts of the paper: one more than a Poisson number of mean mu_t s, between knots a mixture of two, and no more
     /// than [`MOST_EDGES`].
-    pub fn poisson(phase: HenyeyGreenstein) -> Self {
+    pub fn poisson(lobe: HenyeyGreenstein) -> Self {
         let edges = MOST_EDGES as usize;
-        Self::from_weights(phase, edges, |knot| {
+        Self::from_weights(lobe, edges, |knot| {
             let mut weight = (-knot.distance).exp();
             let next = |n: usize| {
                 let this = weight;
@@ -130,8 +129,8 @@ impl CountTable {
 }
 
 /// The knots in the sequence of the table.
-pub fn knots(phase: HenyeyGreenstein) -> impl Iterator<Item = Knot> {
-    let g = f64::from(phase.g);
+pub fn knots(lobe: HenyeyGreenstein) -> impl Iterator<Item = Knot> {
+    let g = f64::from(lobe.g);
     let cosine = move |turn: usize| {
         let h = (1.0 - g.abs()).powi(2) * 2.0_f64.powi(turn as i32);
         // An isotropic medium has one h only, and the direction does not matter there.

@@ -5,13 +5,16 @@
 //! ```
 
 use super::{CountTable, SURFACE, TURNS, distance_of};
+use crate::phase::HenyeyGreenstein;
 
 /// The place of a start in the table: knots with their weights, which add up to one.
 pub type Cell = [(usize, f64); 4];
 
-/// The cell of an optical distance mu_t s and of a turn to the axis of the given cosine; None at a surface.
-pub fn cell(table: &CountTable, g: f64, distance: f64, cosine: Option<f64>) -> Cell {
+/// The cell of an optical distance mu_t s and of a turn to the axis of the given cosine, None at a surface, in the table of a
+/// phase function with this lobe.
+pub fn cell(table: &CountTable, lobe: HenyeyGreenstein, distance: f64, cosine: Option<f64>) -> Cell {
     let distances: Vec<f64> = (0..super::DISTANCES).map(distance_of).collect();
+    let g = f64::from(lobe.g);
     let (i, u) = locate(&distances, distance);
     let (j, v) = match cosine {
         None => (SURFACE, 0.0),
@@ -69,14 +72,14 @@ pub fn draw(table: &CountTable, cell: &Cell, [along, across]: [f64; 2], number: 
 mod tests {
     use super::*;
     use crate::connect::bridge::counts::{DISTANCES, knots};
-    use crate::phase::HenyeyGreenstein;
-    use crate::phase::reference as phase;
+    use crate::phase::PhaseFunction;
+    use crate::phase::reference::{Phase, turn};
     use crate::random;
     use crate::tables::media::Medium;
     use glam::DVec3;
 
     fn medium(g: f32, albedo: f32) -> Medium {
-        Medium { extinction: 1.0, albedo: [albedo; 3], phase: HenyeyGreenstein { g } }
+        Medium { extinction: 1.0, albedo: [albedo; 3], phase: PhaseFunction::henyey_greenstein(g) }
     }
 
     #[test]
@@ -86,7 +89,7 @@ mod tests {
             for (distance, turn) in
                 [(0.0, Some(1.0)), (3e-3, Some(-1.0)), (2.0, Some(0.3)), (1e4, Some(0.9)), (5.0, None)]
             {
-                let cell = cell(&table, f64::from(g), distance, turn);
+                let cell = cell(&table, HenyeyGreenstein { g }, distance, turn);
                 let sum: f64 = (1..=table.edges() as u32).map(|n| probability(&table, &cell, n)).sum();
                 assert!((sum - 1.0).abs() < 1e-6, "g = {g} at {distance}, {turn:?}: {sum}");
             }
@@ -96,12 +99,11 @@ mod tests {
     /// A knot has its own probabilities, and the middle between two their mean.
     #[test]
     fn the_table_is_bilinear_between_its_knots() {
-        let g = 0.8;
-        let table =
-            CountTable::from_weights(HenyeyGreenstein { g: g as f32 }, 2, |knot| vec![knot.index as f64 + 1.0, 1.0]);
-        let knots: Vec<_> = knots(HenyeyGreenstein { g: g as f32 }).collect();
+        let lobe = HenyeyGreenstein { g: 0.8 };
+        let table = CountTable::from_weights(lobe, 2, |knot| vec![knot.index as f64 + 1.0, 1.0]);
+        let knots: Vec<_> = knots(lobe).collect();
         let of = |index: usize| (index as f64 + 1.0) / (index as f64 + 2.0);
-        let found = |distance: f64, turn: Option<f64>| probability(&table, &cell(&table, g, distance, turn), 1);
+        let found = |distance: f64, turn: Option<f64>| probability(&table, &cell(&table, lobe, distance, turn), 1);
         for (index, knot) in knots.iter().enumerate() {
             // The steepest turns of the table are beyond half a turn here, and clamped to it.
             if knot.cosine != Some(-1.0) {
@@ -120,19 +122,19 @@ mod tests {
     /// For one and two edges the means have closed forms, up to a quadrature.
     #[test]
     fn light_by_one_edge_and_by_two_is_in_proportion() {
-        for (g, albedo, distance, turn) in [(0.6_f64, 1.0, 1.5, 0.2), (0.0, 0.7, 0.75, 1.0), (0.9, 1.0, 3.0, 0.9)] {
-            let table = CountTable::new(&medium(g as f32, albedo), 3);
-            let cell = cell(&table, g, distance, Some(turn));
+        for (g, albedo, distance, turn) in [(0.6, 1.0, 1.5, 0.2), (0.0, 0.7, 0.75, 1.0), (0.9, 1.0, 3.0, 0.9)] {
+            let (table, phase) = (CountTable::new(&medium(g, albedo), 3), HenyeyGreenstein { g });
+            let cell = cell(&table, phase, distance, Some(turn));
             let found = probability(&table, &cell, 2) / probability(&table, &cell, 1);
-            let expected = f64::from(albedo) * two_edges(g, distance, turn)
-                / (phase::density(g, turn) * (-distance).exp() / (distance * distance));
+            let expected = f64::from(albedo) * two_edges(&phase, distance, turn)
+                / (phase.density(turn) * (-distance).exp() / (distance * distance));
             assert!((found / expected - 1.0).abs() < 0.15, "g = {g}: {found}, expected {expected}");
         }
     }
 
     /// The integral over the inserted vertex of `phase phase exp(-L) / (l1^2 l2^2)`, for ends `distance` apart, in bipolar
     /// coordinates: dV = l1^2 l2^2 / distance dalpha dbeta dphi.
-    fn two_edges(g: f64, distance: f64, turn: f64) -> f64 {
+    fn two_edges(phase: &dyn Phase, distance: f64, turn: f64) -> f64 {
         use core::f64::consts::{PI, TAU};
         let (turns, shares, azimuths) = (400, 200, 32);
         let mut sum = 0.0;
@@ -143,7 +145,7 @@ mod tests {
             for k in 0..azimuths {
                 let azimuth = TAU * f64::from(k) / f64::from(azimuths);
                 let first = alpha.cos() * turn + alpha.sin() * (1.0 - turn * turn).sqrt() * azimuth.cos();
-                sum += phase::density(g, first) * phase::density(g, theta.cos()) * (-length).exp() * theta;
+                sum += phase.density(first) * phase.density(theta.cos()) * (-length).exp() * theta;
             }
         }
         sum / distance * PI * TAU / f64::from(turns * shares * azimuths)
@@ -152,27 +154,27 @@ mod tests {
     /// Ends of the N-th flights of random walks from the start are as dense, in volume, as light by N edges is strong.
     #[test]
     fn light_by_more_edges_is_in_the_proportion_that_walks_see() {
-        let (g, distance, turns) = (0.5, 2.0, [0.4, 0.8]);
+        let (phase, distance, turns) = (HenyeyGreenstein { g: 0.5 }, 2.0, [0.4, 0.8]);
         let (low, high) = (0.8 * distance, 1.2 * distance);
         let mut seen = [0.0; 4];
         for walk in 0..400_000 {
             let (mut position, mut direction) = (DVec3::ZERO, DVec3::Z);
             for (n, seen) in seen.iter_mut().enumerate() {
                 let numbers = random::words(walk, n as u32, 0, 1).map(random::uniform);
-                let turned = phase::turn(direction, phase::sample_cosine(g, numbers[1]), numbers[2]);
+                let turned = turn(direction, phase.sample_cosine(numbers[1]), numbers[2]);
                 (position, direction) = (position - (1.0 - numbers[0]).ln() * turned, turned);
                 let (length, cosine) = (position.length(), position.z / position.length());
                 *seen += f64::from(u8::from((low..high).contains(&length) && (turns[0]..turns[1]).contains(&cosine)));
             }
         }
-        let table = CountTable::new(&medium(g as f32, 1.0), 5);
+        let table = CountTable::new(&medium(phase.g, 1.0), 5);
         // By one edge that density is phase exp(-s) / s^2, and the volume s^2 ds dcos.
         let (mut expected, steps) = ([0.0; 4], 24);
         for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
             let between = |low: f64, high: f64, k: i32| low + (high - low) * (f64::from(k) + 0.5) / f64::from(steps);
             let (s, cosine) = (between(low, high, i), between(turns[0], turns[1], j));
-            let cell = cell(&table, g, s, Some(cosine));
-            let single = phase::density(g, cosine) * (-s).exp();
+            let cell = cell(&table, phase, s, Some(cosine));
+            let single = phase.density(cosine) * (-s).exp();
             let scale = single / probability(&table, &cell, 1);
             (0..4).for_each(|n| expected[n] += scale * probability(&table, &cell, n as u32 + 1));
         }
@@ -184,9 +186,9 @@ mod tests {
 
     #[test]
     fn paths_that_turn_or_come_from_far_have_more_edges() {
-        let table = CountTable::new(&medium(0.9, 1.0), 60);
+        let (table, lobe) = (CountTable::new(&medium(0.9, 1.0), 60), HenyeyGreenstein { g: 0.9 });
         let mean = |distance: f64, turn: Option<f64>| {
-            let cell = cell(&table, 0.9, distance, turn);
+            let cell = cell(&table, lobe, distance, turn);
             (1..60).map(|n| f64::from(n) * probability(&table, &cell, n)).sum::<f64>()
         };
         let growing = [(0.1, Some(1.0)), (4.0, Some(1.0)), (4.0, Some(0.7)), (4.0, Some(-1.0)), (12.0, Some(-1.0))];
@@ -194,14 +196,15 @@ mod tests {
         assert!(means.is_sorted() && means[0] < 1.5, "{means:.2?}");
         // More is absorbed of what is scattered often.
         let absorbing = CountTable::new(&medium(0.9, 0.5), 60);
-        let cell = cell(&absorbing, 0.9, 4.0, Some(0.7));
+        let cell = cell(&absorbing, lobe, 4.0, Some(0.7));
         assert!((1..60).map(|n| f64::from(n) * probability(&absorbing, &cell, n)).sum::<f64>() < means[2] - 1.0);
     }
 
     #[test]
     fn the_counts_of_the_paper_are_poisson_numbers() {
-        let table = CountTable::poisson(HenyeyGreenstein { g: 0.3 });
-        let cell = cell(&table, 0.3, 3.0, Some(0.4));
+        let lobe = HenyeyGreenstein { g: 0.3 };
+        let table = CountTable::poisson(lobe);
+        let cell = cell(&table, lobe, 3.0, Some(0.4));
         for (n, expected) in [(1, 1.0), (2, 3.0), (3, 4.5), (5, 3.375)] {
             let found = probability(&table, &cell, n);
             assert!((found - expected * (-3.0_f64).exp()).abs() < 1e-6, "{n} edges: {found}");

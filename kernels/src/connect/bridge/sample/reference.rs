@@ -8,9 +8,10 @@
 //!                                                                         b = 2 g sin beta sin gamma
 //! ```
 //!
-//! where e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p.
+//! where e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p. Of several lobes
+//! by which the phase function rolls, u first selects the one of g in proportion to their shares, and is stretched to (0, 1).
 
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
@@ -20,7 +21,8 @@ use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
-use crate::phase::reference::{frame, sample_cosine, turn};
+use crate::phase::HenyeyGreenstein;
+use crate::phase::reference::{Phase, frame, turn};
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
@@ -34,7 +36,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
         let draws = Draws::new(step, paths, lane);
         let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
         let from = Start { depth: draws.depth, arriving, on_surface };
-        let constants = (f64::from(medium.extinction), f64::from(medium.phase.g));
+        let constants = (f64::from(medium.extinction), medium.phase.twin());
         let inserted = count_edges(bridge, constants, lengths, &from, point - start, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
@@ -56,7 +58,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
             inserted.resize(bucket.inserted, DVec3::ZERO);
             let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
             let from = Start { depth: draws.depth, arriving, on_surface };
-            place(from.roll(bridge), f64::from(medium.phase.g), start, arriving, point, &draws, &mut inserted);
+            place(from.roll(bridge), medium.phase.twin(), start, arriving, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
@@ -91,10 +93,10 @@ impl Draws {
 }
 
 /// Number of vertices to insert, one less than edges, from `start` to a light point `way` from there `[m]`; None if that
-/// exceeds the room. `medium`: extinction and mean cosine.
+/// exceeds the room. `medium`: extinction and phase function.
 pub fn count_edges(
     bridge: &Bridge,
-    medium: (f64, f64),
+    medium: (f64, &dyn Phase),
     lengths: PathLengths,
     start: &Start,
     way: DVec3,
@@ -116,8 +118,16 @@ pub fn count_edges(
 
 /// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`, to
 /// `point` `[m]`.
-pub fn place(roll: Roll, g: f64, start: DVec3, arriving: DVec3, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
-    let walk = free_walk(g, inserted.len() + 1, draws);
+pub fn place(
+    roll: Roll,
+    phase: &dyn Phase,
+    start: DVec3,
+    arriving: DVec3,
+    point: DVec3,
+    draws: &Draws,
+    inserted: &mut [DVec3],
+) {
+    let walk = free_walk(phase, inserted.len() + 1, draws);
     let reached = walk[inserted.len()];
     let end = reached.normalize();
     let across_end = (DVec3::Z - DVec3::Z.dot(end) * end).try_normalize().unwrap_or_else(|| frame(end).0);
@@ -128,7 +138,7 @@ pub fn place(roll: Roll, g: f64, start: DVec3, arriving: DVec3, point: DVec3, dr
     let arriving_azimuth = arriving.dot(bitangent).atan2(arriving.dot(tangent));
     // Any roll will do to measure the angle between first edge and axis, which is that between z and the walk's end.
     let unrolled = DVec3::Z.dot(end) * axis + DVec3::Z.dot(across_end) * tangent;
-    let azimuth = arriving_azimuth + psi(roll, g, arriving, axis, unrolled, draws.roll());
+    let azimuth = arriving_azimuth + psi(roll, phase, arriving, axis, unrolled, draws.roll());
     let side = azimuth.cos() * tangent + azimuth.sin() * bitangent;
     let other_side = axis.cross(side);
 
@@ -139,41 +149,56 @@ pub fn place(roll: Roll, g: f64, start: DVec3, arriving: DVec3, point: DVec3, dr
 }
 
 /// The ends of `edges` edges of a walk that starts at the origin along z, with flights of unit rate.
-fn free_walk(g: f64, edges: usize, draws: &Draws) -> Vec<DVec3> {
+fn free_walk(phase: &dyn Phase, edges: usize, draws: &Draws) -> Vec<DVec3> {
     let (mut position, mut direction) = (DVec3::ZERO, DVec3::Z);
     let mut ends = Vec::with_capacity(edges);
     for k in 0..edges {
         let [length, cosine, azimuth] = draws.edge(k);
         position += flight(1.0, length) * direction;
         ends.push(position);
-        direction = turn(direction, sample_cosine(g, cosine), azimuth);
+        direction = turn(direction, phase.sample_cosine(cosine), azimuth);
     }
     ends
 }
 
 /// psi: the angle about the axis from the direction of arrival to the first edge, in (-pi, pi), for a number in (0, 1).
 /// `first` is a unit vector at the first edge's angle to the axis, however it is rolled.
-pub fn psi(roll: Roll, g: f64, arriving: DVec3, axis: DVec3, first: DVec3, u: f64) -> f64 {
-    let half_turn = PI * (u - 0.5);
+pub fn psi(roll: Roll, phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec3, u: f64) -> f64 {
     match roll {
-        Roll::Uniform => 2.0 * half_turn,
+        Roll::Uniform => TAU * (u - 0.5),
         Roll::Aligned => {
-            let (a, b) = roll_coefficients(g, arriving, axis, first);
-            2.0 * (((a - b) / (a + b)).sqrt() * half_turn.tan()).atan()
+            let (lobe, u) = select(&phase.roll_lobes(), u);
+            let (a, b) = roll_coefficients(lobe, arriving, axis, first);
+            2.0 * (((a - b) / (a + b)).sqrt() * (PI * (u - 0.5)).tan()).atan()
         }
     }
+}
+
+/// The lobe in whose interval `u` falls, when intervals as long as the shares are laid end to end, and the place in there,
+/// (0, 1).
+///
+/// Where rounding keeps the shares from adding up to one, the last lobe gets what is left.
+fn select(lobes: &[(f64, HenyeyGreenstein)], u: f64) -> (HenyeyGreenstein, f64) {
+    let (mut below, last) = (0.0, lobes.len() - 1);
+    for (share, lobe) in &lobes[..last] {
+        if u < below + share {
+            return (*lobe, (u - below) / share);
+        }
+        below += share;
+    }
+    let (share, lobe) = lobes[last];
+    (lobe, (u - below) / share)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::connect::bridge::reference::{count_probability, density, roll_density};
-    use crate::phase::HenyeyGreenstein;
+    use crate::phase::PhaseFunction;
     use crate::tables::media::Medium;
-    use core::f64::consts::TAU;
 
-    fn bridge(g: f64) -> Bridge {
-        let phase = HenyeyGreenstein { g: g as f32 };
+    fn bridge(g: f32) -> Bridge {
+        let phase = PhaseFunction::henyey_greenstein(g);
         Bridge::new(Roll::Aligned, &Medium { extinction: 1.0, albedo: [1.0; 3], phase }, 30)
     }
 
@@ -189,16 +214,17 @@ mod tests {
     fn counts_follow_their_probabilities() {
         let samples = 40_000;
         let limited = Bridge { max_inserted: 2, ..bridge(0.6) };
+        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
         for (bridge, way, max) in [(bridge(0.6), 2.4, 30), (bridge(0.6), 13.5, 8), (limited, 2.4, 30)] {
             let (lengths, way) = (PathLengths { min: 1, max }, way * DVec3::X);
             for start in [start(DVec3::Y), Start { on_surface: true, ..start(DVec3::Y) }] {
                 let mut made = [0; 31];
                 for pixel in 0..samples {
-                    let inserted = count_edges(&bridge, (1.0, 0.6), lengths, &start, way, &draws(pixel));
+                    let inserted = count_edges(&bridge, medium, lengths, &start, way, &draws(pixel));
                     inserted.into_iter().for_each(|inserted| made[inserted as usize + 1] += 1);
                 }
                 for (edges, made) in made.into_iter().enumerate() {
-                    let p = count_probability(&bridge, (1.0, 0.6), max, &start, way, edges as u32);
+                    let p = count_probability(&bridge, medium, max, &start, way, edges as u32);
                     let (expected, deviation) = (p * f64::from(samples), (p * f64::from(samples)).sqrt());
                     let case = format!("{edges} edges: {made}, not {expected}");
                     assert!((f64::from(made) - expected).abs() <= 4.5 * deviation, "{case}");
@@ -211,23 +237,68 @@ mod tests {
     fn without_room_bridges_are_dropped() {
         let count = |max: u32| {
             let lengths = PathLengths { min: 1, max };
-            count_edges(&bridge(0.5), (1.0, 0.5), lengths, &start(DVec3::X), DVec3::ZERO, &draws(0))
+            let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.5 });
+            count_edges(&bridge(0.5), medium, lengths, &start(DVec3::X), DVec3::ZERO, &draws(0))
         };
         assert_eq!([1, 2, 3].map(count), [None, None, Some(0)]);
+    }
+
+    /// A phase function that rolls by three lobes.
+    struct Mixture;
+
+    impl Phase for Mixture {
+        fn density(&self, cosine: f64) -> f64 {
+            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.density(cosine)).sum()
+        }
+
+        fn sample_cosine(&self, _: f64) -> f64 {
+            unreachable!("only rolls are drawn")
+        }
+
+        fn forward_share(&self) -> f64 {
+            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.forward_share()).sum()
+        }
+
+        fn mean_cosine(&self) -> f64 {
+            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.mean_cosine()).sum()
+        }
+
+        fn roll_lobes(&self) -> Vec<(f64, HenyeyGreenstein)> {
+            [(0.5, 0.9), (0.2, -0.7), (0.3, 0.0)].map(|(share, g)| (share, HenyeyGreenstein { g })).to_vec()
+        }
+    }
+
+    /// The share of rolls below an angle, drawn by an even spread of numbers, against the integral of the density.
+    #[test]
+    fn rolls_by_several_lobes_follow_their_density() {
+        let (arriving, axis) = (DVec3::new(0.6, 0.0, 0.8), DVec3::Z);
+        let first = |psi: f64| DVec3::new(0.9_f64.sin() * psi.cos(), 0.9_f64.sin() * psi.sin(), 0.9_f64.cos());
+        let (numbers, steps) = (100_000, 8192);
+        let roll = |u: f64| psi(Roll::Aligned, &Mixture, arriving, axis, first(0.0), u);
+        let mut rolls: Vec<_> = (0..numbers).map(|k| roll((f64::from(k) + 0.5) / f64::from(numbers))).collect();
+        rolls.sort_by(f64::total_cmp);
+        let (width, mut share) = (TAU / f64::from(steps), 0.0);
+        for k in 0..steps {
+            let angle = -PI + (f64::from(k) + 0.5) * width;
+            share += roll_density(&Mixture, arriving, axis, first(angle)) / f64::from(steps);
+            let below = rolls.partition_point(|roll| *roll < angle + 0.5 * width);
+            let found = below as f64 / f64::from(numbers);
+            assert!((found - share).abs() < 5e-5, "{found} of all rolls are below {angle}, not {share}");
+        }
     }
 
     /// What a share u of all rolls does not exceed, against the integral of the density.
     #[test]
     fn rolls_follow_their_density() {
-        let (g, arriving, axis) = (0.8, DVec3::new(0.6, 0.0, 0.8), DVec3::Z);
+        let (phase, arriving, axis) = (HenyeyGreenstein { g: 0.8 }, DVec3::new(0.6, 0.0, 0.8), DVec3::Z);
         let first = |psi: f64| DVec3::new(0.9_f64.sin() * psi.cos(), 0.9_f64.sin() * psi.sin(), 0.9_f64.cos());
         let width = TAU / 8192.0;
         let mut share = 0.0;
         for k in 0..8191 {
             let angle = -PI + (f64::from(k) + 0.5) * width;
-            share += roll_density(g, arriving, axis, first(angle)) * width / TAU;
+            share += roll_density(&phase, arriving, axis, first(angle)) * width / TAU;
             if k % 512 == 511 {
-                let found = psi(Roll::Aligned, g, arriving, axis, first(0.0), share);
+                let found = psi(Roll::Aligned, &phase, arriving, axis, first(0.0), share);
                 assert!((found - (angle + 0.5 * width)).abs() < 1e-4, "{found} at {angle}");
             }
         }
@@ -236,16 +307,17 @@ mod tests {
     #[test]
     fn the_first_edge_is_rolled_away_from_the_direction_of_arrival() {
         let (start, point) = (DVec3::new(0.3, -1.0, 2.0), DVec3::new(1.1, 0.5, -0.7));
+        let phase = HenyeyGreenstein { g: 0.6 };
         let (axis, arriving) = ((point - start).normalize(), DVec3::new(0.4, 0.5, -0.6).normalize());
         for (pixel, roll) in (0..50).flat_map(|pixel| [(pixel, Roll::Aligned), (pixel, Roll::Uniform)]) {
             let draws = draws(pixel);
             let mut inserted = [DVec3::ZERO; 3];
-            place(roll, 0.6, start, arriving, point, &draws, &mut inserted);
+            place(roll, &phase, start, arriving, point, &draws, &mut inserted);
             let first = (inserted[0] - start).normalize();
             let across = |v: DVec3| (v - v.dot(axis) * axis).normalize();
             let (from, to) = (across(arriving), across(first));
             let found = from.cross(to).dot(axis).atan2(from.dot(to));
-            let expected = psi(roll, 0.6, arriving, axis, first, draws.roll());
+            let expected = psi(roll, &phase, arriving, axis, first, draws.roll());
             assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
         }
     }
@@ -253,11 +325,12 @@ mod tests {
     #[test]
     fn bridges_keep_the_shape_of_their_walk() {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
+        let phase = HenyeyGreenstein { g: 0.5 };
         for pixel in 0..50 {
             let mut chain = [start; 6];
-            place(Roll::Aligned, 0.5, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
+            place(Roll::Aligned, &phase, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
             chain[5] = point;
-            let walk = [vec![DVec3::ZERO], free_walk(0.5, 5, &draws(pixel))].concat();
+            let walk = [vec![DVec3::ZERO], free_walk(&phase, 5, &draws(pixel))].concat();
             let scale = (point - start).length() / walk[5].length();
             for (i, j) in (0..6).flat_map(|i| (0..i).map(move |j| (i, j))) {
                 let (found, free) = ((chain[i] - chain[j]).length(), (walk[i] - walk[j]).length());
@@ -281,19 +354,20 @@ mod tests {
             [(Roll::Uniform, 0.3, 1), (Roll::Aligned, 0.5, 1), (Roll::Aligned, -0.4, 1), (Roll::Aligned, 0.25, 2)]
         {
             let (bridge, from) = (Bridge { roll, ..bridge(g) }, self::start(arriving));
+            let phase = HenyeyGreenstein { g };
             // Pairs of vertices are rarely both in the ball.
             let samples = if inserted == 1 { 100_000 } else { 1_000_000 };
             let (mut sum, mut squares) = (0.0, 0.0);
             // Given the number of edges, so without its probability.
-            let probability = count_probability(&bridge, (1.0, g), 9, &from, point - start, inserted as u32 + 1);
+            let probability = count_probability(&bridge, (1.0, &phase), 9, &from, point - start, inserted as u32 + 1);
             for pixel in 0..samples {
                 let mut chain = vec![start; inserted + 2];
-                place(roll, g, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
+                place(roll, &phase, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
                 chain[inserted + 1] = point;
                 if chain[1..=inserted].iter().any(|vertex| (*vertex - center).length() > radius) {
                     continue;
                 }
-                let p = density(&bridge, (1.0, g), 9, &from, &chain, 1.0 / probability).value();
+                let p = density(&bridge, (1.0, &phase), 9, &from, &chain, 1.0 / probability).value();
                 let ratio = h.powi(inserted as i32) / p;
                 sum += ratio;
                 squares += ratio * ratio;

@@ -3,7 +3,7 @@
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
-//! roll:  tan(psi / 2) = sqrt(h_- / h_+) tan(pi (u - 1/2)),  or tan(pi (u - 1/2)) at a surface
+//! roll:  psi as the phase function has it,  or tan(psi / 2) = tan(pi (u - 1/2)) at a surface
 //! ```
 //!
 //! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits.
@@ -11,8 +11,6 @@
 //! 3. p and q have closed forms because the walk leaves along z: `p = (-x z, -y z, r^2) / r`, `q = (y, -x, 0) / r` for
 //!    `e = (x, y, z)`, `r^2 = x^2 + y^2`.
 //! 4. Rotation, scale and roll are one matrix, multiplied once per vertex.
-//! 5. No arc tangent: `cos psi = (h_+ c^2 - h_- s^2) / n`, `sin psi = 2 sqrt(h_+ h_-) s c / n` with
-//!    `n = h_+ c^2 + h_- s^2` and s, c of `pi (u - 1/2)`.
 
 use wide::{f32x8, u32x8};
 
@@ -22,20 +20,26 @@ use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
-use crate::phase::{HenyeyGreensteinX8, PlaneAngle};
+use crate::phase::henyey_greenstein::roll_by;
+use crate::phase::{PhaseX8, PlaneAngle};
 use crate::random;
-use crate::transcendental::{neg_ln, sin_cos_half_turn};
+use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes};
+use crate::{Step, lanes, with_phase};
 
 /// Shortest length by which a direction is normalised.
 const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
+    with_phase!(&columns.medium.phase, |phase| count_edges(step, columns, phase));
+}
+
+#[inline(always)]
+fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
     let CountColumns { technique: bridge, medium, lengths, solid, paths, last_surface, connections, count } = columns;
     let most = bridge.max_inserted.saturating_add(1);
-    let phase = HenyeyGreensteinX8::new(medium.phase);
+    let lobe = phase.lobe();
     for b in 0..connections.len.div_ceil(LANES) {
         let lane_of = connections.lane.batch(b).to_array();
         let sequence = Sequence::new(step, paths, &lane_of);
@@ -45,7 +49,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
         let to_light = connections.point.batch(b) - connections.start.batch(b);
         let distance = to_light.length_squared().sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
-        let h = phase.h(connections.arriving.batch(b), axis);
+        let h = lobe.h(connections.arriving.batch(b), axis);
         let cell = bridge.counts.cell(f32x8::splat(medium.extinction) * distance, h, on_surface);
 
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
@@ -60,9 +64,13 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
 pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
-    let BuildColumns { technique: bridge, medium, solid, paths, last_surface, .. } = columns;
+    with_phase!(&columns.medium.phase, |phase| build_walks(step, columns, phase));
+}
+
+#[inline(always)]
+fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
+    let BuildColumns { technique: bridge, solid, paths, last_surface, .. } = columns;
     let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
-    let phase = HenyeyGreensteinX8::new(medium.phase);
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
@@ -83,7 +91,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
 
 /// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
 #[inline(always)]
-fn walk(sequence: &Sequence, phase: &HenyeyGreensteinX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
+fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
     let (mut position, mut direction) = (Vec3x8::ZERO, Vec3x8::splat([0.0, 0.0, 1.0]));
     let edges = chain.len() as u32;
     for (k, vertex) in (0..).zip(chain) {
@@ -117,7 +125,7 @@ impl Placement {
     /// uniformly.
     #[inline(always)]
     fn new(
-        phase: &HenyeyGreensteinX8,
+        phase: &impl PhaseX8,
         roll: Roll,
         on_surface: f32x8,
         candidate: &CandidateBatch,
@@ -141,12 +149,12 @@ impl Placement {
 
         // Azimuth of the first edge in the frame of the axis: that of the arriving direction plus the roll.
         let (sin, cos) = match roll {
-            Roll::Aligned => {
-                let (near, far) = phase.h_in_plane(arriving, leaving);
-                let [near, far] = [near, far].map(|h| on_surface.select(f32x8::ONE, h));
-                roll_by(near, far, u)
+            Roll::Aligned if on_surface.any() => {
+                let [aligned, uniform] = [phase.roll(arriving, leaving, u), roll_uniformly(u)];
+                (on_surface.select(uniform.0, aligned.0), on_surface.select(uniform.1, aligned.1))
             }
-            Roll::Uniform => roll_by(f32x8::ONE, f32x8::ONE, u),
+            Roll::Aligned => phase.roll(arriving, leaving, u),
+            Roll::Uniform => roll_uniformly(u),
         };
         let on_axis = arriving.sine.simd_le(least);
         let inverse_sine = f32x8::ONE / arriving.sine.fast_max(least);
@@ -166,14 +174,10 @@ impl Placement {
     }
 }
 
-/// `(sin, cos)` of the roll for the uniform number `u`.
+/// `(sin, cos)` of a roll by which all angles are alike.
 #[inline(always)]
-fn roll_by(near: f32x8, far: f32x8, u: f32x8) -> (f32x8, f32x8) {
-    let (s, c) = sin_cos_half_turn(u);
-    let (s2, c2) = (near * s * s, far * c * c);
-    let inverse = f32x8::ONE / (s2 + c2);
-    let two = f32x8::splat(2.0);
-    (two * (near * far).sqrt() * s * c * inverse, (c2 - s2) * inverse)
+fn roll_uniformly(u: f32x8) -> (f32x8, f32x8) {
+    roll_by(f32x8::ONE, f32x8::ONE, u)
 }
 
 /// The whole part of a number >= 0.

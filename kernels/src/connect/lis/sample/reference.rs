@@ -7,16 +7,13 @@
 //!
 //! The cosine inverts the distribution of p_dir: `int_c^1 (k + 2) x^{k+1} dx = 1 - c^{k+2}`, and u may stand for 1 - u.
 
-use core::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{Candidate, End};
-use crate::connect::light_sample::reference::normal;
 use crate::connect::lis::Lis;
+use crate::emission::reference::emit;
 use crate::medium_sample::reference::flight;
-use crate::phase::reference::frame;
 use crate::tables::lights::Emitter;
 use crate::{Step, random};
 
@@ -45,14 +42,7 @@ pub fn uniforms(pixel: u32, sample: u32, depth: u32, seed: u32) -> [f64; 4] {
 
 /// The vertex made from `point` on the emitter `[m]`.
 pub fn place(emitter: &Emitter, extinction: f64, point: DVec3, u: [f64; 4]) -> DVec3 {
-    let front = normal(emitter, point, DVec3::ZERO).normalize();
-    let normal = if emitter.double_sided && u[3] < 0.5 { -front } else { front };
-    let (tangent, bitangent) = frame(normal);
-    let cosine = u[0].powf(1.0 / (f64::from(emitter.exponent) + 2.0));
-    let sine = (1.0 - cosine * cosine).sqrt();
-    let (sin_azimuth, cos_azimuth) = (TAU * u[1]).sin_cos();
-    let across = cos_azimuth * tangent + sin_azimuth * bitangent;
-    point + flight(extinction, u[2]) * (cosine * normal + sine * across)
+    point + flight(extinction, u[2]) * emit(emitter, point, u)
 }
 
 /// Whether the shape may join `start` with `vertex`.

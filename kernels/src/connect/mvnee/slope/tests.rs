@@ -2,7 +2,7 @@
 
 use super::{TABLE, of};
 use crate::connect::mvnee::GGX_WIDTH;
-use crate::phase::reference::density;
+use crate::phase::henyey_greenstein::reference::density;
 
 /// Pixels along a side of the plane.
 const PIXELS: usize = 256;

@@ -1,5 +1,5 @@
 //! ```text
-//! theta from the phase function, forward part:   cosine(1 - F (1 - u))
+//! theta from the forward part of the phase function
 //! alpha = u theta,    d = s sin(theta - alpha) / sin theta
 //! vertex = start + d (cos alpha w + sin alpha (cos(2 pi u) tangent + sin(2 pi u) bitangent))
 //! ```
@@ -9,18 +9,21 @@
 use wide::f32x8;
 
 use super::BuildColumns;
-use crate::Step;
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
-use crate::phase::{HenyeyGreensteinX8, forward_share};
+use crate::phase::PhaseX8;
 use crate::random;
 use crate::transcendental::sin_cos_turn;
+use crate::{Step, with_phase};
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
 pub fn build(step: Step, columns: BuildColumns<'_, '_>) {
-    let BuildColumns { medium, paths, connections, chains } = columns;
-    let phase = HenyeyGreensteinX8::new(medium.phase);
-    let share = f32x8::splat(forward_share(f64::from(medium.phase.g)) as f32);
+    with_phase!(&columns.medium.phase, |phase| place(step, columns, phase));
+}
+
+#[inline(always)]
+fn place(step: Step, columns: BuildColumns<'_, '_>, phase: impl PhaseX8) {
+    let BuildColumns { paths, connections, chains, .. } = columns;
     for b in 0..connections.len.div_ceil(LANES) {
         let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
         let [turn, first, azimuth, _] = sequence.uniforms(random::OMNEE_VERTEX);
@@ -29,7 +32,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_>) {
         let to_light = connections.point.batch(b) - start;
         let distance = to_light.length_squared().sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(1e-30)));
-        let deflection = phase.sample((f32x8::ONE - turn).mul_neg_add(share, f32x8::ONE));
+        let deflection = phase.sample_forward(turn);
         let alpha = first * deflection.sine.atan2(deflection.cosine);
         let (sin, cos) = alpha.sin_cos();
         let straight = deflection.sine.simd_le(f32x8::splat(1e-6));

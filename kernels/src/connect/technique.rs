@@ -1,0 +1,125 @@
+//! One row per connection technique: what the rest of the program must know of it.
+
+use super::light_sample::Reach;
+use super::{Techniques, nee, omnee};
+
+/// The connection techniques.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technique {
+    /// Next event estimation.
+    Nee,
+    /// Multiple-vertex next event estimation.
+    Mvnee,
+    /// Once-more next event estimation.
+    Omnee,
+    /// Bridges.
+    Bridge,
+    /// Light importance sampling and its companion.
+    Lis,
+}
+
+/// At which vertices a technique's ratios ask for the phase function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Densities {
+    /// At none, or through the technique's own eyes.
+    None,
+    /// At the one next to the light.
+    Last,
+    /// At all of them.
+    All,
+}
+
+/// What others must know of a technique.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Which pairs of start and light point it connects, and the random dimension of its light points. Paths of limited length
+    /// may restrict it further.
+    pub reach: Reach,
+    /// Most vertices that it inserts; `u32::MAX` for no limit but that of the path.
+    pub most_inserted: u32,
+    /// Whether its ratios look at the vertices before a start.
+    pub looks_back: bool,
+    /// The farthest start that it can use, counted from the light; more where [`Self::near`] says so.
+    pub farthest_start: usize,
+    /// Where its ratios ask for phase functions.
+    pub densities: Densities,
+    /// Distance from a light within which it uses all starts, if that is why starts are remembered `[m]`; else infinite.
+    pub near: f32,
+}
+
+impl Technique {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Nee, Self::Mvnee, Self::Omnee, Self::Bridge, Self::Lis];
+
+    /// The technique's name in scenes, flags and statistics.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nee => "nee",
+            Self::Mvnee => "mvnee",
+            Self::Omnee => "omnee",
+            Self::Bridge => "bridge",
+            Self::Lis => "lis",
+        }
+    }
+
+    /// Its row in `techniques`, if it is among them.
+    pub fn row(self, techniques: &Techniques) -> Option<Row> {
+        match self {
+            Self::Nee => techniques.nee.then_some(nee::ROW),
+            Self::Mvnee => techniques.mvnee.as_ref().map(super::mvnee::Mvnee::row),
+            Self::Omnee => techniques.omnee.then_some(omnee::ROW),
+            Self::Bridge => techniques.bridge.as_ref().map(super::bridge::Bridge::row),
+            Self::Lis => techniques.lis.as_ref().map(super::lis::Lis::row),
+        }
+    }
+}
+
+impl Techniques {
+    /// The rows of the active techniques.
+    pub fn rows(&self) -> impl Iterator<Item = (Technique, Row)> + '_ {
+        Technique::ALL.into_iter().filter_map(|technique| Some((technique, technique.row(self)?)))
+    }
+
+    /// Whether any weight looks at the vertices before a start.
+    pub fn look_back(&self) -> bool {
+        self.rows().any(|(_, row)| row.looks_back)
+    }
+
+    /// Most vertices that any of them inserts into a path of at most `longest` segments.
+    pub fn most_inserted(&self, longest: u32) -> usize {
+        let most = self.rows().map(|(_, row)| row.most_inserted).max().unwrap_or(0);
+        most.min(longest.saturating_sub(2)) as usize
+    }
+
+    /// The farthest start that any of them can use, counted from the light, but for those near one.
+    pub fn farthest_start(&self) -> usize {
+        self.rows().map(|(_, row)| row.farthest_start).max().unwrap_or(1)
+    }
+
+    /// Where they ask for phase functions.
+    pub fn densities(&self) -> Densities {
+        self.rows().map(|(_, row)| row.densities).max().unwrap_or(Densities::None)
+    }
+
+    /// Distance from a light within which starts are remembered as near `[m]`; infinite if nothing asks for that.
+    pub fn near(&self) -> f32 {
+        self.rows().map(|(_, row)| row.near).fold(f32::INFINITY, f32::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_say_what_buffers_are_needed() {
+        let none = Techniques::default();
+        assert_eq!((none.look_back(), none.most_inserted(20), none.near()), (false, 0, f32::INFINITY));
+        let straight = Techniques { nee: true, ..Techniques::default() };
+        assert_eq!((straight.look_back(), straight.most_inserted(20), straight.farthest_start()), (false, 0, 1));
+        let once = Techniques { nee: true, omnee: true, ..Techniques::default() };
+        assert_eq!((once.look_back(), once.most_inserted(20), once.farthest_start()), (true, 1, 2));
+        assert_eq!(once.most_inserted(2), 0);
+        assert_eq!(once.rows().map(|(technique, _)| technique.name()).collect::<Vec<_>>(), ["nee", "omnee"]);
+    }
+}
