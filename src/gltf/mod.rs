@@ -16,6 +16,7 @@ mod cameras;
 mod container;
 mod decode;
 mod document;
+mod element_format;
 mod elements;
 mod fault;
 mod files;
