@@ -5,16 +5,16 @@ use glam::DVec3;
 
 use super::document::Document;
 use super::model::{self, Loaded};
+use super::ranges::{LARGEST, Owner};
 use super::schema::{Camera, CameraOrName, Film, Scene};
-use super::source::{LARGEST, Source};
 use crate::error::{Error, Result};
 use crate::gltf;
 
 /// The camera that renders a scene.
 #[derive(Debug)]
 pub struct Chosen<'a> {
-    /// Where its values stand.
-    pub source: Source<'a>,
+    /// What has its values.
+    pub owner: Owner<'a>,
     /// Its values.
     pub camera: Camera,
     /// Its place among the cameras of the model, if it is one of them.
@@ -27,8 +27,8 @@ pub struct Chosen<'a> {
 pub fn choose<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -> Result<Chosen<'a>> {
     match (&scene.camera, loaded) {
         (Some(CameraOrName::Table(camera)), _) => {
-            let source = Source::Table(document, "camera".into());
-            Ok(Chosen { source, camera: *camera, of_model: None, aspect: None })
+            let owner = Owner::Table(document, "camera".into());
+            Ok(Chosen { owner, camera: *camera, of_model: None, aspect: None })
         }
         (Some(CameraOrName::Name(name)), Some(loaded)) => of_model(loaded, named(name, document, loaded)?),
         (Some(CameraOrName::Name(name)), None) => {
@@ -81,9 +81,9 @@ fn named(name: &str, document: &Document, loaded: &Loaded) -> Result<usize> {
 /// is taken from the extras alone.
 fn of_model(loaded: &Loaded, index: usize) -> Result<Chosen<'static>> {
     let camera = &loaded.model.cameras[index];
-    let source = loaded.source("camera", &camera.name);
-    let near = model::number(&source, camera.extras.as_ref(), "near")?.unwrap_or(0.0);
-    Ok(Chosen { source, camera: table(camera, near), of_model: Some(index), aspect: camera.aspect })
+    let owner = Owner::object(&loaded.file, "camera", &camera.name);
+    let near = owner.extra(camera.extras.as_ref(), "near")?.unwrap_or(0.0);
+    Ok(Chosen { owner, camera: table(camera, near), of_model: Some(index), aspect: camera.aspect })
 }
 
 fn table(camera: &gltf::Camera, near: f64) -> Camera {
@@ -101,7 +101,7 @@ impl Chosen<'_> {
 
     /// The pinhole in front of `film`, of valid size, counted from `origin`.
     pub fn pinhole(&self, film: &Film, origin: DVec3) -> Result<Pinhole> {
-        let at = &self.source;
+        let at = &self.owner;
         let Camera { position, look_at, up, vertical_fov_deg, near } = self.camera;
         let [position, look_at] = [at.position("position", position)?, at.position("look_at", look_at)?];
         let forward = (look_at - position).try_normalize();

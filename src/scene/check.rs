@@ -15,10 +15,10 @@ use glam::DVec3;
 
 use super::cameras::Chosen;
 use super::document::Document;
-use super::lights::{self, LARGEST_RADIANCE, Placed};
+use super::lights::{self, Placed};
 use super::model;
+use super::ranges::{LARGEST, LARGEST_RADIANCE};
 use super::schema::{self, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique};
-use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -83,7 +83,7 @@ fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
     );
     let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; a \
                   sphere is black inside";
-    light.source.require(distance >= radius, "center", finding, remedy)
+    light.owner.require(distance >= radius, "center", finding, remedy)
 }
 
 /// Names of the lights that shine from nowhere, which are left out.
@@ -179,7 +179,7 @@ impl Check<'_> {
         if lights.is_empty() && meshes.is_empty() {
             return Err(self.no_light(suns));
         }
-        let solid = |placed: &Placed<'_>| lights::emitter(&placed.source, &placed.light, origin);
+        let solid = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
         let solids = lights.iter().map(solid).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,

@@ -1,12 +1,9 @@
 //! The glTF file of a scene.
 
-use serde_json::Value;
-
 use super::document::Document;
-use super::lights::LARGEST_RADIANCE;
 use super::origin;
+use super::ranges::{LARGEST_RADIANCE, Owner};
 use super::schema::Scene;
-use super::source::Source;
 use crate::error::Result;
 use crate::gltf::{self, Model, label, quoted};
 
@@ -38,9 +35,9 @@ fn check_emission(loaded: &Loaded) -> Result<()> {
     for (index, material) in loaded.model.materials.iter().enumerate() {
         // In the model's precision: the 32-bit number nearest to the limit is above it.
         let ok = material.emission.iter().all(|x| *x <= LARGEST_RADIANCE as f32);
-        let source = Source::Object(format!("{}: {}", loaded.file, label("material", index, material.name.as_deref())));
+        let owner = Owner::Object(format!("{}: {}", loaded.file, label("material", index, material.name.as_deref())));
         let finding = format!("{:?}", material.emission);
-        source.require(ok, "emission", finding, "scale it down to 1e30 W/(m^2 sr) or less")?;
+        owner.require(ok, "emission", finding, "scale it down to 1e30 W/(m^2 sr) or less")?;
     }
     Ok(())
 }
@@ -57,20 +54,6 @@ fn load(geometry: &str, scene: &Scene, document: &Document) -> Result<Loaded> {
         return Err(document.error("geometry", finding, remedy));
     }
     Ok(Loaded { model: gltf::load_from(&path, |camera| origin::of_scene(scene, camera))?, file })
-}
-
-impl Loaded {
-    /// The source of the values of its object `name`; `kind` is what such objects are called.
-    pub fn source(&self, kind: &str, name: &str) -> Source<'static> {
-        Source::Object(format!("{}: {kind} {}", self.file, quoted(name)))
-    }
-}
-
-/// The number under `key` of the extras of an object, if there is one.
-pub fn number(source: &Source<'_>, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
-    let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
-    let remedy = "give a number in metres, or leave it out";
-    value.as_f64().map(Some).ok_or_else(|| source.wrong(&format!("extras.{key}"), value, remedy))
 }
 
 /// Names as an error lists them.

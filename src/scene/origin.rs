@@ -3,8 +3,8 @@
 
 use glam::DVec3;
 
+use super::ranges::LARGEST;
 use super::schema::{CameraOrName, Scene};
-use super::source::LARGEST;
 
 /// Distance from 0 up to which positions are as fine as they need be `[m]`: 0.06 mm.
 const FAR: f64 = 1000.0;

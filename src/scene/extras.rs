@@ -1,5 +1,5 @@
-//! A glTF file that is a scene by itself: its geometry, its first camera and its lights, in vacuum, and what our own keys in
-//! its scene's extras say: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
+//! The keys of a scene in the extras of a glTF file that is a scene by itself, beside its geometry, its first camera and its
+//! lights: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
 
 use std::path::Path;
 
@@ -7,9 +7,8 @@ use glam::DVec3;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::document::Document;
+use super::document::{Document, EXTRAS};
 use super::origin;
-use super::places::EXTRAS;
 use crate::error::{Error, Result};
 use crate::gltf::{self, Model};
 
