@@ -9,7 +9,6 @@ pub mod help;
 mod lights;
 mod loaded;
 mod model;
-mod origin;
 mod punctual;
 mod ranges;
 pub mod schema;
@@ -17,11 +16,10 @@ mod surfaces;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use serde::de::IntoDeserializer;
 
 use crate::error::{Error, Result};
-use crate::gltf::Model;
+use crate::gltf::Asset;
 use crate::warning::Warning;
 use document::{Document, Override, in_plain_words};
 use lights::Placed;
@@ -36,12 +34,13 @@ use schema::{Film, Scene};
 /// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let (mut document, model) = match extras::is_model(&file) {
-        true => extras::read(&file).map(|(document, model)| (document, Some(model)))?,
-        false => (Document::read(&file)?, None),
+    let asset = model::is_model(&file).then(|| Asset::open(&file)).transpose()?;
+    let mut document = match &asset {
+        Some(asset) => extras::document(&file, asset)?,
+        None => Document::read(&file)?,
     };
     document.apply_all(overrides)?;
-    let mut scene = check(name(path), &document, model)?;
+    let mut scene = load_document(name(path), &document, asset)?;
     scene.files.insert(0, file);
     Ok(scene)
 }
@@ -51,24 +50,26 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    check(name(Path::new(file)), &Document::parse(file, text)?, None)
+    load_document(name(Path::new(file)), &Document::parse(file, text)?, None)
 }
 
-/// The scene that `document` describes; `model` is that of a glTF file which is a scene by itself.
-fn check(name: String, document: &Document, model: Option<Model>) -> Result<LoadedScene> {
+/// The scene that `document` describes; `asset` is the glTF file that is a scene by itself.
+///
+/// The camera comes first: it says what positions are counted from, and with that the model's vertices are read.
+fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
-    let loaded = model::of_scene(&scene, document, model)?;
-    let chosen = cameras::choose(&scene, document, loaded.as_ref())?;
+    let asset = model::open(&scene, document, asset)?;
+    let chosen = cameras::choose(&scene, document, asset.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
         scene.film.size = Film::of_aspect(aspect).size;
     }
+    let origin = chosen.origin();
+    let loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
+
     let placed = all_lights(&scene, document, loaded.as_ref())?;
     let mut warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
     warnings.extend(no_medium(document));
-    let contents =
-        loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(&loaded.model, chosen.of_model));
-    let camera = DVec3::from(chosen.camera.position);
-    let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
+    let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
