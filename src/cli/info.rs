@@ -175,7 +175,7 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
     let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
-    let (frame, _) = pilot::settle(&loaded.frame, loaded.scene.film.size, &loaded.scene.render, &renderer, || false);
+    let (frame, _) = pilot::choose(&loaded.frame, loaded.scene.film.size, loaded.choices(), &renderer, || false);
     let film = Film::new(&frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::schema::{self, Camera, CameraOrName, NumberOrAuto, Scene};
+use super::schema::{self, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
 use crate::frame::Frame;
 use crate::gltf::Model;
+use crate::pilot::Choices;
 use crate::warning::Warning;
 
 /// A scene that was read and found valid.
@@ -80,6 +81,13 @@ impl LoadedScene {
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
         hasher.finalize().to_hex()[..32].to_string()
+    }
+
+    /// What the scene leaves to the pilot.
+    pub fn choices(&self) -> Choices {
+        let render = &self.scene.render;
+        let (survival, roulette) = (render.survival.0.is_none(), render.roulette.0.is_none());
+        Choices { starts: render.starts == Starts::Auto, survival, roulette }
     }
 
     /// All keys as TOML, overrides and defaults included.

@@ -1,4 +1,4 @@
-//! A render from its scene to the images it leaves: what is settled first, rounds of samples, and what is told of them.
+//! A render from its scene to the images it leaves: what is decided first, rounds of samples, and what is told of them.
 
 mod report;
 mod rounds;
@@ -82,7 +82,7 @@ pub struct Session {
     monitor: Monitor,
 }
 
-/// What was settled before the first sample.
+/// What was decided before the first sample.
 #[derive(Clone, Debug, Default)]
 pub struct Preparation {
     /// What the pilot tried.
@@ -139,7 +139,7 @@ impl Session {
         &self.monitor
     }
 
-    /// What was settled before the first sample.
+    /// What was decided before the first sample.
     pub fn preparation(&self) -> &Preparation {
         &self.preparation
     }
@@ -151,7 +151,7 @@ impl Session {
         let metered = || metering::exposure(&self.scene.frame, size, &self.renderer);
         let exposure = has_png.then(|| exposure.map_or_else(metered, Exposure));
         let (frame, trials) =
-            pilot::settle(&self.scene.frame, size, &self.scene.scene.render, &self.renderer, &interrupted);
+            pilot::choose(&self.scene.frame, size, self.scene.choices(), &self.renderer, &interrupted);
         let left_out = if interrupted() { None } else { truncation::estimate(&frame, size, &self.renderer) };
         self.scene.frame = frame;
         self.preparation = Preparation { trials, left_out, exposure };
