@@ -1,19 +1,20 @@
 //! The pilot: a short look at a scene that picks what is most efficient for it.
 //!
-//! How many vertices should connect, and how readily a walk should end, belong to the scene: in open fog the first vertex
-//! suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small, once per
-//! setting, and keeps the setting with the smallest product of variance and cost.
+//! How many vertices should connect, and how readily a walk should end, belong to the scene: in open fog the first
+//! vertex suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small,
+//! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
-//! Where there are surfaces connections have to be traced, and those that contribute less than the mean of the image may play
-//! roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges as it is, and the
-//! mean takes a quarter of the time; where nothing scatters it would only add noise.
+//! Where there are surfaces connections have to be traced, and those that contribute less than the mean of the image
+//! may play roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges
+//! as it is, and the mean takes a quarter of the time; where nothing scatters it would only add noise.
 //!
-//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a variance
-//! counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the
-//! one which leaves least to luck, most starts and longest walks, found something else than the image.
+//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
+//! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
+//! is not that of the one which leaves least to luck, most starts and longest walks, found something else than the
+//! image.
 //!
-//! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same on
-//! every machine, for every split of the samples, and independent of the samples that are kept.
+//! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
+//! on every machine, for every split of the samples, and independent of the samples that are kept.
 
 use core::cmp::Ordering;
 
@@ -27,8 +28,8 @@ use crate::stats::Stats;
 
 /// Numbers of starts to try; the last is all.
 const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
-/// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and beyond
-/// it is more than a hundred times that of eight starts.
+/// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and
+/// beyond it is more than a hundred times that of eight starts.
 const LONGEST_FOR_ALL: u32 = 128;
 /// Survival probabilities to try.
 const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
@@ -45,8 +46,8 @@ const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
 const SEED: u32 = 0x9e37_79b9;
 
-/// The seed of the pilot's samples for a frame of `seed`: another one, under which light importance sampling draws nothing
-/// either.
+/// The seed of the pilot's samples for a frame of `seed`: another one, under which light importance sampling draws
+/// nothing either.
 pub fn seed(seed: u32) -> u32 {
     seed ^ SEED
 }
@@ -63,8 +64,8 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Those that matter to `frame`. Without bridges there are no starts and survivals to try: techniques that do not reach
-    /// every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
+    /// Those that matter to `frame`. Without bridges there are no starts and survivals to try: techniques that do not
+    /// reach every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
         let bridges = scatters && frame.techniques.bridge.is_some();
@@ -113,7 +114,8 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has none.
+    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has
+    /// none.
     pub fn efficiency(&self) -> f64 {
         let work = (self.variance + 2.0 * self.variance_error) * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
@@ -137,8 +139,8 @@ impl Trial {
 /// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
 /// with that.
 ///
-/// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `interrupted` says
-/// so no further setting is.
+/// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `interrupted`
+/// says so no further setting is.
 pub fn choose(
     frame: &Frame,
     size: [u32; 2],
@@ -225,9 +227,9 @@ impl<F: Fn() -> bool> Search<'_, F> {
     }
 }
 
-/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the one
-/// with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and more of
-/// everything has fewer surprises.
+/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the
+/// one with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and
+/// more of everything has fewer surprises.
 pub fn best(trials: &[Trial]) -> Option<Trial> {
     let fullest = trials.iter().max_by(|a, b| a.compare_walks(b))?;
     let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));

@@ -164,8 +164,8 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera ({depth} mean free paths)"))
 }
 
-/// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its limit
-/// on the length of paths leaves out.
+/// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its
+/// limit on the length of paths leaves out.
 fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
         .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;

@@ -94,7 +94,8 @@ fn part<'a>(view: View<'a>, offset: usize, count: usize, stride: usize, format: 
     let bytes = length.and_then(|length| view.bytes.get(offset..offset.checked_add(length)?));
     bytes.ok_or_else(|| {
         let finding = format!(
-            "its {count} elements ({format}) from byte {offset}, {stride} bytes apart, do not fit in its bufferView of {} bytes",
+            "its {count} elements ({format}) from byte {offset}, {stride} bytes apart, do not fit in its \
+             bufferView of {} bytes",
             view.bytes.len()
         );
         Fault::new(finding, EXPORT_AGAIN)

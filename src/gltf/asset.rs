@@ -22,7 +22,8 @@ use super::warnings::Warnings;
 use super::{cameras, container, document, images, lights, materials, meshes};
 use crate::error::{Error, Result};
 
-/// A glTF file that is open: its buffers are there and its nodes are placed; meshes, lights and images are still to be read.
+/// A glTF file that is open: its buffers are there and its nodes are placed; meshes, lights and images are still to be
+/// read.
 #[derive(Debug)]
 pub struct Asset {
     file: String,
@@ -41,8 +42,8 @@ impl Asset {
     /// Opens the file at `path`, `.gltf` or `.glb`; which of the two, its content says.
     ///
     /// # Errors
-    /// If the file or a buffer that it refers to cannot be read, its nodes or cameras are malformed, or it needs what is not
-    /// supported.
+    /// If the file or a buffer that it refers to cannot be read, its nodes or cameras are malformed, or it needs what
+    /// is not supported.
     pub fn open(path: &Path) -> Result<Self> {
         let remedy = "give the path of a readable .gltf or .glb file";
         let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;

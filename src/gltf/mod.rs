@@ -1,17 +1,17 @@
 //! glTF 2.0: from a `.gltf` or `.glb` file to a [`Model`], plain data in world space.
 //!
-//! There are two phases: an open [`Asset`] knows its cameras; its meshes are read once it is known what their vertices are
-//! counted from.
+//! There are two phases: an open [`Asset`] knows its cameras; its meshes are read once it is known what their vertices
+//! are counted from.
 //!
-//! Only what the scene shows is read: the default scene, or else the first, or else all nodes. Of materials, what a diffuse
-//! surface shows; of textures, those in use. What is passed over leaves a warning; what is malformed is an error that names
-//! the object, and never a panic, whatever the bytes are. Indices, offsets, counts and sizes are checked where they are used,
-//! and memory is taken only after that, in proportion to the size of the file.
+//! Only what the scene shows is read: the default scene, or else the first, or else all nodes. Of materials, what a
+//! diffuse surface shows; of textures, those in use. What is passed over leaves a warning; what is malformed is an
+//! error that names the object, and never a panic, whatever the bytes are. Indices, offsets, counts and sizes are
+//! checked where they are used, and memory is taken only after that, in proportion to the size of the file.
 //!
 //! Read beyond the core: `KHR_lights_punctual`, `KHR_materials_emissive_strength`, `KHR_texture_transform`,
-//! `KHR_mesh_quantization`. Files that require other extensions are refused. Data stands in the file, in data URIs, or in
-//! files in the model's folder or below it: URIs that lead elsewhere are refused, so that a model cannot read what it was not
-//! given.
+//! `KHR_mesh_quantization`. Files that require other extensions are refused. Data stands in the file, in data URIs, or
+//! in files in the model's folder or below it: URIs that lead elsewhere are refused, so that a model cannot read what
+//! it was not given.
 
 mod accessors;
 mod asset;

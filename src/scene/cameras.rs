@@ -49,8 +49,8 @@ fn missing(document: &Document, asset: Option<&Asset>) -> Error {
         None => ("missing key `camera`".into(), "write a [camera] table, or set geometry to a glTF file with a camera"),
         Some(_) if document.is_model() => (
             "has no perspective camera".into(),
-            "write a scene.toml with a [camera] table and this file as geometry, or give camera.position, camera.look_at and \
-             camera.vertical_fov_deg with --set",
+            "write a scene.toml with a [camera] table and this file as geometry, or give camera.position, \
+             camera.look_at and camera.vertical_fov_deg with --set",
         ),
         Some(asset) => {
             let finding = format!("missing key `camera`, and {} has no perspective camera", asset.file());
@@ -81,8 +81,8 @@ fn named(name: &str, document: &Document, asset: &Asset) -> Result<usize> {
     }
 }
 
-/// A camera of the model as a table says it. A near plane of glTF clips what is before it, ours is where paths start: it
-/// is taken from the extras alone.
+/// A camera of the model as a table says it. A near plane of glTF clips what is before it, ours is where paths start:
+/// it is taken from the extras alone.
 fn of_model(asset: &Asset, index: usize) -> Result<Chosen<'static>> {
     let camera = &asset.cameras()[index];
     let owner = Owner::object(asset.file(), "camera", &camera.name);

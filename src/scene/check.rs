@@ -24,8 +24,8 @@ use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gltf::{LightKind, Model};
 
-/// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike, 0
-/// has fireflies, 0.3 costs a third.
+/// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike,
+/// 0 has fireflies, 0.3 costs a third.
 const AIMED: f64 = 0.05;
 /// Largest share of aimed flights.
 const LARGEST_AIMED: f64 = 0.99;
@@ -37,7 +37,8 @@ const SMALLEST_SURVIVAL: f64 = 0.01;
 const LARGEST_FILM: u64 = 1 << 27;
 /// Largest exposure in stops either way: factors of 10^30.
 const MOST_STOPS: f64 = 100.0;
-/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
+/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last
+/// digits.
 const SHARPEST: f64 = 0.9999;
 
 /// A check of the values at some paths of a document.
@@ -79,7 +80,8 @@ fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
     let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
     let distance = start.distance(DVec3::from(center));
     let finding = format!(
-        "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
+        "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is \
+         {radius:?} m"
     );
     let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; a \
                   sphere is black inside";
@@ -147,13 +149,13 @@ impl Check<'_> {
     fn no_light(&self, suns: &[String]) -> Error {
         let remedy = match self.document.is_model() {
             true => {
-                "add a point light, a spot light or an emissive material to the file, write a scene.toml with a [[light]] \
-                 table and this file as geometry, or add a light with --set 'light=[{ type = \"sphere\", \
+                "add a point light, a spot light or an emissive material to the file, write a scene.toml with a \
+                 [[light]] table and this file as geometry, or add a light with --set 'light=[{ type = \"sphere\", \
                  center = [0, 3, 0], radius = 0.1, radiance = 100 }]'"
             }
             false => {
-                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without a \
-                 light the image is black"
+                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without \
+                 a light the image is black"
             }
         };
         let finding = match suns {

@@ -1,5 +1,5 @@
-//! The keys of a scene in the extras of a glTF file that is a scene by itself, beside its geometry, its first camera and its
-//! lights: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
+//! The keys of a scene in the extras of a glTF file that is a scene by itself, beside its geometry, its first camera
+//! and its lights: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
 
 use std::path::Path;
 

@@ -28,10 +28,12 @@ use model::Loaded;
 use ranges::Owner;
 use schema::{Film, Scene};
 
-/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in order.
+/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in
+/// order.
 ///
 /// # Errors
-/// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of range.
+/// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of
+/// range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     let file = file(path)?;
     let asset = model::is_model(&file).then(|| Asset::open(&file)).transpose()?;

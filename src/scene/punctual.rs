@@ -1,8 +1,9 @@
 //! Punctual lights of a model as lights with an extent, of the same intensity.
 //!
-//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a disk,
-//! whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so that it falls as
-//! `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a power of the cosine.
+//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a
+//! disk, whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so
+//! that it falls as `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a
+//! power of the cosine.
 
 use core::f64::consts::PI;
 
@@ -51,8 +52,8 @@ fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
     Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent, cone })
 }
 
-/// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its cone
-/// angles; 0, a plain disk with one half at 60 degrees, is the widest there is.
+/// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its
+/// cone angles; 0, a plain disk with one half at 60 degrees, is the widest there is.
 fn exponent(inner: f64, outer: f64) -> f64 {
     let sine = (0.5 * (inner + outer)).sin();
     // ln cos as half the logarithm of 1 - sin^2, for narrow cones.

@@ -1,5 +1,5 @@
-//! Ranges of the values that cameras, lights and materials have, in the scene file and in its model alike, and errors that
-//! say where a value beyond them stands.
+//! Ranges of the values that cameras, lights and materials have, in the scene file and in its model alike, and errors
+//! that say where a value beyond them stands.
 
 use core::fmt::Display;
 

@@ -144,8 +144,8 @@ impl Session {
         &self.preparation
     }
 
-    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out; meters
-    /// the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
+    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out;
+    /// meters the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
     pub fn prepare(&mut self, has_png: bool, interrupted: impl Fn() -> bool) {
         let (size, exposure) = (self.scene.scene.film.size, self.scene.scene.film.exposure.0);
         let metered = || metering::exposure(&self.scene.frame, size, &self.renderer);
