@@ -1,4 +1,5 @@
 use super::*;
+use crate::image;
 
 /// Index of a layer that no render has: one channel, without squares.
 const DEPTH: usize = 1;
@@ -118,4 +119,27 @@ fn a_film_keeps_radiance_the_same_whatever_other_layers_it_has() {
 fn films_of_different_layers_are_not_merged() {
     let layers = two_layers();
     film(&layers, 8, 0..1).merge(&film(&layers[..=RADIANCE], 8, 1..2));
+}
+
+#[test]
+fn every_layer_is_in_the_file_under_its_own_names() {
+    let film = film(&two_layers(), 8, 0..SAMPLES);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("layers.exr");
+    let file = std::fs::File::create(&path).expect("a file");
+    image::exr::write_film(std::io::BufWriter::new(file), &film, [32, 32], &[]).expect("written");
+    let image = image::exr::read_image(&path).expect("an image");
+    let names: Vec<_> = image.channels.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["B", "G", "N", "R", "SE.B", "SE.G", "SE.R", "depth.Z"]);
+    assert_eq!((image.width, image.height), (17, 11));
+    let plane = |name: &str| image.channel(name).expect("a plane").to_vec();
+    let shown = |layer, channel, part: fn(&Estimate) -> f64| {
+        estimates(&film, layer, channel).iter().map(|estimate| part(estimate) as f32).collect::<Vec<_>>()
+    };
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        assert_eq!(plane(name), shown(RADIANCE, channel, |estimate| estimate.mean));
+        assert_eq!(plane(&format!("SE.{name}")), shown(RADIANCE, channel, |estimate| estimate.standard_error));
+    }
+    assert_eq!(plane("depth.Z"), shown(DEPTH, 0, |estimate| estimate.mean));
+    assert_eq!(plane("N"), vec![SAMPLES as f32; 17 * 11]);
 }
