@@ -123,7 +123,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         "cost: {samples} samples, {} at {}; film {} MiB",
         duration(samples as f64 / measured),
         rate(measured),
-        (Film::bytes(frame, pixels) >> 20).max(1),
+        (Film::bytes(&film::layers(frame), pixels) >> 20).max(1),
     ))
 }
 

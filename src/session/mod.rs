@@ -119,8 +119,9 @@ impl Session {
             )
         })?;
         let tile_size = if reference == Reference::None { film::tile_size(region) } else { REFERENCE_TILE_SIZE };
-        let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
-            let bytes = Film::bytes(&scene.frame, region.pixels());
+        let layers = film::layers(&scene.frame);
+        let film = Film::try_new(&layers, region, tile_size).map_err(|error| {
+            let bytes = Film::bytes(&layers, region.pixels());
             let place = scene.files.first().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
             let finding = format!("a film of {} pixels needs {} MiB: {error}", region.pixels(), bytes >> 20);
             Error::failure(place, finding, "render a smaller image with --size, or part of it with --crop")

@@ -199,7 +199,7 @@ impl<'q> Wavefront<'q> {
         let region = tile.region();
         for lane in self.paths.occupied.without(&self.paths.live).map(|lane| lane as usize) {
             let Request { x, y, .. } = self.requests.columns.row(lane);
-            tile.add(region.place(x, y), self.paths.columns.radiance.row(lane));
+            tile.add(region.place(x, y), &[&self.paths.columns.radiance.row(lane)]);
         }
         self.paths.occupied.copy_from(&self.paths.live);
     }

@@ -1,7 +1,7 @@
 //! Queues recorded from a real frame: the state of a wavefront in the middle of its paths.
 
 use bumpalo::Bump;
-use fogbow::film::{Region, Tile, Unit};
+use fogbow::film::{Region, Tile, layers};
 use fogbow::frame::Frame;
 use fogbow::stats::Stats;
 use fogbow::wavefront::Wavefront;
@@ -18,7 +18,7 @@ use fogbow_kernels::{Step, extend, light_hit, medium_sample, random, scatter, su
 /// and every queue is filled. Image: 256 x 256.
 pub fn wavefront<'q>(arena: &'q Bump, frame: &Frame, lanes: usize, bounces: u32) -> Wavefront<'q> {
     let mut wavefront = Wavefront::new_in(arena, frame, lanes);
-    let mut tile = Tile::new(Region::whole(256, 256), frame.channels(), Unit::for_radiance(1.0));
+    let mut tile = Tile::new(&layers(frame), Region::whole(256, 256));
     let mut stats = Stats::new(false);
     wavefront.advance(frame, &SIMD, 0..1, &mut tile, &mut stats, bounces);
     let Wavefront { paths, vertices, rays, trail, flights, hits, surface_hits, views, light_hits, step, .. } =
