@@ -1,19 +1,20 @@
 //! The pilot: a short look at a scene that picks what is most efficient for it.
 //!
-//! How many vertices should connect, and how readily a walk should end, belong to the scene: in open fog the first vertex
-//! suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small, once per
-//! setting, and keeps the setting with the smallest product of variance and cost.
+//! How many vertices should connect, and how readily a walk should end, belong to the scene: in open fog the first
+//! vertex suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small,
+//! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
-//! Where there are surfaces connections have to be traced, and those that contribute less than the mean of the image may play
-//! roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges as it is, and the
-//! mean takes a quarter of the time; where nothing scatters it would only add noise.
+//! Where there are surfaces connections have to be traced, and those that contribute less than the mean of the image
+//! may play roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges
+//! as it is, and the mean takes a quarter of the time; where nothing scatters it would only add noise.
 //!
-//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a variance
-//! counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the
-//! one which leaves least to luck, most starts and longest walks, found something else than the image.
+//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
+//! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
+//! is not that of the one which leaves least to luck, most starts and longest walks, found something else than the
+//! image.
 //!
-//! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same on
-//! every machine, for every split of the samples, and independent of the samples that are kept.
+//! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
+//! on every machine, for every split of the samples, and independent of the samples that are kept.
 
 use core::cmp::Ordering;
 
@@ -23,13 +24,12 @@ use fogbow_kernels::pipeline::SIMD;
 use crate::film::{Film, Region, tile_size};
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
-use crate::scene::schema::{Render, Starts};
 use crate::stats::Stats;
 
 /// Numbers of starts to try; the last is all.
 const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
-/// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and beyond
-/// it is more than a hundred times that of eight starts.
+/// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and
+/// beyond it is more than a hundred times that of eight starts.
 const LONGEST_FOR_ALL: u32 = 128;
 /// Survival probabilities to try.
 const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
@@ -46,13 +46,36 @@ const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
 const SEED: u32 = 0x9e37_79b9;
 
-/// The seed of the pilot's samples for a frame of `seed`: another one, under which light importance sampling draws nothing
-/// either.
+/// The seed of the pilot's samples for a frame of `seed`: another one, under which light importance sampling draws
+/// nothing either.
 pub fn seed(seed: u32) -> u32 {
     seed ^ SEED
 }
 
-/// What may be left to the pilot.
+/// What is left to the pilot; everything else stays as the frame has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Choices {
+    /// How many vertices connect.
+    pub starts: bool,
+    /// How readily a walk ends.
+    pub survival: bool,
+    /// What plays roulette.
+    pub roulette: bool,
+}
+
+impl Choices {
+    /// Those that matter to `frame`. Without bridges there are no starts and survivals to try: techniques that do not
+    /// reach every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
+    fn that_matter(self, frame: &Frame) -> Self {
+        let scatters = !frame.stays_straight() && frame.lengths.max > 2;
+        let bridges = scatters && frame.techniques.bridge.is_some();
+        let traces = scatters && frame.techniques.any() && !frame.surfaces.is_empty();
+        let Self { starts, survival, roulette } = self;
+        Self { starts: bridges && starts, survival: bridges && survival, roulette: traces && roulette }
+    }
+}
+
+/// How a frame is rendered, as far as the pilot may choose it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Vertices that connect; `u32::MAX` for all.
@@ -91,7 +114,8 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has none.
+    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has
+    /// none.
     pub fn efficiency(&self) -> f64 {
         let work = (self.variance + 2.0 * self.variance_error) * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
@@ -109,57 +133,40 @@ impl Trial {
     }
 }
 
-/// `frame` with the most efficient of the settings that `render` leaves open, and the trials that led to it.
+/// `frame` with the most efficient of the settings that `choices` allow, and the trials that led to it.
 ///
 /// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks
 /// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
 /// with that.
 ///
-/// `size` is that of the whole image. Without bridges there are no starts and survivals to try: techniques that do not reach
-/// every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
-///
-/// Once `interrupted` says so no further setting is tried.
-pub fn settle(
+/// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `interrupted`
+/// says so no further setting is.
+pub fn choose(
     frame: &Frame,
     size: [u32; 2],
-    render: &Render,
+    choices: Choices,
     renderer: &Renderer,
     interrupted: impl Fn() -> bool,
 ) -> (Frame, Vec<Trial>) {
-    let scatters = !frame.stays_straight() && frame.lengths.max > 2;
-    let bridges = scatters && frame.techniques.bridge.is_some();
-    let open_starts = bridges && render.starts == Starts::Auto;
-    let open_survival = bridges && render.survival.0.is_none();
-    let traces = scatters && frame.techniques.any() && !frame.surfaces.is_empty();
-    let open_roulette = traces && render.roulette.0.is_none();
-    let mut search = Search { pilot: Pilot::new(frame, size, renderer), trials: Vec::new(), interrupted };
-    let mut setting = Setting::of(frame);
-    if open_starts {
-        setting.starts = STARTS[0];
+    let choices = choices.that_matter(frame);
+    let (pilot, trials, setting) = (Pilot::new(frame, size, renderer), Vec::new(), Setting::of(frame));
+    let mut search = Search { pilot, trials, setting, interrupted };
+    if choices != Choices::default() {
+        search.begin(choices);
     }
-    if open_starts || open_survival || open_roulette {
-        setting = search.attempt(setting);
+    if choices.roulette {
+        search.try_roulette();
     }
-    if open_roulette {
-        let mean = search.trials.first().map_or(0.0, |trial| trial.mean);
-        setting = search.attempt(Setting { roulette: mean as f32, ..setting });
+    if choices.starts {
+        search.try_starts(frame.lengths.max);
     }
-    if open_starts {
-        let affordable = |starts: &&u32| **starts < u32::MAX || frame.lengths.max <= LONGEST_FOR_ALL;
-        let others = STARTS[1..].iter().filter(affordable).map(|starts| Setting { starts: *starts, ..setting });
-        setting = others.fold(setting, |_, other| search.attempt(other));
+    if choices.survival && (search.setting.starts > 1 || !frame.surfaces.is_empty()) {
+        search.try_survivals();
     }
-    if open_survival && (setting.starts > 1 || traces) {
-        let shorter = SURVIVALS.iter().filter(|survival| **survival < setting.survival);
-        let others = shorter.map(|survival| Setting { survival: *survival, ..setting });
-        setting = others.fold(setting, |_, other| search.attempt(other));
+    if choices.starts && choices.survival && search.setting.survival < 1.0 {
+        search.try_neighbours();
     }
-    if open_starts && open_survival && setting.survival < 1.0 {
-        let (before, after) = neighbours(setting.starts);
-        let others = [before, after].into_iter().flatten().map(|starts| Setting { starts, ..setting });
-        setting = others.fold(setting, |_, other| search.attempt(other));
-    }
-    (setting.apply(frame), search.trials)
+    (search.setting.apply(frame), search.trials)
 }
 
 /// The next smaller and larger number of starts.
@@ -172,22 +179,57 @@ fn neighbours(starts: u32) -> (Option<u32>, Option<u32>) {
 struct Search<'a, F> {
     pilot: Pilot<'a>,
     trials: Vec<Trial>,
+    /// The best so far.
+    setting: Setting,
     interrupted: F,
 }
 
 impl<F: Fn() -> bool> Search<'_, F> {
-    /// Tries a setting, and gives the best so far.
-    fn attempt(&mut self, setting: Setting) -> Setting {
+    /// Tries what the frame has, with as few starts as may be chosen.
+    fn begin(&mut self, choices: Choices) {
+        let starts = if choices.starts { STARTS[0] } else { self.setting.starts };
+        self.attempt(Setting { starts, ..self.setting });
+    }
+
+    fn try_roulette(&mut self) {
+        let mean = self.trials.first().map_or(0.0, |trial| trial.mean);
+        self.attempt(Setting { roulette: mean as f32, ..self.setting });
+    }
+
+    /// Tries the other numbers of starts, for paths of up to `longest` segments.
+    fn try_starts(&mut self, longest: u32) {
+        let base = self.setting;
+        let affordable = |starts: &&u32| **starts < u32::MAX || longest <= LONGEST_FOR_ALL;
+        let others = STARTS[1..].iter().filter(affordable);
+        others.for_each(|starts| self.attempt(Setting { starts: *starts, ..base }));
+    }
+
+    /// Tries shorter walks.
+    fn try_survivals(&mut self) {
+        let base = self.setting;
+        let shorter = SURVIVALS.into_iter().filter(|survival| *survival < base.survival);
+        shorter.for_each(|survival| self.attempt(Setting { survival, ..base }));
+    }
+
+    /// Tries the next numbers of starts.
+    fn try_neighbours(&mut self) {
+        let base = self.setting;
+        let (before, after) = neighbours(base.starts);
+        [before, after].into_iter().flatten().for_each(|starts| self.attempt(Setting { starts, ..base }));
+    }
+
+    /// Tries a setting, and keeps the best so far.
+    fn attempt(&mut self, setting: Setting) {
         if !(self.interrupted)() {
             self.trials.push(self.pilot.attempt(setting));
         }
-        best(&self.trials).map_or(setting, |best| best.setting)
+        self.setting = best(&self.trials).map_or(setting, |best| best.setting);
     }
 }
 
-/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the one
-/// with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and more of
-/// everything has fewer surprises.
+/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the
+/// one with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and
+/// more of everything has fewer surprises.
 pub fn best(trials: &[Trial]) -> Option<Trial> {
     let fullest = trials.iter().max_by(|a, b| a.compare_walks(b))?;
     let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));

@@ -92,7 +92,7 @@ impl LightByLength {
     /// None so far, of paths of up to `longest` segments in `frame`.
     pub fn new(frame: &Frame) -> Self {
         let sums = vec![ExactSum::default(); frame.lengths.max as usize + 1];
-        Self { unit: Unit::for_radiance(frame.lights.largest_radiance()), sums }
+        Self { unit: Unit::for_largest(frame.lights.largest_radiance()), sums }
     }
 
     /// Adds a contribution of a path of so many segments [W/(m^2 sr)].

@@ -121,15 +121,15 @@ fn scene(settings: &[&str]) -> LoadedScene {
 }
 
 /// What the pilot makes of `scene`.
-fn settled(scene: &LoadedScene, workers: Workers) -> (Frame, Vec<Trial>) {
+fn piloted(scene: &LoadedScene, workers: Workers) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(workers).expect("threads start");
-    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer, || false)
+    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, || false)
 }
 
 #[test]
 fn the_pilot_chooses_by_scene_and_seed_alone() {
     let fog = scene(&[]);
-    let usual = settled(&fog, Workers { threads: 1, ..WORKERS });
+    let usual = piloted(&fog, Workers { threads: 1, ..WORKERS });
     assert!(!usual.1.is_empty());
     for workers in [
         Workers { threads: 2, ..WORKERS },
@@ -137,9 +137,9 @@ fn the_pilot_chooses_by_scene_and_seed_alone() {
         Workers { lanes: Some(8), ..WORKERS },
         Workers { detailed_stats: true, ..WORKERS },
     ] {
-        assert_eq!(settled(&fog, workers), usual, "{workers:?}");
+        assert_eq!(piloted(&fog, workers), usual, "{workers:?}");
     }
-    assert_eq!(settled(&scene(&["render.samples=1000"]), WORKERS), usual, "the number of samples");
-    let reseeded = settled(&scene(&["render.seed=2"]), WORKERS);
+    assert_eq!(piloted(&scene(&["render.samples=1000"]), WORKERS), usual, "the number of samples");
+    let reseeded = piloted(&scene(&["render.seed=2"]), WORKERS);
     assert_ne!(reseeded.1, usual.1, "another seed is another look");
 }

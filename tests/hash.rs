@@ -122,7 +122,7 @@ impl Keys {
         target.map_or(property, |target| self.resolve(target))
     }
 
-    /// The paths of all keys that are no tables.
+    /// The paths of all keys that are not tables.
     fn all(&self) -> BTreeSet<String> {
         let mut paths = BTreeSet::new();
         self.collect("", &self.schema, &mut paths);
@@ -152,7 +152,7 @@ impl Keys {
     }
 }
 
-/// Calls `visit` with path and value of everything in `value` that is no table and no list.
+/// Calls `visit` with path and value of everything in `value` that is neither a table nor a list.
 fn leaves(path: &str, value: &Value, visit: &mut impl FnMut(&str, &Value)) {
     match value {
         Value::Table(table) if path.is_empty() => table.iter().for_each(|(key, value)| leaves(key, value, visit)),
@@ -198,7 +198,7 @@ fn every_key_that_samples_depend_on_changes_the_hash_and_no_other_does() {
             assert_eq!(same, WITHOUT_EFFECT.contains(&key.as_str()), "{changes:?}");
             assert!(!same || changed.frame == base.frame, "{changes:?}: another frame under the same hash");
         }
-        // Absorption alone is no spectrum that can be rendered.
+        // Absorption alone is not a spectrum that can be rendered.
         assert!(accepted > 0 || key == "medium.absorption", "{path}: no other value is accepted");
     });
     assert_eq!(seen, keys.all(), "keys of a scene, on the left those that were tried");

@@ -18,15 +18,15 @@ fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
 }
 
 /// What the pilot makes of `scene`.
-fn settled(scene: &LoadedScene) -> (Frame, Vec<Trial>) {
+fn piloted(scene: &LoadedScene) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(WORKERS).expect("threads start");
-    pilot::settle(&scene.frame, scene.scene.film.size, &scene.scene.render, &renderer, || false)
+    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, || false)
 }
 
 #[test]
 fn few_starts_are_chosen_for_a_light_in_open_fog() {
     for seed in 1..=5 {
-        let (frame, trials) = settled(&scene("fog-facing", &[&format!("render.seed={seed}")]));
+        let (frame, trials) = piloted(&scene("fog-facing", &[&format!("render.seed={seed}")]));
         assert!(frame.walk.starts <= 4, "seed {seed}: {} starts of {trials:#?}", frame.walk.starts);
         let efficiency = |starts: u32| {
             let trial = trials.iter().find(|trial| trial.setting.starts == starts && trial.setting.survival == 1.0);
@@ -47,7 +47,7 @@ fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
         ("fog-small", &["render.survival=0.9"]),
     ] {
         let scene = scene(folder, settings);
-        let (frame, trials) = settled(&scene);
+        let (frame, trials) = piloted(&scene);
         let best = pilot::best(&trials).expect("trials");
         assert_eq!(
             frame,
@@ -64,17 +64,17 @@ fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
 
 #[test]
 fn what_the_scene_fixes_is_kept() {
-    let (frame, trials) = settled(&scene("fog-facing", &["render.starts=3"]));
+    let (frame, trials) = piloted(&scene("fog-facing", &["render.starts=3"]));
     assert_eq!(frame.walk.starts, 3);
     assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.starts == 3), "{trials:#?}");
-    let (frame, trials) = settled(&scene("fog-facing", &["render.starts=\"all\""]));
+    let (frame, trials) = piloted(&scene("fog-facing", &["render.starts=\"all\""]));
     assert_eq!(frame.walk.starts, u32::MAX);
     assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.starts == u32::MAX), "{trials:#?}");
-    let (frame, trials) = settled(&scene("fog-facing", &["render.survival=0.8"]));
+    let (frame, trials) = piloted(&scene("fog-facing", &["render.survival=0.8"]));
     assert_eq!(frame.walk.survival, 0.8);
     assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.survival == 0.8), "{trials:#?}");
     let both = scene("fog-facing", &["render.survival=0.8", "render.starts=2"]);
-    assert_eq!(settled(&both), (both.frame.clone(), vec![]));
+    assert_eq!(piloted(&both), (both.frame.clone(), vec![]));
     assert_eq!((both.frame.walk.starts, both.frame.walk.survival), (2, 0.8));
 }
 
@@ -89,7 +89,7 @@ fn scenes_without_a_choice_are_left_alone() {
         &["medium.scattering=0", "medium.absorption=1.7"],
     ] {
         let scene = scene("fog-facing", settings);
-        let (frame, trials) = settled(&scene);
+        let (frame, trials) = piloted(&scene);
         assert_eq!(frame, scene.frame, "{settings:?}");
         assert!(trials.is_empty(), "{settings:?}: {trials:?}");
     }
@@ -98,7 +98,7 @@ fn scenes_without_a_choice_are_left_alone() {
 #[test]
 fn roulette_is_played_below_the_mean_where_that_pays() {
     let roulette = |folder: &str, settings: &[&str]| {
-        let (frame, trials) = settled(&scene(folder, &[&["render.starts=1", "render.survival=1"], settings].concat()));
+        let (frame, trials) = piloted(&scene(folder, &[&["render.starts=1", "render.survival=1"], settings].concat()));
         let tried: Vec<_> = trials.iter().map(|trial| trial.setting.roulette).collect();
         (frame.roulette, tried)
     };
@@ -115,7 +115,7 @@ fn roulette_is_played_below_the_mean_where_that_pays() {
 fn images_of_extreme_shape_are_tried_too() {
     for size in ["[1, 1]", "[5000, 1]", "[1, 5000]", "[3, 2]"] {
         let scene = scene("fog-facing", &[&format!("film.size={size}")]);
-        let (frame, trials) = settled(&scene);
+        let (frame, trials) = piloted(&scene);
         assert!(trials.len() >= 5, "{size}: {trials:?}");
         assert!(trials.iter().all(|trial| trial.variance > 0.0 && trial.cost > 0.0), "{size}: {trials:?}");
         assert_eq!(frame.camera, scene.frame.camera, "the frame keeps its own size");
@@ -163,7 +163,7 @@ fn what_misses_the_light_is_not_chosen() {
             "light[0].center=[0, 0, 3]",
             &format!("render.seed={seed}"),
         ];
-        let (frame, trials) = settled(&scene("fog-facing", &settings));
+        let (frame, trials) = piloted(&scene("fog-facing", &settings));
         let fullest = trials.iter().find(|trial| (trial.setting.starts, trial.setting.survival) == (u32::MAX, 1.0));
         let fullest = fullest.expect("all starts are tried");
         let misses =
@@ -183,7 +183,7 @@ fn the_pilot_looks_at_other_samples_than_those_that_are_kept() {
     // As large as the pilot's own image, so that both would be the same under the same seed.
     let (size, samples) = ([32, 32], 32);
     let scene = scene("fog-facing", &["film.size=[32, 32]", "render.min_segments=2", "render.seed=5"]);
-    let (_, trials) = settled(&scene);
+    let (_, trials) = piloted(&scene);
     for trial in &trials {
         let with = |seed: u32| {
             let walk = scene.frame.clone().with_walk(trial.setting.starts, trial.setting.survival);

@@ -52,8 +52,8 @@ impl Bar {
         self.bar.finish_and_clear();
     }
 
-    /// Fits it into `columns`. What was drawn in a wider terminal now goes over several rows, of which the bar takes only
-    /// the last one away.
+    /// Fits it into `columns`. What was drawn in a wider terminal now goes over several rows, of which the bar takes
+    /// only the last one away.
     fn resize(&mut self, columns: usize) {
         let rows_above = if self.is_drawn { self.columns.div_ceil(columns.max(1)).saturating_sub(1) } else { 0 };
         self.bar.suspend(|| {

@@ -123,7 +123,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         "cost: {samples} samples, {} at {}; film {} MiB",
         duration(samples as f64 / measured),
         rate(measured),
-        (Film::bytes(frame, pixels) >> 20).max(1),
+        (Film::bytes(&film::layers(frame), pixels) >> 20).max(1),
     ))
 }
 
@@ -164,8 +164,8 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera ({depth} mean free paths)"))
 }
 
-/// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its limit
-/// on the length of paths leaves out.
+/// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its
+/// limit on the length of paths leaves out.
 fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
         .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;
@@ -175,7 +175,7 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
     let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
-    let (frame, _) = pilot::settle(&loaded.frame, loaded.scene.film.size, &loaded.scene.render, &renderer, || false);
+    let (frame, _) = pilot::choose(&loaded.frame, loaded.scene.film.size, loaded.choices(), &renderer, || false);
     let film = Film::new(&frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {

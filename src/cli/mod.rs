@@ -221,7 +221,7 @@ fn tell(line: impl core::fmt::Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Prints a line to standard output; a reader that has gone away is no error.
+/// Prints a line to standard output; a reader that has gone away is not an error.
 fn say(line: impl core::fmt::Display) -> Result<()> {
     use std::io::Write;
     match writeln!(std::io::stdout().lock(), "{line}") {

@@ -1,4 +1,5 @@
-//! Signals that end a render: it writes what there is, and its exit code says which it was. A second one ends it at once.
+//! Signals that end a render: it writes what there is, and its exit code says which it was. A second one ends it at
+//! once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -1,31 +1,32 @@
 //! Sums that are exact, so that they do not depend on the order of their terms.
 //!
-//! A sample's radiance is rounded once, to a multiple of a unit that belongs to the scene; from there on there is only
-//! integer addition, and addition that would overflow saturates, which for non-negative terms is associative too. Any
-//! number of threads, any tiling and any split of the samples therefore give the same bits.
+//! A sample's value is rounded once, to a multiple of a unit that belongs to the layer; from there on there is only integer
+//! addition, and addition that would overflow saturates, which for non-negative terms is associative too. Any number of
+//! threads, any tiling and any split of the samples therefore give the same bits.
 //!
-//! The unit follows from the brightest light. A contribution is at most its radiance where all walks go on, and rarely
-//! more than a thousand times that where few do; with `2^e` the power of two above the radiance:
+//! The unit follows from the largest value that is expected, for radiance that of the brightest light. A contribution is at
+//! most its radiance where all walks go on, and rarely more than a thousand times that where few do; with `2^e` the power of
+//! two above the largest value:
 //!
 //! | | unit | smallest | largest sample | sum |
 //! |---|---|---|---|---|
-//! | value | 2^(e-48) | 4e-15 of the brightest light | 2^48 times that light | 96 bits |
+//! | value | 2^(e-48) | 4e-15 of the largest | 2^48 times the largest | 96 bits |
 //! | square | the value on 2^(e-40), squared | 1e-12 of it | 2^24 times | 128 bits |
 
-/// The unit of a film's sums.
+/// The unit of a layer's sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// Units of the sum per unit of radiance, a power of two.
+    /// Units of the sum per unit of the values, a power of two.
     values: f64,
-    /// Units of the root of the sum of squares per unit of radiance, a power of two.
+    /// Units of the root of the sum of squares per unit of the values, a power of two.
     roots: f64,
 }
 
 impl Unit {
-    /// The unit for a scene whose brightest light has `radiance` in its brightest channel.
-    pub fn for_radiance(radiance: f32) -> Self {
-        // radiance < 2^exponent, from the bits: the same on every machine.
-        let exponent = if radiance > 0.0 { (radiance.to_bits() >> 23) as i32 - 126 } else { 0 };
+    /// The unit for values of which `largest` is the largest that is expected, in the unit of the values themselves.
+    pub fn for_largest(largest: f32) -> Self {
+        // largest < 2^exponent, from the bits: the same on every machine.
+        let exponent = if largest > 0.0 { (largest.to_bits() >> 23) as i32 - 126 } else { 0 };
         Self { values: 2.0_f64.powi(48 - exponent), roots: 2.0_f64.powi(40 - exponent) }
     }
 }
@@ -33,65 +34,78 @@ impl Unit {
 /// The first number that does not fit into 64 bits.
 const U64_END: f64 = 18_446_744_073_709_551_616.0;
 
-/// Sum and sum of squares of one channel of one pixel, in 28 bytes.
+/// Sum of one channel of one pixel, in 12 bytes: little-endian limbs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ExactSum {
-    /// Little-endian limbs.
-    sum: [u32; 3],
-    /// Little-endian limbs.
-    squares: [u32; 4],
-}
+pub struct ExactSum([u32; 3]);
 
 impl ExactSum {
     /// Adds one sample, finite and >= 0.
     #[inline]
-    pub fn add(&mut self, unit: Unit, radiance: f32) {
-        let radiance = f64::from(radiance);
-        let value = (radiance * unit.values).round_ties_even();
-        let coarse = (radiance * unit.roots).round_ties_even() as u64;
+    pub fn add(&mut self, unit: Unit, value: f32) {
+        let value = (f64::from(value) * unit.values).round_ties_even();
         // Nearly all samples fit into 64 bits, and converting to those is many times faster.
-        let value = if value < U64_END { u128::from(value as u64) } else { value as u128 };
-        self.add_raw(value, u128::from(coarse) * u128::from(coarse));
+        self.add_raw(if value < U64_END { u128::from(value as u64) } else { value as u128 });
     }
 
-    /// Adds the sums of other samples.
+    /// Adds the sum of other samples.
     pub fn merge(&mut self, other: &Self) {
-        self.add_raw(other.raw_sum(), other.raw_squares());
+        self.add_raw(other.raw());
     }
 
-    fn add_raw(&mut self, sum: u128, squares: u128) {
-        const LARGEST_SUM: u128 = (1 << 96) - 1;
-        let sum = self.raw_sum().saturating_add(sum).min(LARGEST_SUM);
-        self.sum = [sum as u32, (sum >> 32) as u32, (sum >> 64) as u32];
-        let squares = self.raw_squares().saturating_add(squares);
-        self.squares = [squares, squares >> 32, squares >> 64, squares >> 96].map(|limb| limb as u32);
+    fn add_raw(&mut self, sum: u128) {
+        const LARGEST: u128 = (1 << 96) - 1;
+        let sum = self.raw().saturating_add(sum).min(LARGEST);
+        self.0 = [sum as u32, (sum >> 32) as u32, (sum >> 64) as u32];
     }
 
-    fn raw_sum(&self) -> u128 {
-        let [a, b, c] = self.sum.map(u128::from);
+    fn raw(&self) -> u128 {
+        let [a, b, c] = self.0.map(u128::from);
         a | b << 32 | c << 64
     }
 
-    fn raw_squares(&self) -> u128 {
-        let [a, b, c, d] = self.squares.map(u128::from);
-        a | b << 32 | c << 64 | d << 96
-    }
-
-    /// Mean of `samples` samples.
+    /// Mean of `samples` samples, in the unit of the values.
     pub fn mean(&self, unit: Unit, samples: u64) -> f64 {
         if samples == 0 {
             return 0.0;
         }
-        self.raw_sum() as f64 / samples as f64 / unit.values
+        self.raw() as f64 / samples as f64 / unit.values
+    }
+}
+
+/// Sum of squares of one channel of one pixel, in 16 bytes: little-endian limbs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExactSquares([u32; 4]);
+
+impl ExactSquares {
+    /// Adds the square of one sample, which is finite and >= 0.
+    #[inline]
+    pub fn add(&mut self, unit: Unit, value: f32) {
+        let coarse = (f64::from(value) * unit.roots).round_ties_even() as u64;
+        self.add_raw(u128::from(coarse) * u128::from(coarse));
     }
 
-    /// Standard error of that mean: unbiased sample variance over the number of samples, rooted; 0 for one sample.
-    pub fn standard_error(&self, unit: Unit, samples: u64) -> f64 {
+    /// Adds the squares of other samples.
+    pub fn merge(&mut self, other: &Self) {
+        self.add_raw(other.raw());
+    }
+
+    fn add_raw(&mut self, squares: u128) {
+        let squares = self.raw().saturating_add(squares);
+        self.0 = [squares, squares >> 32, squares >> 64, squares >> 96].map(|limb| limb as u32);
+    }
+
+    fn raw(&self) -> u128 {
+        let [a, b, c, d] = self.0.map(u128::from);
+        a | b << 32 | c << 64 | d << 96
+    }
+
+    /// Standard error of the `mean` of `samples` samples, in the unit of the values: unbiased sample variance over the number
+    /// of samples, rooted; 0 for one sample.
+    pub fn standard_error(&self, unit: Unit, mean: f64, samples: u64) -> f64 {
         if samples < 2 {
             return 0.0;
         }
-        let mean = self.mean(unit, samples);
-        let mean_square = self.raw_squares() as f64 / samples as f64 / unit.roots / unit.roots;
+        let mean_square = self.raw() as f64 / samples as f64 / unit.roots / unit.roots;
         ((mean_square - mean * mean).max(0.0) / (samples - 1) as f64).sqrt()
     }
 }
@@ -104,15 +118,40 @@ mod tests {
         (0..1000).map(|i| (i * i % 977) as f32 * 0.37e-3 + if i % 250 == 7 { 80.0 } else { 0.0 }).collect()
     }
 
-    fn sum_of<'a>(unit: Unit, samples: impl Iterator<Item = &'a f32>) -> ExactSum {
-        let mut sum = ExactSum::default();
-        samples.for_each(|sample| sum.add(unit, *sample));
-        sum
+    /// A sum and the sum of squares beside it.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    struct Sums {
+        sum: ExactSum,
+        squares: ExactSquares,
+    }
+
+    impl Sums {
+        fn merge(&mut self, other: &Self) {
+            self.sum.merge(&other.sum);
+            self.squares.merge(&other.squares);
+        }
+
+        fn mean(&self, unit: Unit, samples: u64) -> f64 {
+            self.sum.mean(unit, samples)
+        }
+
+        fn standard_error(&self, unit: Unit, samples: u64) -> f64 {
+            self.squares.standard_error(unit, self.mean(unit, samples), samples)
+        }
+    }
+
+    fn sum_of<'a>(unit: Unit, samples: impl Iterator<Item = &'a f32>) -> Sums {
+        let mut sums = Sums::default();
+        samples.for_each(|sample| {
+            sums.sum.add(unit, *sample);
+            sums.squares.add(unit, *sample);
+        });
+        sums
     }
 
     #[test]
     fn order_and_grouping_do_not_change_a_bit() {
-        let (unit, samples) = (Unit::for_radiance(80.0), samples());
+        let (unit, samples) = (Unit::for_largest(80.0), samples());
         let forward = sum_of(unit, samples.iter());
         assert_eq!(forward, sum_of(unit, samples.iter().rev()));
         let mut merged = sum_of(unit, samples[300..].iter());
@@ -122,8 +161,8 @@ mod tests {
 
     #[test]
     fn mean_and_error_are_those_of_the_samples() {
-        let (unit, samples) = (Unit::for_radiance(80.0), samples());
-        let (n, sum) = (samples.len() as u64, sum_of(Unit::for_radiance(80.0), samples.iter()));
+        let (unit, samples) = (Unit::for_largest(80.0), samples());
+        let (n, sum) = (samples.len() as u64, sum_of(Unit::for_largest(80.0), samples.iter()));
         let mean = samples.iter().map(|x| f64::from(*x)).sum::<f64>() / n as f64;
         let variance = samples.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
         assert!((sum.mean(unit, n) / mean - 1.0).abs() < 1e-12);
@@ -133,7 +172,7 @@ mod tests {
     #[test]
     fn the_unit_follows_the_scene_so_that_brightness_does_not_matter() {
         for scale in [1e-30_f32, 1e-6, 1.0, 1e6, 1e30] {
-            let unit = Unit::for_radiance(scale);
+            let unit = Unit::for_largest(scale);
             let sum = sum_of(unit, [0.25 * scale, 1e-9 * scale].iter());
             let relative = sum.mean(unit, 2) / (f64::from(0.125 * scale) + f64::from(0.5e-9 * scale));
             assert!((relative - 1.0).abs() < 1e-7, "scale {scale:e}: {relative}");
@@ -142,7 +181,7 @@ mod tests {
 
     #[test]
     fn samples_far_brighter_than_the_light_count_in_full() {
-        let unit = Unit::for_radiance(1.0);
+        let unit = Unit::for_largest(1.0);
         for radiance in [3e4_f32, 1e5, 1e7] {
             let sum = sum_of(unit, [radiance, 0.5].iter());
             assert_eq!(sum.mean(unit, 2), (f64::from(radiance) + 0.5) / 2.0);
@@ -161,7 +200,7 @@ mod tests {
             let n = samples.len() as f64;
             let mean = samples.iter().map(|x| f64::from(*x)).sum::<f64>() / n;
             let variance = samples.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            let unit = Unit::for_radiance(light as f32);
+            let unit = Unit::for_largest(light as f32);
             let error = sum_of(unit, samples.iter()).standard_error(unit, samples.len() as u64);
             // Half a unit off every root moves the mean square by no more than a unit times the mean, in the worst case.
             let bound = 0.5 * root * mean / variance + 1e-9;
@@ -172,7 +211,7 @@ mod tests {
 
     #[test]
     fn overflow_saturates() {
-        let unit = Unit::for_radiance(1.0);
+        let unit = Unit::for_largest(1.0);
         let mut sum = sum_of(unit, [f32::MAX; 3].iter());
         let full = sum;
         for _ in 0..40 {

@@ -1,14 +1,20 @@
-//! The film: per pixel, exact sums of the samples' radiances and of their squares.
+//! The film: per pixel and layer, exact sums of the samples' values and, for standard errors, of their squares.
 
 mod exact;
+mod layer;
 mod noise;
+mod sums;
+#[cfg(test)]
+mod tests;
 mod tile;
 
 use std::collections::TryReserveError;
 use std::sync::{Mutex, MutexGuard};
 
 use crate::frame::Frame;
-pub use exact::{ExactSum, Unit};
+pub use exact::{ExactSquares, ExactSum, Unit};
+pub use layer::{Layer, RADIANCE, layers};
+use sums::Sums;
 pub use tile::{Region, Tile};
 
 /// Side of a tile in pixels: a tile is what one worker fills at a time.
@@ -27,7 +33,16 @@ pub fn tile_size(region: Region) -> u32 {
     sizes.into_iter().find(enough).unwrap_or(SMALLEST_TILE)
 }
 
-/// What is known of a pixel.
+/// What is known of a pixel in one channel of a layer, in the unit of the layer's values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean of its samples.
+    pub mean: f64,
+    /// Standard error of the mean; infinite if the layer keeps no squares.
+    pub standard_error: f64,
+}
+
+/// The radiance of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Mean radiance, red, green, blue [W/(m^2 sr)].
@@ -43,38 +58,40 @@ pub struct Pixel {
 pub struct Film {
     region: Region,
     tile_size: u32,
-    channels: usize,
-    unit: Unit,
+    layers: Vec<Layer>,
     tiles: Vec<Mutex<Tile>>,
 }
 
 impl Film {
-    /// An empty film for `region` of the image of `frame`.
+    /// An empty film for the radiance of `region` of the image of `frame`.
     ///
     /// # Panics
     /// If there is not enough memory; see [`Self::try_new`].
     pub fn new(frame: &Frame, region: Region, tile_size: u32) -> Self {
-        Self::try_new(frame, region, tile_size).expect("memory for a film")
+        Self::try_new(&layers(frame)[..=RADIANCE], region, tile_size).expect("memory for a film")
     }
 
-    /// An empty film for `region` of the image of `frame`.
+    /// An empty film of `layers`, radiance first, for `region` of an image.
     ///
     /// # Errors
     /// If the system refuses the memory, [`Self::bytes`].
-    pub fn try_new(frame: &Frame, region: Region, tile_size: u32) -> Result<Self, TryReserveError> {
-        let unit = Unit::for_radiance(frame.lights.largest_radiance());
-        let channels = frame.channels();
+    pub fn try_new(layers: &[Layer], region: Region, tile_size: u32) -> Result<Self, TryReserveError> {
         let mut tiles = Vec::new();
         tiles.try_reserve_exact(region.tiles(tile_size).count())?;
         for region in region.tiles(tile_size) {
-            tiles.push(Mutex::new(Tile::try_new(region, channels, unit)?));
+            tiles.push(Mutex::new(Tile::try_new(layers, region)?));
         }
-        Ok(Self { region, tile_size, channels, unit, tiles })
+        Ok(Self { region, tile_size, layers: layers.to_vec(), tiles })
     }
 
     /// Bytes that a film of `pixels` pixels takes.
-    pub fn bytes(frame: &Frame, pixels: u64) -> u64 {
-        pixels * frame.channels() as u64 * size_of::<ExactSum>() as u64
+    pub fn bytes(layers: &[Layer], pixels: u64) -> u64 {
+        pixels * layers.iter().map(Sums::bytes).sum::<usize>() as u64
+    }
+
+    /// What it keeps.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
     }
 
     /// The part of the image that it covers.
@@ -92,27 +109,40 @@ impl Film {
         self.tiles[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Adds the samples of another film of the same frame, region and tile size.
+    /// Adds the samples of another film of the same layers, region and tile size.
     ///
     /// # Panics
     /// If they differ.
     pub fn merge(&mut self, other: &Self) {
-        let shape = |film: &Self| (film.region, film.tile_size, film.channels, film.unit);
-        assert_eq!(shape(self), shape(other), "only films of the same shape can be merged");
+        let same_shape = (self.region, self.tile_size) == (other.region, other.tile_size);
+        assert!(same_shape && self.layers == other.layers, "only films of the same shape can be merged");
         for index in 0..self.tiles.len() {
             self.tile(index).merge(&other.tile(index));
         }
     }
 
-    /// The pixel at (x, y) of the whole image.
+    /// The tile that covers pixel (x, y) of the whole image.
+    fn tile_at(&self, x: u32, y: u32) -> MutexGuard<'_, Tile> {
+        self.tile(self.region.tile_index(self.tile_size, x, y))
+    }
+
+    /// What is known of pixel (x, y) of the whole image in `channel` of the layer with index `layer`.
+    ///
+    /// # Panics
+    /// If the film does not cover the pixel, or has no such layer.
+    pub fn estimate(&self, layer: usize, channel: usize, x: u32, y: u32) -> Estimate {
+        self.tile_at(x, y).estimate(layer, channel, x, y)
+    }
+
+    /// The radiance of pixel (x, y) of the whole image.
     ///
     /// # Panics
     /// If the film does not cover it.
     pub fn pixel(&self, x: u32, y: u32) -> Pixel {
-        self.tile(self.region.tile_index(self.tile_size, x, y)).pixel(x, y)
+        self.tile_at(x, y).pixel(x, y)
     }
 
-    /// All pixels, row by row from the top.
+    /// The radiance of all pixels, row by row from the top.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
         self.region.rows().flat_map(move |y| self.region.columns().map(move |x| self.pixel(x, y)))
     }
@@ -132,13 +162,13 @@ impl Film {
         (0..self.tiles.len()).map(|index| self.tile(index).samples()).max().unwrap_or(0)
     }
 
-    /// Root mean square of the pixels' relative standard errors, without the noisiest hundredth of them; infinite if there is
+    /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them; infinite if there is
     /// no error yet, as with one sample per pixel, or nothing but black. Dark pixels count as a tenth of the median.
     pub fn relative_noise(&self) -> f64 {
         noise::relative(self.pixels())
     }
 
-    /// Mean of the image per channel, and its standard error, from the pixels' errors.
+    /// Mean radiance of the image per channel, and its standard error, from the pixels' errors [W/(m^2 sr)].
     pub fn mean(&self) -> ([f64; 3], [f64; 3]) {
         let (mut sum, mut variance) = ([0.0; 3], [0.0; 3]);
         for pixel in self.pixels() {
@@ -149,22 +179,5 @@ impl Film {
         }
         let count = self.region.pixels() as f64;
         (sum.map(|sum| sum / count), variance.map(|variance| variance.sqrt() / count))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn small_images_have_tiles_for_several_workers() {
-        let tiles = |width: u32, height: u32| {
-            let region = Region::whole(width, height);
-            (tile_size(region), region.tiles(tile_size(region)).count())
-        };
-        assert_eq!(tiles(1920, 1080), (32, 2040));
-        assert_eq!(tiles(100, 100), (16, 49));
-        assert_eq!(tiles(32, 32), (8, 16));
-        assert_eq!(tiles(1, 1), (8, 1));
     }
 }

@@ -1,9 +1,10 @@
-//! Rectangles of pixels, and the sums of one of them.
+//! Rectangles of pixels, and the sums of one of them, layer by layer.
 
 use core::ops::Range;
 use std::collections::TryReserveError;
 
-use super::{ExactSum, Pixel, Unit};
+use super::sums::Sums;
+use super::{Estimate, Layer, Pixel, RADIANCE};
 
 /// A rectangle of pixels: columns `x0 .. x1`, rows `y0 .. y1` of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,31 +79,30 @@ impl Region {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
     region: Region,
-    channels: usize,
-    unit: Unit,
     samples: u32,
-    sums: Vec<ExactSum>,
+    layers: Vec<Sums>,
 }
 
 impl Tile {
-    /// An empty tile of 1 (grey) or 3 channels.
+    /// An empty tile of `layers`.
     ///
     /// # Panics
     /// If there is not enough memory; see [`Self::try_new`].
-    pub fn new(region: Region, channels: usize, unit: Unit) -> Self {
-        Self::try_new(region, channels, unit).expect("memory for a tile")
+    pub fn new(layers: &[Layer], region: Region) -> Self {
+        Self::try_new(layers, region).expect("memory for a tile")
     }
 
-    /// An empty tile of 1 (grey) or 3 channels.
+    /// An empty tile of `layers`.
     ///
     /// # Errors
     /// If the system refuses the memory.
-    pub fn try_new(region: Region, channels: usize, unit: Unit) -> Result<Self, TryReserveError> {
-        let count = region.pixels() as usize * channels;
+    pub fn try_new(layers: &[Layer], region: Region) -> Result<Self, TryReserveError> {
         let mut sums = Vec::new();
-        sums.try_reserve_exact(count)?;
-        sums.resize(count, ExactSum::default());
-        Ok(Self { region, channels, unit, samples: 0, sums })
+        sums.try_reserve_exact(layers.len())?;
+        for layer in layers {
+            sums.push(Sums::try_new(*layer, region.pixels() as usize)?);
+        }
+        Ok(Self { region, samples: 0, layers: sums })
     }
 
     /// The pixels it covers.
@@ -115,15 +115,15 @@ impl Tile {
         self.samples
     }
 
-    /// Adds the radiance of one sample to the pixel at `place`, in the channels in use.
+    /// Adds one sample to the pixel at `place`: for each layer, in the order of the film, the values of its channels, finite
+    /// and >= 0. What is there beyond the tile's layers and channels is not kept.
+    ///
+    /// # Panics
+    /// If values are missing.
     #[inline]
-    pub fn add(&mut self, place: usize, radiance: [f32; 3]) {
-        let sums = &mut self.sums[place * self.channels..][..self.channels];
-        for (sum, radiance) in sums.iter_mut().zip(radiance) {
-            if radiance != 0.0 {
-                sum.add(self.unit, radiance);
-            }
-        }
+    pub fn add(&mut self, place: usize, values: &[&[f32]]) {
+        let values = &values[..self.layers.len()];
+        self.layers.iter_mut().zip(values).for_each(|(sums, values)| sums.add(place, values));
     }
 
     /// Notes that every pixel has had `samples` more samples.
@@ -131,21 +131,24 @@ impl Tile {
         self.samples += samples;
     }
 
-    /// Adds the samples of another tile of the same region.
+    /// Adds the samples of another tile of the same layers and region.
     pub fn merge(&mut self, other: &Self) {
         self.samples += other.samples;
-        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| sum.merge(other));
+        self.layers.iter_mut().zip(&other.layers).for_each(|(sums, other)| sums.merge(other));
     }
 
-    /// What is known of pixel (x, y) of the whole image.
+    /// What is known of pixel (x, y) of the whole image in `channel` of the layer with index `layer`.
+    pub fn estimate(&self, layer: usize, channel: usize, x: u32, y: u32) -> Estimate {
+        self.layers[layer].estimate(self.region.place(x, y), channel, self.samples)
+    }
+
+    /// The radiance of pixel (x, y) of the whole image.
     pub fn pixel(&self, x: u32, y: u32) -> Pixel {
-        let samples = u64::from(self.samples);
-        let sums = &self.sums[self.region.place(x, y) * self.channels..][..self.channels];
-        let channel = |c: usize| &sums[c.min(self.channels - 1)];
+        let rgb = [0, 1, 2].map(|channel| self.estimate(RADIANCE, channel, x, y));
         Pixel {
-            mean: [0, 1, 2].map(|c| channel(c).mean(self.unit, samples)),
-            standard_error: [0, 1, 2].map(|c| channel(c).standard_error(self.unit, samples)),
-            samples,
+            mean: rgb.map(|channel| channel.mean),
+            standard_error: rgb.map(|channel| channel.standard_error),
+            samples: self.samples.into(),
         }
     }
 }

@@ -20,7 +20,7 @@ enum Source {
 pub struct Sources(Vec<Source>);
 
 /// Finds all buffers, and reads the files that they refer to.
-pub fn open(root: &Root, has_binary: bool, files: &mut Files<'_>) -> Checked<Sources> {
+pub fn open(root: &Root, has_binary: bool, files: &mut Files) -> Checked<Sources> {
     let mut sources = Vec::with_capacity(root.buffers.len());
     for (index, buffer) in root.buffers.iter().enumerate() {
         let source = match &buffer.uri {
@@ -56,7 +56,7 @@ pub struct View<'a> {
 
 impl<'a> Buffers<'a> {
     /// The buffers of `root` from where `sources` says, `binary` being the binary part of the container.
-    pub fn new(root: &'a Root, sources: &Sources, binary: Option<&'a [u8]>, files: &'a Files<'_>) -> Checked<Self> {
+    pub fn new(root: &'a Root, sources: &Sources, binary: Option<&'a [u8]>, files: &'a Files) -> Checked<Self> {
         let bytes = |source: &Source| match source {
             Source::Binary => binary.unwrap_or_default(),
             Source::File(file) => files.content(*file),

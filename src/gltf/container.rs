@@ -1,5 +1,7 @@
 //! The two forms of a glTF file: JSON alone, or JSON and one buffer in a binary container (GLB).
 
+use core::ops::Range;
+
 use super::fault::{Checked, Fault, require};
 use super::warnings::Warnings;
 
@@ -18,8 +20,8 @@ const EXPORT_AGAIN: &str = "copy or export the file again";
 pub struct Container<'a> {
     /// The JSON text.
     pub json: &'a [u8],
-    /// The buffer without a URI; only in GLB files, and not in all.
-    pub binary: Option<&'a [u8]>,
+    /// Where in the file the buffer without a URI is; only in GLB files, and not in all.
+    pub binary: Option<Range<usize>>,
     /// Whether the JSON is the whole file, so that its lines are the file's.
     pub is_text: bool,
 }
@@ -50,13 +52,13 @@ fn binary<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'a>
     if length < bytes.len() {
         warnings.note("bytes beyond the length that the header gives are ignored", || "container");
     }
-    let mut chunks = Chunks { rest: &bytes[HEADER..length], index: 0 };
+    let mut chunks = Chunks { file: &bytes[..length], at: HEADER, index: 0 };
     let Some(first) = chunks.next().transpose()?.filter(|chunk| chunk.kind == JSON) else {
         return Err(Fault::new("its first chunk is not of type JSON", EXPORT_AGAIN).at("chunk 0"));
     };
     let second = chunks.next().transpose()?;
     let binary = second.filter(|chunk| chunk.kind == BINARY).map(|chunk| chunk.content);
-    Ok(Container { json: first.content, binary, is_text: false })
+    Ok(Container { json: &bytes[first.content], binary, is_text: false })
 }
 
 /// The little-endian number at `offset`.
@@ -67,11 +69,14 @@ fn number(bytes: &[u8], offset: usize) -> Option<usize> {
 
 struct Chunk<'a> {
     kind: &'a [u8],
-    content: &'a [u8],
+    /// Where its content is in the file.
+    content: Range<usize>,
 }
 
 struct Chunks<'a> {
-    rest: &'a [u8],
+    file: &'a [u8],
+    /// Where the next one begins.
+    at: usize,
     index: usize,
 }
 
@@ -79,7 +84,7 @@ impl<'a> Iterator for Chunks<'a> {
     type Item = Checked<Chunk<'a>>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.rest.is_empty() {
+        if self.at == self.file.len() {
             return None;
         }
         let chunk = self.read().map_err(|fault| fault.at(format!("chunk {}", self.index)));
@@ -90,17 +95,16 @@ impl<'a> Iterator for Chunks<'a> {
 
 impl<'a> Chunks<'a> {
     fn read(&mut self) -> Checked<Chunk<'a>> {
-        let Some((header, rest)) = self.rest.split_at_checked(CHUNK_HEADER) else {
+        let Some((header, rest)) = self.file[self.at..].split_at_checked(CHUNK_HEADER) else {
             return Err(Fault::new("the file ends inside the header of this chunk", EXPORT_AGAIN));
         };
         let length = number(header, 0).unwrap_or(usize::MAX);
         let finding = || format!("its length is {length}, not a multiple of 4");
         require(length.is_multiple_of(4), finding, EXPORT_AGAIN)?;
-        let Some((content, rest)) = rest.split_at_checked(length) else {
-            let finding = format!("its length is {length}, but only {} bytes of the file are left", rest.len());
-            return Err(Fault::new(finding, EXPORT_AGAIN));
-        };
-        self.rest = rest;
-        Ok(Chunk { kind: &header[4..], content })
+        let finding = || format!("its length is {length}, but only {} bytes of the file are left", rest.len());
+        require(length <= rest.len(), finding, EXPORT_AGAIN)?;
+        let start = self.at + CHUNK_HEADER;
+        self.at = start + length;
+        Ok(Chunk { kind: &header[4..], content: start..self.at })
     }
 }

@@ -1,6 +1,6 @@
 //! From the bytes of an accessor to numbers.
 
-use super::accessors::{Component, Format};
+use super::element_format::{Component, Format};
 use super::fault::{Checked, require};
 
 /// The elements of an accessor. Their bytes are there; their values are still unknown.
@@ -40,7 +40,7 @@ impl Elements<'_> {
         }
     }
 
-    /// The elements as indices; floats and signed integers are none.
+    /// The elements as indices; floats and signed integers are not indices.
     pub fn indices(&self) -> Checked<Vec<u32>> {
         let scalars = match self.format.component {
             Component::U8 => self.read(|[byte]| u32::from(byte)),

@@ -11,8 +11,8 @@ const LARGEST_FILE: u64 = 1 << 32;
 
 /// The files beside one model.
 #[derive(Debug)]
-pub struct Files<'a> {
-    folder: Option<&'a Path>,
+pub struct Files {
+    folder: Option<PathBuf>,
     read: Vec<Vec<u8>>,
     by_path: BTreeMap<PathBuf, FileId>,
 }
@@ -21,10 +21,10 @@ pub struct Files<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileId(usize);
 
-impl<'a> Files<'a> {
+impl Files {
     /// The files in `folder`; there are none if the model has no folder.
-    pub fn new(folder: Option<&'a Path>) -> Self {
-        Self { folder, read: Vec::new(), by_path: BTreeMap::new() }
+    pub fn new(folder: Option<&Path>) -> Self {
+        Self { folder: folder.map(Path::to_path_buf), read: Vec::new(), by_path: BTreeMap::new() }
     }
 
     /// The number of bytes of all files together.
@@ -60,7 +60,7 @@ impl<'a> Files<'a> {
     fn read(&self, path: &Path) -> Checked<Vec<u8>> {
         let name = path.to_string_lossy();
         let remedy = "put the file where the model refers to it, or save the model as one .glb file";
-        let Some(folder) = self.folder else {
+        let Some(folder) = &self.folder else {
             return Err(Fault::new(
                 format!("its file {} cannot be found: the model has no folder", quoted(&name)),
                 remedy,

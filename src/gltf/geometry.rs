@@ -39,8 +39,8 @@ impl Geometry {
         extend(&mut self.colors, colors, before, after, WHITE);
     }
 
-    /// Adds `mesh` transformed by `world` and counted from `origin`. Mirrors turn the winding round, so that the front stays
-    /// the front.
+    /// Adds `mesh` transformed by `world` and counted from `origin`. Mirrors turn the winding round, so that the front
+    /// stays the front.
     pub fn add_instance(&mut self, mesh: &Self, world: DAffine3, origin: DVec3) -> Checked<()> {
         let world = DAffine3 { translation: world.translation - origin, ..world };
         let first = self.positions.len();

@@ -39,7 +39,7 @@ fn image_label(index: usize, image: &schema::Image) -> String {
 }
 
 /// Finds the images with the indices `used`, and reads the files that they refer to.
-pub fn open<'a>(images: &'a [schema::Image], used: &[usize], files: &mut Files<'_>) -> Checked<Vec<Used<'a>>> {
+pub fn open<'a>(images: &'a [schema::Image], used: &[usize], files: &mut Files) -> Checked<Vec<Used<'a>>> {
     let open = |index: &usize| {
         let image = &images[*index];
         let source = open_one(image, files).at(|| image_label(*index, image))?;
@@ -48,7 +48,7 @@ pub fn open<'a>(images: &'a [schema::Image], used: &[usize], files: &mut Files<'
     used.iter().map(open).collect()
 }
 
-fn open_one(image: &schema::Image, files: &mut Files<'_>) -> Checked<Source> {
+fn open_one(image: &schema::Image, files: &mut Files) -> Checked<Source> {
     let remedy = "give the image exactly one of the two";
     match (&image.uri, image.buffer_view) {
         (Some(uri), None) => files.open(uri).map(Source::File),
@@ -70,7 +70,7 @@ struct Sized<'a> {
 pub fn decode(
     used: &[Used<'_>],
     buffers: &Buffers<'_>,
-    files: &Files<'_>,
+    files: &Files,
     limits: Limits,
 ) -> Checked<(Vec<Image>, Vec<u32>)> {
     let mut by_source = BTreeMap::new();
@@ -93,7 +93,7 @@ pub fn decode(
 fn measure<'a>(
     used: &'a Used<'a>,
     buffers: &Buffers<'a>,
-    files: &'a Files<'_>,
+    files: &'a Files,
     texels: &mut u64,
     limits: Limits,
 ) -> Checked<Sized<'a>> {

@@ -1,4 +1,5 @@
-//! How much a file may grow: instances, shared vertices and compressed images let a few bytes claim any amount of memory.
+//! How much a file may grow: instances, shared vertices and compressed images let a few bytes claim any amount of
+//! memory.
 
 use super::fault::{Checked, require};
 

@@ -17,8 +17,8 @@ pub struct Model {
     pub origin: [f64; 3],
     /// Positions of the vertices `[m]`; finite.
     pub positions: Vec<[f32; 3]>,
-    /// Texture coordinates of set 0 and set 1, u to the right and v downward in the image; (0, 0) where a mesh has none.
-    /// Empty if no texture is in that set.
+    /// Texture coordinates of set 0 and set 1, u to the right and v downward in the image; (0, 0) where a mesh has
+    /// none. Empty if no texture is in that set.
     pub texcoords: [Vec<[f32; 2]>; 2],
     /// Linear factors of the base colour, in [0, 1]; white where a mesh has none. Empty if no mesh has any.
     pub colors: Vec<[f32; 3]>,
@@ -130,7 +130,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Linear colour, finite and >= 0; multiplies the intensity.
     pub color: [f32; 3],
-    /// As in the file, >= 0: candela for points and spots, lux for directional lights. The scale of nodes does not apply.
+    /// As in the file, >= 0: candela for points and spots, lux for directional lights. The scale of nodes does not
+    /// apply.
     pub intensity: f64,
     /// Where it is `[m]`; of no meaning for directional lights.
     pub position: [f64; 3],
@@ -145,8 +146,8 @@ pub struct Light {
 pub enum LightKind {
     /// Shines in all directions.
     Point,
-    /// Shines in a cone. The angles are from its axis `[rad]`, 0 <= inner < outer <= pi / 2: full intensity up to the inner
-    /// one, none from the outer one on.
+    /// Shines in a cone. The angles are from its axis `[rad]`, 0 <= inner < outer <= pi / 2: full intensity up to the
+    /// inner one, none from the outer one on.
     Spot {
         /// Where the light begins to fall off.
         inner: f64,

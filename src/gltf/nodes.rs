@@ -7,7 +7,16 @@ use super::schema::{Node, Root, Scene};
 use super::transforms;
 use super::warnings::Warnings;
 
-/// A node of the scene.
+/// Where a node of the scene is.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The node's index in the file.
+    pub index: usize,
+    /// From the node to the world.
+    pub world: DAffine3,
+}
+
+/// A node of the scene, and where it is.
 #[derive(Debug)]
 pub struct Placed<'a> {
     /// Its index in the file.
@@ -43,11 +52,16 @@ pub fn scene(root: &Root) -> Checked<Option<&Scene>> {
     }
 }
 
-/// All nodes of the scene, or of the file if it has no scenes, parents before their children.
-pub fn place<'a>(root: &'a Root, warnings: &mut Warnings) -> Checked<Vec<Placed<'a>>> {
+/// The nodes of `root` that are at `places`.
+pub fn placed<'a>(root: &'a Root, places: &[Place]) -> Vec<Placed<'a>> {
+    places.iter().map(|&Place { index, world }| Placed { index, node: &root.nodes[index], world }).collect()
+}
+
+/// Where all nodes of the scene are, or of the file if it has no scenes, parents before their children.
+pub fn places(root: &Root, warnings: &mut Warnings) -> Checked<Vec<Place>> {
     let parents = parents(&root.nodes)?;
     refuse_cycles(&root.nodes, &parents)?;
-    let mut placed = Vec::new();
+    let mut places = Vec::new();
     // Hierarchies may be deeper than any call stack: what is still to visit is a list.
     let mut open: Vec<(usize, DAffine3)> = Vec::new();
     let roots = roots(root, &parents)?;
@@ -60,10 +74,10 @@ pub fn place<'a>(root: &'a Root, warnings: &mut Warnings) -> Checked<Vec<Placed<
         };
         let world = parent * local;
         transforms::finite(world).at(label)?;
-        placed.push(Placed { index, node, world });
+        places.push(Place { index, world });
         open.extend(node.children.iter().rev().map(|child| (*child, world)));
     }
-    Ok(placed)
+    Ok(places)
 }
 
 /// The parent of every node.

@@ -74,7 +74,8 @@ impl<'a> Planner<'a> {
         Ok(Some(Plan { index, primitive, mode, attributes, material, vertices, triangles }))
     }
 
-    /// Whether positions stand in the file as they are: those of accessors without data, otherwise zeros, may be compressed.
+    /// Whether positions stand in the file as they are: those of accessors without data, otherwise zeros, may be
+    /// compressed.
     fn require_data(&self, primitive: &Primitive, attributes: &Attributes) -> Checked<()> {
         let positions = self.reader.accessors.accessors.get(attributes.positions);
         let absent = positions.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none());

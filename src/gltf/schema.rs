@@ -1,7 +1,7 @@
 //! The keys of glTF 2.0 that are read, as they stand in the JSON; every other key is passed over.
 //!
-//! Numbers keep the precision of the text, indices and sizes their full range: what they may be is checked where they are
-//! used.
+//! Numbers keep the precision of the text, indices and sizes their full range: what they may be is checked where they
+//! are used.
 
 use std::collections::BTreeMap;
 

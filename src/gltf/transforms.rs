@@ -35,7 +35,8 @@ pub fn finite(transform: DAffine3) -> Checked<()> {
     require(transform.is_finite(), || "its transform is not finite", "give finite numbers that are not too large")
 }
 
-/// Whether a transform turns right hands into left ones. One that flattens them, by a scale of 0 along an axis, turns none.
+/// Whether a transform turns right hands into left ones. One that flattens them, by a scale of 0 along an axis, turns
+/// none.
 pub fn mirrors(transform: DAffine3) -> bool {
     box_volume(transform.matrix3).is_some_and(|volume| volume < 0.0)
 }

@@ -57,7 +57,8 @@ fn data(rest: &str) -> Checked<Vec<u8>> {
     BASE64.decode(text).map_err(|error| Fault::new(format!("its data URI is not valid base64: {error}"), remedy))
 }
 
-/// The path that a relative URI means. A backslash separates folders on some systems, so what it could lead to counts too.
+/// The path that a relative URI means. A backslash separates folders on some systems, so what it could lead to counts
+/// too.
 fn relative(uri: &str) -> Checked<PathBuf> {
     let Ok(path) = percent_decode_str(uri).decode_utf8() else {
         let finding = format!("its URI {} is not UTF-8 when decoded", quoted(uri));

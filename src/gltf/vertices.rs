@@ -1,6 +1,7 @@
 //! Attributes of vertices: which formats they may have, and which values.
 
-use super::accessors::{Accessors, Component, Format, Shape, is_index};
+use super::accessors::Accessors;
+use super::element_format::{Component, Format, Shape};
 use super::elements::Elements;
 use super::fault::{At, Checked, label, require};
 use super::schema::Primitive;
@@ -101,7 +102,7 @@ impl<'a> Reader<'a> {
             return Ok(None);
         };
         let accepts =
-            |format: Format| format.shape == Shape::Scalar && is_index(format.component) && !format.normalized;
+            |format: Format| format.shape == Shape::Scalar && format.component.is_index() && !format.normalized;
         let expected = "SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT";
         self.accessors.elements(index, accepts, expected).map(Some).at(|| "indices")
     }

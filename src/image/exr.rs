@@ -1,4 +1,7 @@
-//! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, N samples.
+//! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, likewise for other layers of the film, and N
+//! samples.
+
+mod planes;
 
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, Write};
@@ -8,7 +11,7 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannels, AttributeValue, Encoding, FlatSamples, ImageAttributes, IntegerBounds, Layer, LayerAttributes,
-    ReadChannels, ReadLayers, SpecificChannels, Text, Vec2, WritableImage, read,
+    ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 
 use super::Image;
@@ -31,19 +34,6 @@ pub fn write_film(
     header: &[(String, String)],
 ) -> core::result::Result<(), String> {
     let region = film.region();
-    let channels = SpecificChannels::build()
-        .with_channel("R")
-        .with_channel("G")
-        .with_channel("B")
-        .with_channel("SE.R")
-        .with_channel("SE.G")
-        .with_channel("SE.B")
-        .with_channel("N")
-        .with_pixel_fn(|at: Vec2<usize>| {
-            let pixel = film.pixel(region.x0 + at.x() as u32, region.y0 + at.y() as u32);
-            let ([r, g, b], [ser, seg, seb]) = (pixel.mean, pixel.standard_error);
-            (r as f32, g as f32, b as f32, ser as f32, seg as f32, seb as f32, pixel.samples as f32)
-        });
     let mut attributes =
         LayerAttributes { layer_position: Vec2(region.x0 as i32, region.y0 as i32), ..Default::default() };
     attributes.software_name = Some(Text::from(concat!("fogbow ", env!("CARGO_PKG_VERSION"))));
@@ -51,7 +41,7 @@ pub fn write_film(
     let entry = |(name, text): &(String, String)| (utf8(&format!("{PREFIX}{name}")), AttributeValue::Text(utf8(text)));
     attributes.other = header.iter().map(entry).collect();
     let extent = Vec2(region.width() as usize, region.height() as usize);
-    let layer = Layer::new(extent, attributes, Encoding::SMALL_FAST_LOSSLESS, channels);
+    let layer = Layer::new(extent, attributes, Encoding::SMALL_FAST_LOSSLESS, planes::of(film));
     let window = IntegerBounds::new((0, 0), (size[0] as usize, size[1] as usize));
     let image = exr::image::Image::empty(ImageAttributes::new(window)).with_layer(layer);
     image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())

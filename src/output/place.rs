@@ -72,7 +72,7 @@ pub fn of(path: &Path) -> Result<Place> {
 }
 
 /// The path at the end of all symbolic links, and what is there. The links to files that a process has open are the end:
-/// their targets are no paths.
+/// their targets are not paths.
 fn follow(path: &Path) -> io::Result<(PathBuf, Option<std::fs::Metadata>)> {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {

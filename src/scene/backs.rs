@@ -11,7 +11,8 @@ use crate::warning::Warning;
 /// Longest side of the image that is looked at, in pixels.
 const SIDE: u32 = 64;
 
-/// A warning about the backs that `frame` sees, whose materials are `looks` of `file` and whose image has `size` pixels.
+/// A warning about the backs that `frame` sees, whose materials are `looks` of `file` and whose image has `size`
+/// pixels.
 pub fn seen(frame: &Frame, size: [u32; 2], file: &str, looks: &[Material]) -> Option<Warning> {
     if frame.surfaces.is_empty() {
         return None;
@@ -32,7 +33,8 @@ pub fn seen(frame: &Frame, size: [u32; 2], file: &str, looks: &[Material]) -> Op
     (!places.is_empty()).then(|| Warning { places, ..Warning::new(file, finding) })
 }
 
-/// The material whose back is the first thing that the ray through `pixel` meets, if it is black there but not in front.
+/// The material whose back is the first thing that the ray through `pixel` meets, if it is black there but not in
+/// front.
 fn black_back(frame: &Frame, pixel: u32) -> Option<usize> {
     let (origin, direction) = camera_ray(&frame.camera, pixel, 0, 0);
     let [origin, towards] = [origin, direction].map(|v| v.as_vec3().to_array());

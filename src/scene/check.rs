@@ -15,17 +15,17 @@ use glam::DVec3;
 
 use super::cameras::Chosen;
 use super::document::Document;
-use super::lights::{self, LARGEST_RADIANCE, Placed};
+use super::lights::{self, Placed};
 use super::model;
+use super::ranges::{LARGEST, LARGEST_RADIANCE};
 use super::schema::{self, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique};
-use super::source::LARGEST;
 use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gltf::{LightKind, Model};
 
-/// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike, 0
-/// has fireflies, 0.3 costs a third.
+/// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike,
+/// 0 has fireflies, 0.3 costs a third.
 const AIMED: f64 = 0.05;
 /// Largest share of aimed flights.
 const LARGEST_AIMED: f64 = 0.99;
@@ -37,7 +37,8 @@ const SMALLEST_SURVIVAL: f64 = 0.01;
 const LARGEST_FILM: u64 = 1 << 27;
 /// Largest exposure in stops either way: factors of 10^30.
 const MOST_STOPS: f64 = 100.0;
-/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last digits.
+/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last
+/// digits.
 const SHARPEST: f64 = 0.9999;
 
 /// A check of the values at some paths of a document.
@@ -79,11 +80,12 @@ fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
     let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
     let distance = start.distance(DVec3::from(center));
     let finding = format!(
-        "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is {radius:?} m"
+        "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is \
+         {radius:?} m"
     );
     let remedy = "move the light or the camera, give the light a smaller radius, or set the camera's near beyond it; a \
                   sphere is black inside";
-    light.source.require(distance >= radius, "center", finding, remedy)
+    light.owner.require(distance >= radius, "center", finding, remedy)
 }
 
 /// Names of the lights that shine from nowhere, which are left out.
@@ -147,13 +149,13 @@ impl Check<'_> {
     fn no_light(&self, suns: &[String]) -> Error {
         let remedy = match self.document.is_model() {
             true => {
-                "add a point light, a spot light or an emissive material to the file, write a scene.toml with a [[light]] \
-                 table and this file as geometry, or add a light with --set 'light=[{ type = \"sphere\", \
+                "add a point light, a spot light or an emissive material to the file, write a scene.toml with a \
+                 [[light]] table and this file as geometry, or add a light with --set 'light=[{ type = \"sphere\", \
                  center = [0, 3, 0], radius = 0.1, radiance = 100 }]'"
             }
             false => {
-                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without a \
-                 light the image is black"
+                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without \
+                 a light the image is black"
             }
         };
         let finding = match suns {
@@ -179,7 +181,7 @@ impl Check<'_> {
         if lights.is_empty() && meshes.is_empty() {
             return Err(self.no_light(suns));
         }
-        let solid = |placed: &Placed<'_>| lights::emitter(&placed.source, &placed.light, origin);
+        let solid = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
         let solids = lights.iter().map(solid).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,

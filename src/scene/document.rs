@@ -1,5 +1,9 @@
 //! Scene files and overrides as one tree of values that remembers where each of them stands.
 
+mod overrides;
+mod parser_messages;
+mod places;
+
 use core::fmt;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -8,44 +12,15 @@ use std::path::Path;
 use toml::de::DeTable;
 use toml::{Table, Value};
 
-use super::places::{EXTRAS, Place, note_extras, note_table, place_at};
-use super::plain;
 use crate::error::{Error, Kind, Result};
-
-/// Steps of the longest key that an override may have: some more than any key of a scene has.
-const LONGEST_KEY: usize = 16;
+pub use overrides::Override;
+use overrides::{LONGEST_KEY, Step, display, enter, steps};
+pub(super) use parser_messages::in_plain_words;
+pub(super) use places::EXTRAS;
+use places::{Place, note_extras, note_table, place_at};
 
 /// Bytes of the largest scene file: some hundred thousand lights.
 const LARGEST_FILE: u64 = 64 << 20;
-
-/// A value that replaces or adds to one of the file's.
-#[derive(Clone, Debug)]
-pub struct Override {
-    /// The key: `medium.phase.g`, `light[0].radius`.
-    pub key: String,
-    /// The value.
-    pub value: Value,
-    /// The flag that says so, as the user wrote it.
-    pub flag: String,
-    /// Whether it is a flag of its own, as `--samples`, and not `--set`.
-    pub is_dedicated: bool,
-}
-
-impl Override {
-    /// From `key=value`, where the value is TOML; what is no TOML value is a string.
-    ///
-    /// # Errors
-    /// If there is no `=`.
-    pub fn parse(text: &str) -> Result<Self> {
-        let flag = format!("--set {text}");
-        let Some((key, value)) = text.split_once('=') else {
-            return Err(Error::usage(flag, "has no '='", "write key=value, for example medium.phase.g=0.6"));
-        };
-        let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
-        let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
-        Ok(Self { key: key.trim().into(), value, flag, is_dedicated: false })
-    }
-}
 
 /// Values with their places.
 #[derive(Debug)]
@@ -117,7 +92,7 @@ impl Document {
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let malformed = |error: toml::de::Error| {
             let place = error.span().map_or_else(|| file.to_string(), |span| place_at(file, text, span.start));
-            let finding = plain::words(error.message());
+            let finding = in_plain_words(error.message());
             Error::failure(place, finding, "write valid TOML; fogbow render --help-scene lists the keys of a scene")
         };
         let mut places = BTreeMap::new();
@@ -164,7 +139,7 @@ impl Document {
     /// Puts `change` in the place of the file's value.
     ///
     /// # Errors
-    /// If its key leads through something that is no table, or to a list entry that does not exist.
+    /// If its key leads through something that is not a table, or to a list entry that does not exist.
     pub fn apply(&mut self, change: Override) -> Result<()> {
         let steps = steps(&change.key);
         let refuse = |finding: String| {
@@ -250,47 +225,6 @@ fn meaning(value: &Value) -> String {
 
 fn is_at_or_below(path: &str, key: &str) -> bool {
     path.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
-}
-
-/// One step down the tree.
-#[derive(Clone, Debug, PartialEq)]
-enum Step {
-    Key(String),
-    Index(usize),
-}
-
-/// `light[0].radius` and `light.0.radius` alike.
-fn steps(key: &str) -> Vec<Step> {
-    let names = key.split(['.', '[', ']']).filter(|name| !name.is_empty());
-    names.map(|name| name.parse().map_or_else(|_| Step::Key(name.into()), Step::Index)).collect()
-}
-
-fn display(steps: &[Step]) -> String {
-    let mut path = String::new();
-    for step in steps {
-        match step {
-            Step::Key(key) if path.is_empty() => path.clone_from(key),
-            Step::Key(key) => path = format!("{path}.{key}"),
-            Step::Index(index) => path = format!("{path}[{index}]"),
-        }
-    }
-    path
-}
-
-/// The value one step below `at`; tables that do not exist are made.
-fn enter<'a>(at: &'a mut Value, step: &Step) -> core::result::Result<&'a mut Value, String> {
-    match (at, step) {
-        (Value::Table(table), Step::Key(key)) => {
-            Ok(table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new())))
-        }
-        (Value::Array(array), Step::Index(index)) => {
-            let len = array.len();
-            array.get_mut(*index).ok_or_else(|| format!("there is no entry {index} in a list of {len}"))
-        }
-        (Value::Array(_), Step::Key(key)) => Err(format!("a list has entries [0], [1] and so on, not {key}")),
-        (_, Step::Key(key)) => Err(format!("a plain value has no {key}")),
-        (_, Step::Index(index)) => Err(format!("only a list has an entry {index}")),
-    }
 }
 
 #[cfg(test)]

@@ -1,70 +1,48 @@
-//! Scenes: from a file and flags to a [`Frame`].
+//! Scenes: from a file and flags to a [`Frame`](crate::frame::Frame).
 
 mod backs;
-mod bare;
 mod cameras;
 mod check;
-mod contents;
 pub mod document;
+mod extras;
 pub mod help;
 mod lights;
+mod loaded;
 mod model;
-mod origin;
-mod places;
-mod plain;
 mod punctual;
+mod ranges;
 pub mod schema;
-mod source;
 mod surfaces;
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use serde::de::IntoDeserializer;
 
 use crate::error::{Error, Result};
-use crate::frame::Frame;
-use crate::gltf::Model;
+use crate::gltf::Asset;
 use crate::warning::Warning;
-pub use contents::{Contents, Light};
-use document::{Document, Override};
-use schema::{Camera, CameraOrName, Film, NumberOrAuto, Scene};
+use document::{Document, Override, in_plain_words};
+use lights::Placed;
+pub use loaded::{Contents, Light, LoadedScene};
+use model::Loaded;
+use ranges::Owner;
+use schema::{Film, Scene};
 
-/// A scene that was read and found valid.
-#[derive(Clone, Debug)]
-pub struct LoadedScene {
-    /// What it is called: its folder's or file's name.
-    pub name: String,
-    /// The files that it was read from: its own, and that of its geometry.
-    pub files: Vec<PathBuf>,
-    /// All keys, overrides and defaults included.
-    pub scene: Scene,
-    /// Its camera, wherever that comes from.
-    pub camera: Camera,
-    /// Its lights: those of `scene`, then those of its geometry.
-    pub lights: Vec<Light>,
-    /// What else its geometry holds.
-    pub contents: Contents,
-    /// The same as the stages read it.
-    pub frame: Frame,
-    /// What is not rendered, or not as it is written.
-    pub warnings: Vec<Warning>,
-    /// What positions in `frame` are counted from `[m]`: 0, unless the camera is far away from there.
-    pub origin: [f64; 3],
-}
-
-/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in order.
+/// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in
+/// order.
 ///
 /// # Errors
-/// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of range.
+/// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of
+/// range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let (mut document, model) = match bare::is_model(&file) {
-        true => bare::read(&file).map(|(document, model)| (document, Some(model)))?,
-        false => (Document::read(&file)?, None),
+    let asset = model::is_model(&file).then(|| Asset::open(&file)).transpose()?;
+    let mut document = match &asset {
+        Some(asset) => extras::document(&file, asset)?,
+        None => Document::read(&file)?,
     };
     document.apply_all(overrides)?;
-    let mut scene = check(name(path), &document, model)?;
+    let mut scene = load_document(name(path), &document, asset)?;
     scene.files.insert(0, file);
     Ok(scene)
 }
@@ -74,23 +52,26 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    check(name(Path::new(file)), &Document::parse(file, text)?, None)
+    load_document(name(Path::new(file)), &Document::parse(file, text)?, None)
 }
 
-/// The scene that `document` describes; `model` is that of a glTF file which is a scene by itself.
-fn check(name: String, document: &Document, model: Option<Model>) -> Result<LoadedScene> {
+/// The scene that `document` describes; `asset` is the glTF file that is a scene by itself.
+///
+/// The camera comes first: it says what positions are counted from, and with that the model's vertices are read.
+fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
-    let loaded = model::of_scene(&scene, document, model)?;
-    let chosen = cameras::choose(&scene, document, loaded.as_ref())?;
+    let asset = model::open(&scene, document, asset)?;
+    let chosen = cameras::choose(&scene, document, asset.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
         scene.film.size = Film::of_aspect(aspect).size;
     }
-    let placed = lights::all(&scene, document, loaded.as_ref())?;
+    let origin = chosen.origin();
+    let loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
+
+    let placed = all_lights(&scene, document, loaded.as_ref())?;
     let mut warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
     warnings.extend(no_medium(document));
-    let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
-    let camera = DVec3::from(chosen.camera.position);
-    let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
+    let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
@@ -98,6 +79,13 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let origin = origin.to_array();
     let files = scene.geometry.iter().map(|geometry| document.folder().join(geometry)).collect();
     Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
+}
+
+/// The lights of `scene`: those of its file first, then those that stand for the punctual ones of its model.
+fn all_lights<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -> Result<Vec<Placed<'a>>> {
+    let radius = Owner::Table(document, String::new()).radius("punctual_radius", scene.punctual_radius)?;
+    let of_model = loaded.map_or(Ok(Vec::new()), |loaded| punctual::of_model(loaded, radius))?;
+    Ok(lights::of_file(scene, document).chain(of_model).collect())
 }
 
 /// The scene file that `path` means.
@@ -129,7 +117,7 @@ fn name(path: &Path) -> String {
 fn read(document: &Document) -> Result<Scene> {
     serde_path_to_error::deserialize(document.values.clone().into_deserializer()).map_err(|error| {
         let path = error.path().to_string();
-        let finding = plain::words(error.inner().message());
+        let finding = in_plain_words(error.inner().message());
         let finding = if path == "." { finding } else { format!("{path}: {finding}") };
         let remedy = match (path.as_str(), document.values.get("light")) {
             ("light", Some(toml::Value::Table(_))) => "write [[light]]: lights are a list of tables",
@@ -145,33 +133,4 @@ fn no_medium(document: &Document) -> Option<Warning> {
     let is_empty = ["scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
     let finding = "medium has neither scattering nor absorption, so it is vacuum";
     is_empty.then(|| Warning::new(document.place("medium"), finding))
-}
-
-impl LoadedScene {
-    /// A hash of everything that the value of a sample depends on: scenes with the same hash have the same samples.
-    pub fn hash(&self) -> String {
-        let mut scene = self.scene.clone();
-        scene.render.samples = 0;
-        scene.film.exposure = NumberOrAuto::default();
-        // What is taken from the geometry's file counts, not what it is called there.
-        scene.geometry = None;
-        scene.punctual_radius = 0.0;
-        scene.camera = Some(CameraOrName::Table(self.camera));
-        scene.light = self.lights.iter().map(|light| light.values.clone()).collect();
-        let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&canonical);
-        hasher.update(self.origin.map(f64::to_le_bytes).as_flattened());
-        let mut digest = |bytes: &[u8]| {
-            hasher.update(bytes);
-        };
-        self.frame.surfaces.digest(&mut digest);
-        self.frame.lights.digest(&mut digest);
-        hasher.finalize().to_hex()[..32].to_string()
-    }
-
-    /// All keys as TOML, overrides and defaults included.
-    pub fn to_toml(&self) -> String {
-        toml::to_string(&self.scene).expect("a scene is a table of tables")
-    }
 }

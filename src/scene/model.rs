@@ -1,17 +1,45 @@
 //! The glTF file of a scene.
 
-use serde_json::Value;
+use std::path::Path;
+
+use glam::DVec3;
 
 use super::document::Document;
-use super::lights::LARGEST_RADIANCE;
-use super::origin;
+use super::ranges::{LARGEST_RADIANCE, Owner};
 use super::schema::Scene;
-use super::source::Source;
 use crate::error::Result;
-use crate::gltf::{self, Model, label, quoted};
+use crate::gltf::{Asset, Material, Model, label, quoted};
 
 /// Names that an error lists.
 const MOST_LISTED: usize = 10;
+
+/// Whether `path` is called like a glTF file.
+pub fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
+/// The file that `scene` names as its geometry; `given` is the one that is a scene by itself.
+pub fn open(scene: &Scene, document: &Document, given: Option<Asset>) -> Result<Option<Asset>> {
+    match (&scene.geometry, given) {
+        (None, _) => Ok(None),
+        (Some(_), Some(asset)) if !document.is_set_by_flag("geometry") => Ok(Some(asset)),
+        (Some(geometry), _) => open_geometry(geometry, document).map(Some),
+    }
+}
+
+fn open_geometry(geometry: &str, document: &Document) -> Result<Asset> {
+    let path = document.folder().join(geometry);
+    if path.is_file() {
+        return Asset::open(&path);
+    }
+    let file = path.display();
+    let finding = match path.is_dir() {
+        true => format!("geometry is {geometry:?}, but {file} is a folder"),
+        false => format!("geometry is {geometry:?}, but there is no file {file}"),
+    };
+    let remedy = "give the path of a .gltf or .glb file, relative to the folder of the scene";
+    Err(document.error("geometry", finding, remedy))
+}
 
 /// A model and its file.
 #[derive(Debug)]
@@ -22,55 +50,26 @@ pub struct Loaded {
     pub model: Model,
 }
 
-/// The model that `scene` names as its geometry; `given` is that of a file which is a scene by itself.
-pub fn of_scene(scene: &Scene, document: &Document, given: Option<Model>) -> Result<Option<Loaded>> {
-    let Some(geometry) = &scene.geometry else { return Ok(None) };
-    let loaded = match given {
-        Some(model) if !document.is_set_by_flag("geometry") => Loaded { file: document.file().into(), model },
-        _ => load(geometry, scene, document)?,
-    };
-    check_emission(&loaded)?;
-    Ok(Some(loaded))
+impl Loaded {
+    /// What `asset` holds, with vertices counted from `origin`.
+    pub fn read(asset: Asset, origin: DVec3) -> Result<Self> {
+        let file = asset.file().to_string();
+        let model = asset.load(origin)?;
+        check_emission(&file, &model.materials)?;
+        Ok(Self { file, model })
+    }
 }
 
 /// Emission of materials, within the limits of other lights.
-fn check_emission(loaded: &Loaded) -> Result<()> {
-    for (index, material) in loaded.model.materials.iter().enumerate() {
+fn check_emission(file: &str, materials: &[Material]) -> Result<()> {
+    for (index, material) in materials.iter().enumerate() {
         // In the model's precision: the 32-bit number nearest to the limit is above it.
         let ok = material.emission.iter().all(|x| *x <= LARGEST_RADIANCE as f32);
-        let source = Source::Object(format!("{}: {}", loaded.file, label("material", index, material.name.as_deref())));
+        let owner = Owner::Object(format!("{file}: {}", label("material", index, material.name.as_deref())));
         let finding = format!("{:?}", material.emission);
-        source.require(ok, "emission", finding, "scale it down to 1e30 W/(m^2 sr) or less")?;
+        owner.require(ok, "emission", finding, "scale it down to 1e30 W/(m^2 sr) or less")?;
     }
     Ok(())
-}
-
-fn load(geometry: &str, scene: &Scene, document: &Document) -> Result<Loaded> {
-    let path = document.folder().join(geometry);
-    let file = path.display().to_string();
-    if !path.is_file() {
-        let finding = match path.is_dir() {
-            true => format!("geometry is {geometry:?}, but {file} is a folder"),
-            false => format!("geometry is {geometry:?}, but there is no file {file}"),
-        };
-        let remedy = "give the path of a .gltf or .glb file, relative to the folder of the scene";
-        return Err(document.error("geometry", finding, remedy));
-    }
-    Ok(Loaded { model: gltf::load_from(&path, |camera| origin::of_scene(scene, camera))?, file })
-}
-
-impl Loaded {
-    /// The source of the values of its object `name`; `kind` is what such objects are called.
-    pub fn source(&self, kind: &str, name: &str) -> Source<'static> {
-        Source::Object(format!("{}: {kind} {}", self.file, quoted(name)))
-    }
-}
-
-/// The number under `key` of the extras of an object, if there is one.
-pub fn number(source: &Source<'_>, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
-    let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
-    let remedy = "give a number in metres, or leave it out";
-    value.as_f64().map(Some).ok_or_else(|| source.wrong(&format!("extras.{key}"), value, remedy))
 }
 
 /// Names as an error lists them.

@@ -1,28 +1,30 @@
 //! Punctual lights of a model as lights with an extent, of the same intensity.
 //!
-//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a disk,
-//! whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so that it falls as
-//! `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a power of the cosine.
+//! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a
+//! disk, whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so
+//! that it falls as `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a
+//! power of the cosine.
 
 use core::f64::consts::PI;
 
 use super::lights::{LARGEST_EXPONENT, Placed};
-use super::model::{self, Loaded};
+use super::model::Loaded;
+use super::ranges::Owner;
 use super::schema::{Light, LightKind, Spectrum};
 use crate::error::Result;
 use crate::gltf;
 
 /// The lights that stand for the point and spot lights of a model; `radius` is of those that do not say their own.
 /// Directional lights shine from nowhere and are left out.
-pub fn lights(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
+pub fn of_model(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
     let placed = |light: &gltf::Light| {
-        let source = loaded.source("light", &light.name);
-        let radius = match model::number(&source, light.extras.as_ref(), "radius") {
+        let owner = Owner::object(&loaded.file, "light", &light.name);
+        let radius = match owner.extra(light.extras.as_ref(), "radius") {
             Ok(own) => own.unwrap_or(radius),
             Err(error) => return Some(Err(error)),
         };
         let light =
-            extended(light, radius).map(|values| Placed { source, name: Some(light.name.clone()), light: values });
+            extended(light, radius).map(|values| Placed { owner, name: Some(light.name.clone()), light: values });
         light.map(Ok)
     };
     loaded.model.lights.iter().filter_map(placed).collect()
@@ -50,8 +52,8 @@ fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
     Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent, cone })
 }
 
-/// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its cone
-/// angles; 0, a plain disk with one half at 60 degrees, is the widest there is.
+/// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its
+/// cone angles; 0, a plain disk with one half at 60 degrees, is the widest there is.
 fn exponent(inner: f64, outer: f64) -> f64 {
     let sine = (0.5 * (inner + outer)).sin();
     // ln cos as half the logarithm of 1 - sin^2, for narrow cones.
@@ -68,7 +70,6 @@ mod tests {
     use glam::DVec3;
 
     use super::super::lights::emitter;
-    use super::super::source::Source;
     use super::*;
 
     fn light(kind: gltf::LightKind) -> gltf::Light {
@@ -92,7 +93,7 @@ mod tests {
             let sphere = extended(&light(gltf::LightKind::Point), radius).expect("a sphere");
             assert_eq!((sphere.kind, sphere.center, sphere.radius), (LightKind::Sphere, [1.0, 2.0, 3.0], radius));
             assert_eq!((sphere.normal, sphere.exponent), (None, None));
-            let sphere = emitter(&Source::Object("bulb".into()), &sphere, DVec3::ZERO).expect("valid");
+            let sphere = emitter(&Owner::Object("bulb".into()), &sphere, DVec3::ZERO).expect("valid");
             assert!((sphere.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {radius} m", sphere.intensity());
             // Seen from afar it is a disk of its radius.
             let intensity = sphere.radiance.map(|channel| f64::from(channel) * PI * radius * radius);
@@ -106,8 +107,8 @@ mod tests {
     fn a_disk_has_the_intensity_of_its_spot_along_the_axis() {
         for (inner, outer) in CONES {
             let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
-            let source = Source::Object("spot".into());
-            let disk = emitter(&source, &disk, DVec3::ZERO).expect("valid");
+            let owner = Owner::Object("spot".into());
+            let disk = emitter(&owner, &disk, DVec3::ZERO).expect("valid");
             assert!((disk.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {inner} to {outer}", disk.intensity());
             assert_eq!((disk.origin, disk.normal), ([1.0, 2.0, 3.0], [0.0, 0.0, -1.0]));
         }
@@ -117,7 +118,7 @@ mod tests {
     fn a_disk_has_the_cone_of_its_spot() {
         let spot = |inner, outer| {
             let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
-            emitter(&Source::Object("spot".into()), &disk, DVec3::ZERO).expect("valid")
+            emitter(&Owner::Object("spot".into()), &disk, DVec3::ZERO).expect("valid")
         };
         let intensity = |disk: &Emitter, angle: f64| {
             let cosine = angle.cos();

@@ -13,8 +13,8 @@ const SMALLEST_AREA: f64 = 1e-18;
 /// Points per side of the grid over which the texture of a triangle's emission is averaged.
 const GRID: u16 = 8;
 
-/// The triangles of `model`, with the base colours of their materials: factors, textures, colours of vertices; and, mesh by
-/// mesh, those that shine.
+/// The triangles of `model`, with the base colours of their materials: factors, textures, colours of vertices; and,
+/// mesh by mesh, those that shine.
 pub fn from_model(model: Model) -> (Surfaces, Vec<Vec<Emitter>>) {
     let material_of = model.triangles.iter().map(|triangle| triangle.material).collect();
     let material = |material: &gltf::Material| Material {
@@ -85,8 +85,8 @@ mod tests {
     use super::*;
     use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 
-    /// Two triangles with area and one without, in one instance; the material shines red through a texture that is white
-    /// on the left half and black on the right.
+    /// Two triangles with area and one without, in one instance; the material shines red through a texture that is
+    /// white on the left half and black on the right.
     fn model() -> Model {
         let texture = TextureRef { texture: 0, texcoords: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
         let triangle = |corners: [u32; 3]| gltf::Triangle { corners, material: 0 };
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn dark_meshes_are_no_lights() {
+    fn dark_meshes_are_not_lights() {
         let mut model = model();
         model.materials[0].emission = [0.0; 3];
         assert!(from_model(model).1.is_empty());

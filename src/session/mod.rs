@@ -1,4 +1,4 @@
-//! A render from its scene to the images it leaves: what is settled first, rounds of samples, and what is told of them.
+//! A render from its scene to the images it leaves: what is decided first, rounds of samples, and what is told of them.
 
 mod report;
 mod rounds;
@@ -82,7 +82,7 @@ pub struct Session {
     monitor: Monitor,
 }
 
-/// What was settled before the first sample.
+/// What was decided before the first sample.
 #[derive(Clone, Debug, Default)]
 pub struct Preparation {
     /// What the pilot tried.
@@ -119,8 +119,9 @@ impl Session {
             )
         })?;
         let tile_size = if reference == Reference::None { film::tile_size(region) } else { REFERENCE_TILE_SIZE };
-        let film = Film::try_new(&scene.frame, region, tile_size).map_err(|error| {
-            let bytes = Film::bytes(&scene.frame, region.pixels());
+        let layers = film::layers(&scene.frame);
+        let film = Film::try_new(&layers, region, tile_size).map_err(|error| {
+            let bytes = Film::bytes(&layers, region.pixels());
             let place = scene.files.first().map_or_else(|| scene.name.clone(), |file| file.display().to_string());
             let finding = format!("a film of {} pixels needs {} MiB: {error}", region.pixels(), bytes >> 20);
             Error::failure(place, finding, "render a smaller image with --size, or part of it with --crop")
@@ -139,19 +140,19 @@ impl Session {
         &self.monitor
     }
 
-    /// What was settled before the first sample.
+    /// What was decided before the first sample.
     pub fn preparation(&self) -> &Preparation {
         &self.preparation
     }
 
-    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out; meters
-    /// the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
+    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out;
+    /// meters the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
     pub fn prepare(&mut self, has_png: bool, interrupted: impl Fn() -> bool) {
         let (size, exposure) = (self.scene.scene.film.size, self.scene.scene.film.exposure.0);
         let metered = || metering::exposure(&self.scene.frame, size, &self.renderer);
         let exposure = has_png.then(|| exposure.map_or_else(metered, Exposure));
         let (frame, trials) =
-            pilot::settle(&self.scene.frame, size, &self.scene.scene.render, &self.renderer, &interrupted);
+            pilot::choose(&self.scene.frame, size, self.scene.choices(), &self.renderer, &interrupted);
         let left_out = if interrupted() { None } else { truncation::estimate(&frame, size, &self.renderer) };
         self.scene.frame = frame;
         self.preparation = Preparation { trials, left_out, exposure };

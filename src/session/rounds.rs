@@ -68,8 +68,8 @@ struct Round {
 }
 
 impl Session {
-    /// Renders until the target is met, or `interrupted` says so while its monitor's `stop` is set; tells `look` now and then
-    /// how far it is.
+    /// Renders until the target is met, or `interrupted` says so while its monitor's `stop` is set; tells `look` now
+    /// and then how far it is.
     pub fn run(&self, target: Target, interrupted: impl Fn() -> bool, mut look: impl FnMut(State)) -> Outcome {
         let (mut stats, mut done) = (Stats::new(false), 0);
         let begin = Instant::now();

@@ -188,7 +188,7 @@ impl<'q> Wavefront<'q> {
         let region = tile.region();
         for lane in self.occupied.without(&self.live) {
             let Request { x, y, .. } = self.requests.row(lane);
-            tile.add(region.place(x, y), self.radiance.row(lane));
+            tile.add(region.place(x, y), &[&self.radiance.row(lane)]);
         }
         self.occupied.copy_from(&self.live);
     }

@@ -7,6 +7,7 @@ mod malformed;
 mod materials;
 mod meshes;
 mod mutations;
+mod origin;
 mod storage;
 mod support;
 mod textures;

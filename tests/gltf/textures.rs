@@ -104,7 +104,7 @@ fn jpegs_are_read() {
 #[test]
 fn an_image_is_decoded_once_and_looked_up_in_many_ways() {
     let mut file = Builder::new();
-    let unused = file.texture(b"this is no image");
+    let unused = file.texture(b"this is not an image");
     let plain = file.texture(&rgb(1, 2, &[[1; 3], [2; 3]]));
     file.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648, "minFilter": 9987 }]);
     let other = file.add("textures", json!({ "source": 1, "sampler": 0 }));

@@ -1,4 +1,4 @@
-//! Files that are no glTF 2.0, or not whole.
+//! Files that are not glTF 2.0, or not whole.
 
 use fogbow::gltf;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Images that are no images, or only parts of some.
+//! Images that are not images, or only parts of some.
 
 use serde_json::json;
 

@@ -1,7 +1,7 @@
 //! Queues recorded from a real frame: the state of a wavefront in the middle of its paths.
 
 use bumpalo::Bump;
-use fogbow::film::{Region, Tile, Unit};
+use fogbow::film::{Region, Tile, layers};
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
 use fogbow_kernels::connect::bridge::Bridge;
@@ -14,7 +14,7 @@ use fogbow_kernels::pipeline::SIMD;
 /// and every queue is filled. Image: 256 x 256.
 pub fn wavefront<'q>(arena: &'q Bump, frame: &'q Frame, lanes: usize, bounces: u32) -> Wavefront<'q> {
     let mut wavefront = Wavefront::new_in(arena, frame, &SIMD, lanes);
-    let mut tile = Tile::new(Region::whole(256, 256), frame.channels(), Unit::for_radiance(1.0));
+    let mut tile = Tile::new(&layers(frame), Region::whole(256, 256));
     wavefront.advance(0..1, &mut tile, bounces);
     wavefront.requested.clear();
     wavefront.remember();

@@ -92,7 +92,7 @@ impl File {
 
 /// A number of things.
 pub fn index(value: &Value) -> usize {
-    value.as_u64().unwrap_or_else(|| panic!("{value} is no whole number")) as usize
+    value.as_u64().unwrap_or_else(|| panic!("{value} is not a whole number")) as usize
 }
 
 fn chunk(file: &[u8], start: usize, kind: [u8; 4]) -> &[u8] {

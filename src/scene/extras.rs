@@ -1,40 +1,31 @@
-//! A glTF file that is a scene by itself: its geometry, its first camera and its lights, in vacuum, and what our own keys in
-//! its scene's extras say: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
+//! The keys of a scene in the extras of a glTF file that is a scene by itself, beside its geometry, its first camera
+//! and its lights: `"extras": {"fogbow": {"medium": {..}, "film": {..}, "render": {..}}}`, as in a scene file.
 
 use std::path::Path;
 
-use glam::DVec3;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::document::Document;
-use super::origin;
-use super::places::EXTRAS;
+use super::document::{Document, EXTRAS};
 use crate::error::{Error, Result};
-use crate::gltf::{self, Model};
+use crate::gltf::Asset;
 
 /// What was read, or what is wrong with it.
 type Read<T> = core::result::Result<T, String>;
 
-/// Whether `path` is called like a glTF file.
-pub fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
-}
-
-/// The keys of the scene that the file at `path` is, and what it holds.
-pub fn read(path: &Path) -> Result<(Document, Model)> {
-    let model = gltf::load_from(path, |camera| camera.map_or(DVec3::ZERO, origin::around))?;
-    let own = model.extras.scene.as_ref().and_then(|extras| extras.get("fogbow"));
+/// The keys of the scene that `asset`, the file at `path`, is.
+pub fn document(path: &Path, asset: &Asset) -> Result<Document> {
+    let own = asset.extras().and_then(|extras| extras.get("fogbow"));
     let keys = own.map_or(Ok(Table::new()), keys).map_err(|finding| {
         let remedy = "write an object with the keys of a scene.toml; fogbow render --help-scene lists them";
-        Error::failure(path.display(), format!("{EXTRAS} {finding}"), remedy)
+        Error::failure(asset.file(), format!("{EXTRAS} {finding}"), remedy)
     })?;
     if keys.contains_key("geometry") {
         let finding = format!("{EXTRAS} has the key geometry, but the geometry is this file");
-        return Err(Error::failure(path.display(), finding, "leave the key out"));
+        return Err(Error::failure(asset.file(), finding, "leave the key out"));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    Ok((Document::of_model(&path.display().to_string(), &name, keys), model))
+    Ok(Document::of_model(asset.file(), &name, keys))
 }
 
 /// The keys as a scene file would have them, or what is wrong with them.

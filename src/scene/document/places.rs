@@ -1,4 +1,4 @@
-//! Where each value of a scene stands.
+//! Where each value of a document stands: at a line of the file, in the extras of a glTF file, or on the command line.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! What the parsers say, in words of someone who writes a scene rather than Rust.
 
 /// `message` of the TOML parser or of a type, with keys and lists for fields and sequences.
-pub fn words(message: &str) -> String {
+pub fn in_plain_words(message: &str) -> String {
     let Some((found, expected)) = message.rsplit_once(", expected ") else {
         return message.replacen("missing field", "missing key", 1);
     };
@@ -60,13 +60,13 @@ mod tests {
             ),
         ];
         for (theirs, ours) in cases {
-            assert_eq!(words(theirs), ours);
+            assert_eq!(in_plain_words(theirs), ours);
         }
     }
 
     #[test]
     fn what_the_author_wrote_stays_as_it_is() {
         let theirs = r#"invalid type: string "map, expected u32", expected f64"#;
-        assert_eq!(words(theirs), r#"this is the string "map, expected u32", expected a number"#);
+        assert_eq!(in_plain_words(theirs), r#"this is the string "map, expected u32", expected a number"#);
     }
 }

@@ -1,12 +1,14 @@
-//! Where the values of a camera or a light stand, and checks that say so.
+//! Ranges of the values that cameras, lights and materials have, in the scene file and in its model alike, and errors
+//! that say where a value beyond them stands.
 
 use core::fmt::Display;
 
 use glam::DVec3;
+use serde_json::Value;
 
 use super::document::Document;
 use crate::error::{Error, Result};
-use crate::gltf::LARGEST_COORDINATE;
+use crate::gltf::{LARGEST_COORDINATE, quoted};
 
 /// Largest length, coordinate and coefficient: squares of the longest flights between them, 16.6 mean free paths of the
 /// thinnest medium, are still f32.
@@ -14,16 +16,24 @@ pub const LARGEST: f64 = LARGEST_COORDINATE;
 /// Smallest radius: one over its area is still f32, and so is that times the square of the largest distance.
 const SMALLEST_RADIUS: f64 = 1e-9;
 
-/// Where a table of values stands.
+/// Largest radiance: sums over paths stay far inside f32.
+pub const LARGEST_RADIANCE: f64 = 1e30;
+
+/// What has a value: a camera, a light or a material.
 #[derive(Debug)]
-pub enum Source<'a> {
-    /// At this path of the scene file; the empty path is the file itself.
+pub enum Owner<'a> {
+    /// The table at this path of the scene file; the empty path is the file itself.
     Table(&'a Document, String),
-    /// In an object of the model: its file and name.
+    /// An object of the model: its file and name.
     Object(String),
 }
 
-impl Source<'_> {
+impl Owner<'_> {
+    /// The object `name` of the model `file`; `kind` is what such objects are called.
+    pub fn object(file: &str, kind: &str, name: &str) -> Self {
+        Self::Object(format!("{file}: {kind} {}", quoted(name)))
+    }
+
     /// The error that the value of `key` is wrong.
     pub fn wrong(&self, key: &str, finding: impl Display, remedy: &str) -> Error {
         match self {
@@ -61,5 +71,12 @@ impl Source<'_> {
         let ok = (SMALLEST_RADIUS..=LARGEST).contains(&value);
         self.require(ok, key, format!("{value:?}"), "give a radius from 1e-9 to 1e9 m")?;
         Ok(value)
+    }
+
+    /// The length under `key` of `extras`, its extras, if there is one.
+    pub fn extra(&self, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
+        let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
+        let remedy = "give a number in metres, or leave it out";
+        value.as_f64().map(Some).ok_or_else(|| self.wrong(&format!("extras.{key}"), value, remedy))
     }
 }

@@ -1,0 +1,97 @@
+//! A scene that was read: its keys, what its geometry holds, its frame, and the hash that names it.
+
+use std::path::PathBuf;
+
+use super::schema::{self, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
+use crate::frame::Frame;
+use crate::gltf::Model;
+use crate::pilot::Choices;
+use crate::warning::Warning;
+
+/// A scene that was read and found valid.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// What it is called: its folder's or file's name.
+    pub name: String,
+    /// The files that it was read from: its own, and that of its geometry.
+    pub files: Vec<PathBuf>,
+    /// All keys, overrides and defaults included.
+    pub scene: Scene,
+    /// Its camera, wherever that comes from.
+    pub camera: Camera,
+    /// Its lights: those of `scene`, then those of its geometry.
+    pub lights: Vec<Light>,
+    /// What else its geometry holds.
+    pub contents: Contents,
+    /// The same as the stages read it.
+    pub frame: Frame,
+    /// What is not rendered, or not as it is written.
+    pub warnings: Vec<Warning>,
+    /// What positions in `frame` are counted from `[m]`: 0, unless the camera is far away from there.
+    pub origin: [f64; 3],
+}
+
+/// A light of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Its name in the glTF file that it comes from.
+    pub name: Option<String>,
+    /// Its values; those of a sphere or disk of the same intensity, if it is a punctual light of glTF.
+    pub values: schema::Light,
+}
+
+/// Cameras and meshes of a glTF file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// Names of the perspective cameras.
+    pub cameras: Vec<String>,
+    /// Which of them renders the scene, if one does.
+    pub camera: Option<usize>,
+    /// Names of the placed meshes, and their numbers of triangles.
+    pub meshes: Vec<(String, usize)>,
+}
+
+impl Contents {
+    /// Those of `model`, of whose cameras `camera` is the scene's.
+    pub fn of(model: &Model, camera: Option<usize>) -> Self {
+        let cameras = model.cameras.iter().map(|camera| camera.name.clone()).collect();
+        let meshes = model.instances.iter().map(|mesh| (mesh.name.clone(), mesh.triangles.len())).collect();
+        Self { cameras, camera, meshes }
+    }
+}
+
+impl LoadedScene {
+    /// A hash of everything that the value of a sample depends on: scenes with the same hash have the same samples.
+    pub fn hash(&self) -> String {
+        let mut scene = self.scene.clone();
+        scene.render.samples = 0;
+        scene.film.exposure = NumberOrAuto::default();
+        // What is taken from the geometry's file counts, not what it is called there.
+        scene.geometry = None;
+        scene.punctual_radius = 0.0;
+        scene.camera = Some(CameraOrName::Table(self.camera));
+        scene.light = self.lights.iter().map(|light| light.values.clone()).collect();
+        let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&canonical);
+        hasher.update(self.origin.map(f64::to_le_bytes).as_flattened());
+        let mut digest = |bytes: &[u8]| {
+            hasher.update(bytes);
+        };
+        self.frame.surfaces.digest(&mut digest);
+        self.frame.lights.digest(&mut digest);
+        hasher.finalize().to_hex()[..32].to_string()
+    }
+
+    /// What the scene leaves to the pilot.
+    pub fn choices(&self) -> Choices {
+        let render = &self.scene.render;
+        let (survival, roulette) = (render.survival.0.is_none(), render.roulette.0.is_none());
+        Choices { starts: render.starts == Starts::Auto, survival, roulette }
+    }
+
+    /// All keys as TOML, overrides and defaults included.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(&self.scene).expect("a scene is a table of tables")
+    }
+}
