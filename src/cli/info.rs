@@ -77,7 +77,9 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     match &scene.medium {
         Some(medium) if frame.medium.extinction > 0.0 => {
             let free_path = number(f64::from(1.0 / frame.medium.extinction), 4);
-            say(format!("fog: mean free path {free_path} m, albedo {}, g {:?}", albedo(frame), medium.phase.g))?;
+            let g = number(frame.medium.phase.mean_cosine(), 4);
+            let (albedo, phase) = (albedo(frame), medium.phase.kind.name());
+            say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}"))?;
         }
         _ if frame.surfaces.is_empty() => say("vacuum: only directly visible light counts")?,
         _ => say("vacuum")?,

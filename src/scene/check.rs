@@ -17,6 +17,7 @@ use super::cameras::Chosen;
 use super::document::Document;
 use super::lights::{self, Placed};
 use super::model;
+use super::phase;
 use super::ranges::{LARGEST, LARGEST_RADIANCE};
 use super::schema::{self, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique};
 use super::surfaces;
@@ -37,9 +38,6 @@ const SMALLEST_SURVIVAL: f64 = 0.01;
 const LARGEST_FILM: u64 = 1 << 27;
 /// Largest exposure in stops either way: factors of 10^30.
 const MOST_STOPS: f64 = 100.0;
-/// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last
-/// digits.
-const SHARPEST: f64 = 0.9999;
 
 /// A check of the values at some paths of a document.
 struct Check<'a> {
@@ -137,11 +135,8 @@ impl Check<'_> {
                 "make it the same in all channels: coloured extinction is not rendered yet",
             ));
         }
-        let g = medium.phase.g;
-        let remedy = "give a mean cosine from -0.9999 to 0.9999";
-        self.require(g.abs() <= SHARPEST, "medium.phase.g", format!("{g:?}"), remedy)?;
         let albedo = scattering.map(|s| if extinction[0] > 0.0 { (s / extinction[0]) as f32 } else { 0.0 });
-        let phase = PhaseFunction::henyey_greenstein(g as f32);
+        let phase = phase::function(self.document, &medium.phase)?;
         Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
     }
 

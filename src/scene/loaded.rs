@@ -13,7 +13,7 @@ use crate::warning::Warning;
 pub struct LoadedScene {
     /// What it is called: its folder's or file's name.
     pub name: String,
-    /// The files that it was read from: its own, and that of its geometry.
+    /// The files that it was read from: its own, that of its geometry, and that of its phase function's table.
     pub files: Vec<PathBuf>,
     /// All keys, overrides and defaults included.
     pub scene: Scene,
@@ -80,6 +80,7 @@ impl LoadedScene {
         };
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
+        self.frame.medium.phase.digest(&mut digest);
         hasher.finalize().to_hex()[..32].to_string()
     }
 

@@ -9,6 +9,7 @@ pub mod help;
 mod lights;
 mod loaded;
 mod model;
+mod phase;
 mod punctual;
 mod ranges;
 pub mod schema;
@@ -77,7 +78,8 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
-    let files = scene.geometry.iter().map(|geometry| document.folder().join(geometry)).collect();
+    let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
+    let files = scene.geometry.iter().chain(table).map(|file| document.folder().join(file)).collect();
     Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
 }
 

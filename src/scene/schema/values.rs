@@ -7,7 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Camera, Technique};
+use super::{Camera, Phase, PhaseKind, Technique};
 
 /// A table `[camera]`, or the name of a camera of the geometry.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -194,6 +194,77 @@ impl<'de> Deserialize<'de> for Spectrum {
             }
         }
         deserializer.deserialize_any(Channels)
+    }
+}
+
+/// Reads a table of a phase function, or the name of one.
+pub fn phase<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Phase, D::Error> {
+    struct TableOrName;
+    impl<'de> Visitor<'de> for TableOrName {
+        type Value = Phase;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a table with a type, or the name of a phase function")
+        }
+
+        fn visit_str<E: de::Error>(self, name: &str) -> Result<Phase, E> {
+            let kind = PhaseKind::ALL.into_iter().find(|kind| kind.name() == name);
+            let kind = kind.ok_or_else(|| E::unknown_variant(name, &PHASE_NAMES))?;
+            Ok(Phase { kind, ..Phase::default() })
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Phase, A::Error> {
+            Phase::deserialize(MapAccessDeserializer::new(map))
+        }
+    }
+    deserializer.deserialize_any(TableOrName)
+}
+
+/// Names of all phase functions.
+const PHASE_NAMES: [&str; PhaseKind::ALL.len()] =
+    ["henyey_greenstein", "isotropic", "rayleigh", "two_lobe", "draine", "droplets", "tabulated"];
+
+/// A number, or a list of two.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Serialize)]
+#[serde(untagged)]
+#[schemars(with = "f64", extend("x-format" = "number, or [first, second]"))]
+pub enum OneOrTwo {
+    /// One.
+    One(f64),
+    /// Two.
+    Two([f64; 2]),
+}
+
+impl<'de> Deserialize<'de> for OneOrTwo {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Numbers;
+        impl<'de> Visitor<'de> for Numbers {
+            type Value = OneOrTwo;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or a list of two")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<OneOrTwo, E> {
+                Ok(OneOrTwo::One(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<OneOrTwo, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<OneOrTwo, A::Error> {
+                let mut two = [0.0; 2];
+                for (index, value) in two.iter_mut().enumerate() {
+                    *value = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &self))?;
+                }
+                match seq.next_element::<f64>()? {
+                    None => Ok(OneOrTwo::Two(two)),
+                    Some(_) => Err(de::Error::invalid_length(3, &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Numbers)
     }
 }
 
