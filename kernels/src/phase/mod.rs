@@ -1,26 +1,51 @@
-//! The Henyey-Greenstein phase function for every g in (-1, 1).
+//! Phase functions: where a scattering event sends light.
 //!
-//! With `h(c) = 1 + g^2 - 2 g c` and `c` the cosine between incoming and outgoing propagation directions,
-//! `phase(c) = (1 - g^2) / (4 pi h^{3/2})` [1/sr]; g > 0 scatters forward.
+//! One folder each, with sampler and density side by side, for eight rows and as a twin. A stage matches on the kind once, with
+//! [`with_phase!`](crate::with_phase), and runs a kernel that is generic over [`PhaseX8`]. A new phase function is its folder, a
+//! row of [`PhaseFunction`] and one of [`with_phase!`](crate::with_phase).
 
+pub mod henyey_greenstein;
+mod lanes;
 pub mod reference;
-mod simd;
 
-pub use simd::{Deflection, HenyeyGreensteinX8, PlaneAngle};
+pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
+pub use lanes::{Deflection, PhaseX8, PlaneAngle};
 
-/// Share of the phase function in the forward hemisphere:
-/// `(1 - g^2) / (2 g) [1 / (1 - g) - 1 / sqrt(1 + g^2)]`, without its cancellation at g = 0.
-pub fn forward_share(g: f64) -> f64 {
-    let root = (1.0 + g * g).sqrt();
-    (1.0 + g) / (root * (root + 1.0 - g))
+/// The phase function of a medium.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PhaseFunction {
+    /// One lobe, forward or backward.
+    HenyeyGreenstein(HenyeyGreenstein),
 }
 
-/// A Henyey-Greenstein phase function.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HenyeyGreenstein {
-    /// Mean cosine of a scattering event, in (-1, 1).
-    pub g: f32,
+impl PhaseFunction {
+    /// A Henyey-Greenstein phase function of mean cosine `g`.
+    pub const fn henyey_greenstein(g: f32) -> Self {
+        Self::HenyeyGreenstein(HenyeyGreenstein { g })
+    }
+
+    /// As the twins ask it.
+    pub fn twin(&self) -> &dyn reference::Phase {
+        match self {
+            Self::HenyeyGreenstein(phase) => phase,
+        }
+    }
+
+    /// Mean cosine of a scattering event.
+    pub fn mean_cosine(&self) -> f64 {
+        self.twin().mean_cosine()
+    }
 }
 
-#[cfg(test)]
-mod tests;
+/// Runs `$body` with `$lanes` as the [`PhaseX8`] of a [`PhaseFunction`]: once per kind in the program, and one of them at a time.
+#[macro_export]
+macro_rules! with_phase {
+    ($phase:expr, |$lanes:ident| $body:expr) => {
+        match $phase {
+            $crate::phase::PhaseFunction::HenyeyGreenstein(phase) => {
+                let $lanes = $crate::phase::HenyeyGreensteinX8::new(*phase);
+                $body
+            }
+        }
+    };
+}

@@ -1,37 +1,40 @@
-//! Henyey-Greenstein in f64: density, inversion of its distribution, and the turn of a direction.
-//!
-//! ```text
-//! h(c) = 1 + g^2 - 2 g c
-//! phase(c) = (1 - g^2) / (4 pi h^{3/2})                               [1/sr]
-//! c(u) = (1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2) / (2 g),         c(0) = -1, c(1) = 1
-//! ```
-//!
-//! (Henyey and Greenstein, Diffuse Radiation in the Galaxy, 1941.)
+//! What a phase function can be asked in f64, and the turn of a direction.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-/// Below this |g| the division by g is carried out by hand.
-const NEARLY_ISOTROPIC: f64 = 1e-3;
+use super::HenyeyGreenstein;
 
-/// The phase function's value, which is also its density: per solid angle, at a turn by `cosine` [1/sr].
-pub fn density(g: f64, cosine: f64) -> f64 {
-    let h = 1.0 + g * g - 2.0 * g * cosine.clamp(-1.0, 1.0);
-    (1.0 - g * g) / (4.0 * PI * h * h.sqrt())
-}
+/// A phase function as the twins ask it.
+pub trait Phase {
+    /// Its value, which is also its density: per solid angle, at a turn by `cosine` [1/sr].
+    fn density(&self, cosine: f64) -> f64;
 
-/// The cosine below which a share `u` of all events falls.
-pub fn sample_cosine(g: f64, u: f64) -> f64 {
-    if g.abs() < NEARLY_ISOTROPIC {
-        // The formula with numerator and denominator multiplied by (1 + g x)^2, x = 2 u - 1, and g cancelled. At g = 0
-        // it reads c = 2 u - 1.
-        let x = 2.0 * u - 1.0;
-        let numerator = x + 0.5 * g * (x * x + 3.0) + g * g * x + 0.5 * g * g * g * (x * x - 1.0);
-        return (numerator / (1.0 + g * x).powi(2)).clamp(-1.0, 1.0);
+    /// The cosine of a turn for a uniform number `u`: the cosine below which a share `u` of all events falls, or, of a mixture,
+    /// of the part that `u` selects.
+    fn sample_cosine(&self, u: f64) -> f64;
+
+    /// Share of the forward hemisphere, (0, 1).
+    fn forward_share(&self) -> f64;
+
+    /// The same as [`Self::sample_cosine`] for the events in the forward hemisphere alone.
+    fn sample_forward_cosine(&self, u: f64) -> f64 {
+        self.sample_cosine(1.0 - self.forward_share() * (1.0 - u))
     }
-    let root = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
-    ((1.0 + g * g - root * root) / (2.0 * g)).clamp(-1.0, 1.0)
+
+    /// Mean cosine of a turn, (-1, 1).
+    fn mean_cosine(&self) -> f64;
+
+    /// The Henyey-Greenstein lobe of the same mean cosine: the axis of the bridges' table of counts.
+    fn lobe(&self) -> HenyeyGreenstein {
+        HenyeyGreenstein { g: self.mean_cosine() as f32 }
+    }
+
+    /// Lobes, and the share of each, by which bridges roll about their axis.
+    fn roll_lobes(&self) -> Vec<(f64, HenyeyGreenstein)> {
+        vec![(1.0, self.lobe())]
+    }
 }
 
 /// Tangent and bitangent of a unit vector; azimuths count from the first towards the second.
@@ -56,44 +59,6 @@ pub fn turn(direction: DVec3, cosine: f64, azimuth_u: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const ASYMMETRIES: [f64; 11] = [-0.95, -0.6, -1.1e-3, -1e-6, 0.0, 1e-6, 0.9e-3, 0.3, 0.7, 0.9, 0.97];
-
-    /// Share of events with a cosine below `end`: midpoint rule over the angle, in which the peak is less narrow.
-    fn share_below(g: f64, end: f64) -> f64 {
-        let steps = 20_000;
-        let width = (PI - end.acos()) / f64::from(steps);
-        let angle = |i: i32| PI - (f64::from(i) + 0.5) * width;
-        (0..steps).map(|i| TAU * density(g, angle(i).cos()) * angle(i).sin() * width).sum()
-    }
-
-    #[test]
-    fn density_integrates_to_one() {
-        for g in ASYMMETRIES {
-            assert!((share_below(g, 1.0) - 1.0).abs() < 1e-5, "g = {g}: {}", share_below(g, 1.0));
-        }
-    }
-
-    #[test]
-    fn a_share_u_of_the_density_lies_below_the_cosine_of_u() {
-        for g in ASYMMETRIES {
-            for u in [0.01, 0.2, 0.5, 0.8, 0.99] {
-                let share = share_below(g, sample_cosine(g, u));
-                assert!((share - u).abs() < 1e-5, "g = {g}, u = {u}: {share}");
-            }
-            assert!((sample_cosine(g, 0.0) + 1.0).abs() < 1e-12 && (sample_cosine(g, 1.0) - 1.0).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn cosines_do_not_jump_where_the_formula_changes() {
-        for sign in [-1.0, 1.0] {
-            for u in [0.0, 0.1, 0.5, 0.73, 1.0] {
-                let [below, above] = [1.0 - 1e-9, 1.0].map(|f| sample_cosine(sign * f * NEARLY_ISOTROPIC, u));
-                assert!((below - above).abs() < 1e-11, "u = {u}: {below} and {above}");
-            }
-        }
-    }
 
     #[test]
     fn frames_are_right_handed_and_turns_have_their_angle() {

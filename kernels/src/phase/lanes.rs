@@ -1,0 +1,89 @@
+//! What a phase function can be asked for eight rows.
+
+use wide::f32x8;
+
+use super::HenyeyGreensteinX8;
+use crate::transcendental::sin_cos_turn;
+use crate::vec3x8::Vec3x8;
+
+/// An angle to an axis, in [0, pi].
+#[derive(Clone, Copy)]
+pub struct PlaneAngle {
+    /// Its cosine.
+    pub cosine: f32x8,
+    /// Its sine, >= 0.
+    pub sine: f32x8,
+}
+
+/// How a scattering event turns a direction.
+#[derive(Clone, Copy)]
+pub struct Deflection {
+    /// Cosine of the turn, [-1, 1].
+    pub cosine: f32x8,
+    /// Sine of the turn, [0, 1].
+    pub sine: f32x8,
+}
+
+impl Deflection {
+    /// The unit direction `axis` turned by the deflection, at azimuth `2 pi turn` about it.
+    #[inline(always)]
+    pub fn apply(&self, axis: Vec3x8, turn: f32x8) -> Vec3x8 {
+        let (sin, cos) = sin_cos_turn(turn);
+        let (tangent, bitangent) = axis.frame();
+        let across = bitangent.mul_add(self.sine * sin, axis * self.cosine);
+        tangent.mul_add(self.sine * cos, across)
+    }
+}
+
+/// A phase function, prepared for eight lanes.
+///
+/// All directions are unit propagation directions. What bridges ask for, [`Self::lobe`] and all that follows it, has a default
+/// for phase functions of any kind.
+pub trait PhaseX8: Copy {
+    /// Draws a turn from a uniform number in (0, 1).
+    fn sample(&self, u: f32x8) -> Deflection;
+
+    /// Draws a turn by less than a right angle.
+    fn sample_forward(&self, u: f32x8) -> Deflection;
+
+    /// Share of such turns, (0, 1).
+    fn forward_share(&self) -> f32x8;
+
+    /// A factor of the inverse density that does not depend on the turn `[sr]`; sums take it out.
+    #[inline(always)]
+    fn scale(&self) -> f32x8 {
+        f32x8::ONE
+    }
+
+    /// One over the phase function of the turn between two directions, over [`Self::scale`].
+    fn inverse_shape(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8;
+
+    /// One over the phase function of the turn between two directions `[sr]`.
+    #[inline(always)]
+    fn inverse_density(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8 {
+        self.scale() * self.inverse_shape(incoming, outgoing)
+    }
+
+    /// The Henyey-Greenstein lobe of the same mean cosine: the axis of the bridges' table of counts.
+    fn lobe(&self) -> HenyeyGreensteinX8;
+
+    /// Draws the `(sine, cosine)` of the roll psi of a bridge, of which arriving and leaving direction have these angles to the
+    /// axis.
+    #[inline(always)]
+    fn roll(&self, arriving: PlaneAngle, leaving: PlaneAngle, u: f32x8) -> (f32x8, f32x8) {
+        self.lobe().roll(arriving, leaving, u)
+    }
+
+    /// `2 pi p(psi)` of the roll between two directions, which have these angles to the axis.
+    #[inline(always)]
+    fn roll_density(&self, directions: [Vec3x8; 2], angles: [PlaneAngle; 2]) -> f32x8 {
+        self.lobe().roll_density(directions, angles)
+    }
+
+    /// `2 pi p(psi)` over the phase function, over [`Self::scale`].
+    #[inline(always)]
+    fn rolled_shape(&self, directions: [Vec3x8; 2], angles: [PlaneAngle; 2]) -> f32x8 {
+        let [incoming, outgoing] = directions;
+        self.inverse_shape(incoming, outgoing) * self.roll_density(directions, angles)
+    }
+}
