@@ -4,12 +4,16 @@
 //! [`with_phase!`](crate::with_phase), and runs a kernel that is generic over [`PhaseX8`]. A new phase function is its folder, a
 //! row of [`PhaseFunction`] and one of [`with_phase!`](crate::with_phase).
 
+#[cfg(test)]
+mod checks;
 pub mod henyey_greenstein;
 mod lanes;
+pub mod rayleigh;
 pub mod reference;
 
 pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
 pub use lanes::{Deflection, PhaseX8, PlaneAngle};
+pub use rayleigh::{Rayleigh, RayleighX8};
 
 /// The phase function of a medium.
 #[derive(Clone, Debug, PartialEq)]
