@@ -6,11 +6,13 @@
 
 #[cfg(test)]
 mod checks;
+pub mod draine;
 pub mod henyey_greenstein;
 mod lanes;
 pub mod rayleigh;
 pub mod reference;
 
+pub use draine::{Draine, DraineX8};
 pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
 pub use lanes::{Deflection, PhaseX8, PlaneAngle};
 pub use rayleigh::{Rayleigh, RayleighX8};
