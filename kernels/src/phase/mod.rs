@@ -9,12 +9,14 @@ mod checks;
 pub mod draine;
 pub mod henyey_greenstein;
 mod lanes;
+pub mod mixture;
 pub mod rayleigh;
 pub mod reference;
 
 pub use draine::{Draine, DraineX8};
 pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
 pub use lanes::{Deflection, PhaseX8, PlaneAngle};
+pub use mixture::{Mixture, MixtureX8, TwoLobeX8};
 pub use rayleigh::{Rayleigh, RayleighX8};
 
 /// The phase function of a medium.
