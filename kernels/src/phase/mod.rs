@@ -7,6 +7,7 @@
 #[cfg(test)]
 mod checks;
 pub mod draine;
+pub mod droplets;
 pub mod henyey_greenstein;
 mod lanes;
 pub mod mixture;
@@ -14,6 +15,7 @@ pub mod rayleigh;
 pub mod reference;
 
 pub use draine::{Draine, DraineX8};
+pub use droplets::{Droplets, DropletsX8};
 pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
 pub use lanes::{Deflection, PhaseX8, PlaneAngle};
 pub use mixture::{Mixture, MixtureX8, TwoLobeX8};
