@@ -13,6 +13,7 @@ mod lanes;
 pub mod mixture;
 pub mod rayleigh;
 pub mod reference;
+pub mod tabulated;
 
 pub use draine::{Draine, DraineX8};
 pub use droplets::{Droplets, DropletsX8};
@@ -20,6 +21,7 @@ pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
 pub use lanes::{Deflection, PhaseX8, PlaneAngle};
 pub use mixture::{Mixture, MixtureX8, TwoLobeX8};
 pub use rayleigh::{Rayleigh, RayleighX8};
+pub use tabulated::{Tabulated, TabulatedX8};
 
 /// The phase function of a medium.
 #[derive(Clone, Debug, PartialEq)]
