@@ -182,7 +182,7 @@ fn roll(g: f32, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
     let [from, to] = [arriving, first].map(|v| v - v.dot(axis) * axis);
     let psi = axis.dot(from.cross(to)).atan2(from.dot(to));
     // The integral of sqrt(a^2 - b^2) / (a - b cos psi) / (2 pi).
-    let (a, b) = roll_coefficients(HenyeyGreenstein { g }, arriving, axis, first);
+    let (a, b) = roll_coefficients(f64::from(g), arriving, axis, first);
     (b / a, 0.5 + (((a + b) / (a - b)).sqrt() * (0.5 * psi).tan()).atan() / PI)
 }
 

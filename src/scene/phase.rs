@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use fogbow_kernels::phase::PhaseFunction;
+use fogbow_kernels::phase::droplets::DIAMETERS;
+use fogbow_kernels::phase::{Draine, PhaseFunction};
 
 use super::document::Document;
 use super::schema::{OneOrTwo, Phase, PhaseKind};
@@ -11,10 +12,6 @@ use crate::error::{Error, Result};
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last
 /// digits.
 const SHARPEST: f64 = 0.9999;
-/// Largest alpha of a Draine phase function.
-const LARGEST_ALPHA: f64 = 10_000.0;
-/// Diameters of droplets for which the fit was made [um].
-const DIAMETERS: core::ops::RangeInclusive<f64> = 5.0..=50.0;
 
 /// Where the keys stand.
 const KEY: &str = "medium.phase";
@@ -38,7 +35,7 @@ pub fn function(document: &Document, phase: &Phase) -> Result<PhaseFunction> {
         PhaseKind::HenyeyGreenstein => PhaseFunction::henyey_greenstein(keys.lobe()?),
         PhaseKind::TwoLobe => PhaseFunction::two_lobe(keys.lobes()?, keys.number("weight", phase.weight, 0.0..=1.0)?),
         PhaseKind::Draine => {
-            PhaseFunction::draine(keys.lobe()?, keys.number("alpha", phase.alpha, 0.0..=LARGEST_ALPHA)?)
+            PhaseFunction::draine(keys.lobe()?, keys.number("alpha", phase.alpha, 0.0..=Draine::LARGEST_ALPHA)?)
         }
         PhaseKind::Droplets => PhaseFunction::droplets(keys.number("diameter_um", phase.diameter_um, DIAMETERS)?),
         PhaseKind::Tabulated => keys.table()?,
@@ -81,10 +78,11 @@ impl Keys<'_> {
     }
 
     /// A number that must be given, in `range`.
-    fn number(&self, name: &str, value: Option<f64>, range: core::ops::RangeInclusive<f64>) -> Result<f32> {
+    fn number(&self, name: &str, value: Option<f64>, range: core::ops::RangeInclusive<f32>) -> Result<f32> {
         let remedy = format!("give a number from {:?} to {:?}", range.start(), range.end());
         let value = value.ok_or_else(|| self.missing(name, &remedy))?;
-        if range.contains(&value) { Ok(value as f32) } else { Err(self.wrong(name, format!("{value:?}"), &remedy)) }
+        let ok = (f64::from(*range.start())..=f64::from(*range.end())).contains(&value);
+        if ok { Ok(value as f32) } else { Err(self.wrong(name, format!("{value:?}"), &remedy)) }
     }
 
     /// One mean cosine.
@@ -117,7 +115,11 @@ impl Keys<'_> {
         let text = fs::read_to_string(&path)
             .map_err(|error| Error::failure(path.display(), format!("cannot be read: {error}"), remedy))?;
         let rows = rows(&text).map_err(|(line, finding)| {
-            Error::failure(format!("{}:{line}", path.display()), finding, "write a cosine and a value, for example 0.5, 1.2")
+            Error::failure(
+                format!("{}:{line}", path.display()),
+                finding,
+                "write a cosine and a value, for example 0.5, 1.2",
+            )
         })?;
         PhaseFunction::tabulated(&rows).map_err(|finding| {
             Error::failure(path.display(), finding, "write rows of cosine and value, by ascending cosine from -1 to 1")

@@ -137,7 +137,7 @@ pub struct Phase {
     /// For two_lobe only: share of the first lobe, from 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weight: Option<f64>,
-    /// For draine only: weight of the squared cosine, from 0 to 10000; 0 is henyey_greenstein, 1 Cornette-Shanks.
+    /// For draine only: weight of the squared cosine, from 0 to 1000; 0 is henyey_greenstein, 1 Cornette-Shanks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
     /// For droplets only: diameter of the droplets in micrometres, from 5 to 50; fog and clouds have 10 to 30.

@@ -31,9 +31,9 @@ pub trait Phase {
         HenyeyGreenstein { g: self.mean_cosine() as f32 }
     }
 
-    /// Lobes, and the share of each, by which bridges roll about their axis.
-    fn roll_lobes(&self) -> Vec<(f64, HenyeyGreenstein)> {
-        vec![(1.0, self.lobe())]
+    /// Shares and mean cosines of the Henyey-Greenstein lobes by which bridges roll about their axis.
+    fn roll_lobes(&self) -> Vec<(f64, f64)> {
+        vec![(1.0, f64::from(self.lobe().g))]
     }
 }
 

@@ -20,7 +20,6 @@ use glam::DVec3;
 
 use super::{Bridge, Roll, counts};
 use crate::connect::density::Density;
-use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::Phase;
 
 /// The start of a bridge.
@@ -85,9 +84,8 @@ fn log_factorial(k: u32) -> f64 {
     (2..=k).map(|factor| f64::from(factor).ln()).sum()
 }
 
-/// The coefficients a and b of `h(arriving . first) = a - b cos psi` of a lobe, for unit vectors.
-pub fn roll_coefficients(lobe: HenyeyGreenstein, arriving: DVec3, axis: DVec3, first: DVec3) -> (f64, f64) {
-    let g = f64::from(lobe.g);
+/// The coefficients a and b of `h(arriving . first) = a - b cos psi` of a lobe of mean cosine g, for unit vectors.
+pub fn roll_coefficients(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> (f64, f64) {
     let (cos_gamma, cos_beta) = (arriving.dot(axis), first.dot(axis));
     let (sin_gamma, sin_beta) = (arriving.cross(axis).length(), first.cross(axis).length());
     (1.0 + g * g - 2.0 * g * cos_beta * cos_gamma, 2.0 * g * sin_beta * sin_gamma)
@@ -100,11 +98,11 @@ pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec
     let (Some(arriving_side), Some(first_side)) = (across(arriving), across(first)) else {
         return 1.0;
     };
-    let lobe_density = |lobe: HenyeyGreenstein| {
-        let (a, b) = roll_coefficients(lobe, arriving, axis, first);
+    let lobe_density = |g: f64| {
+        let (a, b) = roll_coefficients(g, arriving, axis, first);
         (a * a - b * b).sqrt() / (a - b * arriving_side.dot(first_side))
     };
-    phase.roll_lobes().into_iter().map(|(share, lobe)| share * lobe_density(lobe)).sum()
+    phase.roll_lobes().into_iter().map(|(share, g)| share * lobe_density(g)).sum()
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light.
@@ -152,6 +150,7 @@ pub fn density(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::HenyeyGreenstein;
     use crate::phase::PhaseFunction;
     use crate::tables::media::Medium;
     use core::f64::consts::{PI, TAU};

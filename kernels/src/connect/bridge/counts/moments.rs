@@ -16,7 +16,6 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::{CountTable, DISTANCES, Knot, MOST_EDGES, TURNS, knots};
-use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::{Phase, turn};
 use crate::random;
 use crate::tables::media::Medium;
@@ -80,39 +79,32 @@ fn shapes(phase: &dyn Phase, edges: usize, walk: u32) -> impl Iterator<Item = (f
     })
 }
 
-/// `4 pi p_w / (2 pi p(psi))` of a roll by the lobes `rolls`, for a path that arrives at an angle of cosine `arriving` to the
+/// `4 pi p_w / (2 pi p(psi))` of a roll by the lobes `rolls`, shares and mean cosines, for a path that arrives at an angle of cosine `arriving` to the
 /// axis, from which the first edge has an angle of cosine `first`; 1 at a surface.
-fn turn_factor(
-    phase: &dyn Phase,
-    rolls: &[(f64, HenyeyGreenstein)],
-    arriving: Option<f64>,
-    first: f64,
-    roll: f64,
-) -> f64 {
+fn turn_factor(phase: &dyn Phase, rolls: &[(f64, f64)], arriving: Option<f64>, first: f64, roll: f64) -> f64 {
     let Some(arriving) = arriving else {
         return 1.0;
     };
     let sine = |cosine: f64| (1.0 - cosine * cosine).max(0.0).sqrt();
     let (along, across) = (first * arriving, sine(first) * sine(arriving));
     let cos_psi = draw_roll(rolls, (along, across), roll);
-    let density: f64 = rolls.iter().map(|(share, lobe)| share * roll_density(*lobe, (along, across), cos_psi)).sum();
+    let density: f64 = rolls.iter().map(|(share, g)| share * roll_density(*g, (along, across), cos_psi)).sum();
     4.0 * PI * phase.density(along + across * cos_psi) / density
 }
 
-/// `h_-`, `h_+` and, for the roll of cosine `cos_psi`, h of a lobe.
-fn h(lobe: HenyeyGreenstein, (along, across): (f64, f64), cos_psi: f64) -> [f64; 3] {
-    let g = f64::from(lobe.g);
+/// `h_-`, `h_+` and, for the roll of cosine `cos_psi`, h of a lobe of mean cosine g.
+fn h(g: f64, (along, across): (f64, f64), cos_psi: f64) -> [f64; 3] {
     [along + across, along - across, along + across * cos_psi].map(|cosine| 1.0 + g * g - 2.0 * g * cosine)
 }
 
 /// `2 pi p(psi)` of a lobe.
-fn roll_density(lobe: HenyeyGreenstein, plane: (f64, f64), cos_psi: f64) -> f64 {
-    let [near, far, h] = h(lobe, plane, cos_psi);
+fn roll_density(g: f64, plane: (f64, f64), cos_psi: f64) -> f64 {
+    let [near, far, h] = h(g, plane, cos_psi);
     (near * far).sqrt() / h
 }
 
 /// Cosine of the roll for the number `u`, which also selects the lobe.
-fn draw_roll(rolls: &[(f64, HenyeyGreenstein)], plane: (f64, f64), mut u: f64) -> f64 {
+fn draw_roll(rolls: &[(f64, f64)], plane: (f64, f64), mut u: f64) -> f64 {
     let mut chosen = rolls[0];
     for (index, part) in rolls.iter().enumerate() {
         chosen = *part;
@@ -121,8 +113,8 @@ fn draw_roll(rolls: &[(f64, HenyeyGreenstein)], plane: (f64, f64), mut u: f64) -
         }
         u -= part.0;
     }
-    let (share, lobe) = chosen;
-    let [near, far, _] = h(lobe, plane, 0.0);
+    let (share, g) = chosen;
+    let [near, far, _] = h(g, plane, 0.0);
     let (s, c) = (PI * (u / share - 0.5)).sin_cos();
     (far * c * c - near * s * s) / (far * c * c + near * s * s)
 }

@@ -21,7 +21,6 @@ use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::medium_sample::reference::flight;
-use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::{Phase, frame, turn};
 use crate::{PathLengths, Step, random};
 
@@ -167,34 +166,36 @@ pub fn psi(roll: Roll, phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: D
     match roll {
         Roll::Uniform => TAU * (u - 0.5),
         Roll::Aligned => {
-            let (lobe, u) = select(&phase.roll_lobes(), u);
-            let (a, b) = roll_coefficients(lobe, arriving, axis, first);
+            let (g, u) = select(&phase.roll_lobes(), u);
+            let (a, b) = roll_coefficients(g, arriving, axis, first);
             2.0 * (((a - b) / (a + b)).sqrt() * (PI * (u - 0.5)).tan()).atan()
         }
     }
 }
 
-/// The lobe in whose interval `u` falls, when intervals as long as the shares are laid end to end, and the place in there,
+/// The mean cosine of the lobe in whose interval `u` falls, when intervals as long as the shares are laid end to end, and the place in there,
 /// (0, 1).
 ///
 /// Where rounding keeps the shares from adding up to one, the last lobe gets what is left.
-fn select(lobes: &[(f64, HenyeyGreenstein)], u: f64) -> (HenyeyGreenstein, f64) {
+fn select(lobes: &[(f64, f64)], u: f64) -> (f64, f64) {
     let (mut below, last) = (0.0, lobes.len() - 1);
-    for (share, lobe) in &lobes[..last] {
+    for (share, g) in &lobes[..last] {
         if u < below + share {
-            return (*lobe, (u - below) / share);
+            return (*g, (u - below) / share);
         }
         below += share;
     }
-    let (share, lobe) = lobes[last];
-    (lobe, (u - below) / share)
+    let (share, g) = lobes[last];
+    (g, (u - below) / share)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::connect::bridge::reference::{count_probability, density, roll_density};
+    use crate::phase::HenyeyGreenstein;
     use crate::phase::PhaseFunction;
+    use crate::phase::henyey_greenstein::reference as lobe;
     use crate::tables::media::Medium;
 
     fn bridge(g: f32) -> Bridge {
@@ -248,7 +249,7 @@ mod tests {
 
     impl Phase for Mixture {
         fn density(&self, cosine: f64) -> f64 {
-            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.density(cosine)).sum()
+            self.roll_lobes().into_iter().map(|(share, g)| share * lobe::density(g, cosine)).sum()
         }
 
         fn sample_cosine(&self, _: f64) -> f64 {
@@ -256,15 +257,15 @@ mod tests {
         }
 
         fn forward_share(&self) -> f64 {
-            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.forward_share()).sum()
+            self.roll_lobes().into_iter().map(|(share, g)| share * lobe::forward_share(g)).sum()
         }
 
         fn mean_cosine(&self) -> f64 {
-            self.roll_lobes().into_iter().map(|(share, lobe)| share * lobe.mean_cosine()).sum()
+            self.roll_lobes().into_iter().map(|(share, g)| share * g).sum()
         }
 
-        fn roll_lobes(&self) -> Vec<(f64, HenyeyGreenstein)> {
-            [(0.5, 0.9), (0.2, -0.7), (0.3, 0.0)].map(|(share, g)| (share, HenyeyGreenstein { g })).to_vec()
+        fn roll_lobes(&self) -> Vec<(f64, f64)> {
+            vec![(0.5, 0.9), (0.2, -0.7), (0.3, 0.0)]
         }
     }
 
