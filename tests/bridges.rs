@@ -12,7 +12,6 @@ use fogbow_kernels::connect::bridge::reference::{Start, count_probability, densi
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
-use fogbow_kernels::phase::HenyeyGreenstein;
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
