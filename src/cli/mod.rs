@@ -2,6 +2,7 @@
 
 mod bar;
 mod compare;
+mod destinations;
 mod finish;
 mod info;
 mod progress;

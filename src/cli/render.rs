@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use super::destinations::{self, Destination};
 use super::finish::finish;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
-use super::{RenderArgs, say, warning_text};
+use super::{Progress, RenderArgs, say, warning_text};
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::film::Region;
@@ -28,8 +29,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
-    let outputs = outputs(args, &scene)?;
-    check_stats(args, &scene, &outputs)?;
+    let outputs = outputs(args, &scene);
+    check_destinations(args, &scene, &outputs)?;
     let target = match (args.time, args.noise) {
         (Some(time), _) => Target::Time(time),
         (_, Some(noise)) => Target::Noise(noise),
@@ -107,30 +108,25 @@ fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
 }
 
 /// The images to write.
-fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<ImageOutput>> {
-    let default = [ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
-    let outputs = if args.output.is_empty() { &default } else { args.output.as_slice() };
-    for (index, ImageOutput { path, .. }) in outputs.iter().enumerate() {
-        output::check(path)?;
-        if outputs[..index].iter().any(|before| output::are_same(&before.path, path)) {
-            let flag = format!("--output {}", path.display());
-            return Err(Error::usage(flag, "names the same file as another output", "name each file only once"));
-        }
+fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Vec<ImageOutput> {
+    if args.output.is_empty() {
+        return vec![ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
     }
-    Ok(outputs.to_vec())
+    args.output.clone()
 }
 
-fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
-    let Some(path) = &args.stats else { return Ok(()) };
-    output::check(path)?;
-    let images = outputs.iter().map(|image| &image.path);
-    if images.chain(&scene.files).any(|other| output::are_same(other, path)) {
-        let flag = format!("--stats {}", path.display());
-        return Err(Error::usage(
-            flag,
-            "names a file of the scene or an image",
-            "write the statistics to a file of their own",
-        ));
+/// Fails if a result cannot go where it is to go.
+fn check_destinations(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
+    let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
+    let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
+    let all: Vec<_> = images.chain(stats).collect();
+    destinations::check(&all, &scene.files)?;
+    let taken = |destination: &&Destination<'_>| output::is_standard_output(destination.path);
+    match all.iter().find(taken).filter(|_| args.progress == Progress::Openjd) {
+        Some(Destination { flag, path }) => {
+            let finding = "names standard output, where --progress openjd writes its lines";
+            Err(Error::usage(format!("{flag} {}", path.display()), finding, "write it to a file of its own"))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::fault::{Checked, Fault, quoted};
+use super::schema::Root;
 use super::uri::{self, Target};
 
 /// Bytes of the largest file that is read: no binary container can be larger.
@@ -69,6 +70,16 @@ impl<'a> Files<'a> {
         content(&folder.join(path))
             .map_err(|finding| Fault::new(format!("its file {} {finding}", quoted(&name)), remedy))
     }
+}
+
+/// The files in `folder` that buffers and images of `root` refer to, whether they are read or not.
+pub fn beside(root: &Root, folder: &Path) -> Vec<PathBuf> {
+    let buffers = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let images = root.images.iter().filter_map(|image| image.uri.as_deref());
+    let mut files: Vec<_> = buffers.chain(images).filter_map(uri::file).map(|file| folder.join(file)).collect();
+    files.sort();
+    files.dedup();
+    files
 }
 
 /// The bytes of the file at `path`, or why there are none. Pipes and devices would keep the reader waiting.

@@ -92,6 +92,7 @@ fn parse_from(file: &str, bytes: &[u8], folder: Option<&Path>, origin: Origin<'_
     let root = document::read(file, &container)?;
     let mut model = model(&root, &container, Files::new(folder), bytes.len(), origin, &mut warnings).in_file(file)?;
     model.warnings = warnings.of_file(file);
+    model.files = folder.map_or_else(Vec::new, |folder| files::beside(&root, folder));
     Ok(model)
 }
 
@@ -135,7 +136,7 @@ fn model(
     textures.iter_mut().for_each(|texture| texture.image = which[texture.image as usize]);
     let extras = extras(root, &placed)?;
     let Geometry { positions, texcoords, colors, triangles } = geometry;
-    let warnings = Vec::new();
+    let (warnings, files) = (Vec::new(), Vec::new());
     Ok(Model {
         origin: origin.to_array(),
         positions,
@@ -150,6 +151,7 @@ fn model(
         lights,
         extras,
         warnings,
+        files,
     })
 }
 

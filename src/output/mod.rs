@@ -28,13 +28,24 @@ pub fn check(path: &Path) -> Result<()> {
     }
 }
 
-/// Whether both paths lead to the same regular file.
+/// Whether both paths lead to the same file, pipe or device, so that one result would replace or run into the other;
+/// `/dev/null` takes any number of them.
 pub fn are_same(a: &Path, b: &Path) -> bool {
-    let file = |path| place::of(path).ok()?.file();
-    file(a).is_some_and(|a| file(b).is_some_and(|b| a == b))
+    place::identity(a).is_some_and(|a| place::identity(b) == Some(a))
 }
 
-/// Writes to `path` what `fill` writes.
+/// Whether `path` leads to standard output.
+pub fn is_standard_output(path: &Path) -> bool {
+    are_same(path, Path::new("/dev/stdout"))
+}
+
+/// Whether `path` leads to something other than a regular file, as `/dev/stdout` and process substitution do; its name
+/// then says nothing of its content.
+pub fn is_stream(path: &Path) -> bool {
+    matches!(place::of(path), Ok(Place::Stream(_) | Place::Standard(_)))
+}
+
+/// Writes to `path` what `fill` writes. A named pipe is waited for until somebody reads it or `interrupted` says so.
 ///
 /// # Errors
 /// If anything cannot be written. A regular file is then what it was before.

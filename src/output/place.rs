@@ -29,12 +29,36 @@ pub enum Standard {
     Error,
 }
 
-impl Place {
-    /// The regular file, its folder without links.
-    pub fn file(self) -> Option<PathBuf> {
-        let Self::Regular(file) = self else { return None };
-        Some(folder(&file).canonicalize().ok()?.join(file.file_name()?))
+/// What all paths to one thing have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Identity {
+    /// Device and inode of what is there.
+    #[cfg(unix)]
+    There(u64, u64),
+    /// The path without links, of what may not be there yet.
+    Path(PathBuf),
+}
+
+/// What `path` leads to; none if it leads nowhere, or to the null device, where nothing is lost.
+pub fn identity(path: &Path) -> Option<Identity> {
+    let (end, metadata) = follow(path).ok()?;
+    #[cfg(unix)]
+    if let Some(metadata) = metadata {
+        use std::os::unix::fs::MetadataExt;
+        return (!is_null(&metadata)).then(|| Identity::There(metadata.dev(), metadata.ino()));
     }
+    #[cfg(not(unix))]
+    if metadata.is_some() {
+        return end.canonicalize().ok().map(Identity::Path);
+    }
+    Some(Identity::Path(folder(&end).canonicalize().ok()?.join(end.file_name()?)))
+}
+
+#[cfg(unix)]
+fn is_null(metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::{FileTypeExt, MetadataExt};
+    let null = Path::new("/dev/null").metadata();
+    metadata.file_type().is_char_device() && null.is_ok_and(|null| null.rdev() == metadata.rdev())
 }
 
 /// The folder that a file is in or will be.

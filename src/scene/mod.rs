@@ -35,7 +35,7 @@ use schema::{Camera, CameraOrName, Film, NumberOrAuto, Scene};
 pub struct LoadedScene {
     /// What it is called: its folder's or file's name.
     pub name: String,
-    /// The files that it was read from: its own, and that of its geometry.
+    /// The files that it was read from: its own, that of its geometry, and those that the geometry refers to.
     pub files: Vec<PathBuf>,
     /// All keys, overrides and defaults included.
     pub scene: Scene,
@@ -91,12 +91,13 @@ fn check(name: String, document: &Document, model: Option<Model>) -> Result<Load
     let contents = loaded.as_ref().map_or_else(Contents::default, |loaded| Contents::of(loaded, chosen.of_model));
     let camera = DVec3::from(chosen.camera.position);
     let origin = loaded.as_ref().map_or_else(|| origin::around(camera), |loaded| DVec3::from(loaded.model.origin));
+    let geometry = scene.geometry.iter().map(|geometry| document.folder().join(geometry));
+    let files = geometry.chain(loaded.iter().flat_map(|loaded| loaded.model.files.clone())).collect();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
-    let files = scene.geometry.iter().map(|geometry| document.folder().join(geometry)).collect();
     Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
 }
 

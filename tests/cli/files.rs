@@ -3,6 +3,11 @@
 use std::fs;
 use std::io::Read;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+
+use super::models::with_model;
 use super::support::{Folder, SCENE, header, plane};
 
 #[test]
@@ -39,10 +44,45 @@ fn an_output_names_its_format() {
 #[test]
 fn statistics_do_not_replace_the_image_or_the_scene() {
     let folder = Folder::with_scene();
-    for stats in ["a.exr", "scene.toml"] {
-        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
+    for (stats, finding) in
+        [("a.exr", "names the same file as another output"), ("scene.toml", "names a file that this command reads")]
+    {
+        let beginning = format!("--stats {stats}: {finding}\n");
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
+}
+
+#[test]
+fn no_image_replaces_what_the_scene_is_read_from() {
+    let mut data = Vec::new();
+    let folder = with_model(|model| {
+        let uri = model["buffers"][0]["uri"].as_str().and_then(|uri| uri.split_once(',')).expect("a data URI");
+        data = STANDARD.decode(uri.1).expect("base64");
+        model["buffers"][0]["uri"] = json!("data/room.bin");
+        // Of no material, so that nobody reads it.
+        model["images"] = json!([{ "uri": "rough%20wall.png" }]);
+    });
+    folder.write("data/room.bin", data);
+    folder.write("rough wall.png", "a texture");
+    folder.write("scene.toml", "geometry = \"room.gltf\"\n");
+    let content = |name: &str| fs::read(folder.path(name)).expect("a file");
+    let files = ["scene.toml", "room.gltf", "data/room.bin", "rough wall.png"];
+    let before = files.map(content);
+    for file in files {
+        for output in [format!("png:{file}"), format!("exr:data/../{file}")] {
+            let path = &output[4..];
+            let beginning =
+                format!("--output {path}: names a file that this command reads\n  help: give the result a file");
+            folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", &output], 2, &beginning);
+        }
+        let beginning = format!("--stats {file}: names a file that this command reads\n");
+        folder.refused(&["render", ".", "-o", "a.exr", "--stats", file], 2, &beginning);
+    }
+    for file in &files[1..] {
+        let beginning = format!("--output {file}: names a file that this command reads\n");
+        folder.refused(&["render", "room.gltf", "-o", &format!("png:{file}")], 2, &beginning);
+    }
+    assert_eq!(files.map(content), before);
 }
 
 #[cfg(unix)]
@@ -82,8 +122,11 @@ fn a_file_is_named_once() {
             format!("--output {}: names the same file as another output\n", other.trim_start_matches("png:"));
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", other], 2, &beginning);
     }
-    for stats in ["sub/../a.exr", "sub/../scene.toml"] {
-        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
+    for (stats, finding) in [
+        ("sub/../a.exr", "names the same file as another output"),
+        ("sub/../scene.toml", "names a file that this command"),
+    ] {
+        let beginning = format!("--stats {stats}: {finding}");
         folder.refused(&["render", ".", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
 }
