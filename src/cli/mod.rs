@@ -145,8 +145,9 @@ struct CompareArgs {
     /// Print the comparison as JSON.
     #[arg(long)]
     json: bool,
-    /// Write a picture of the difference: red where the first image is brighter, blue where it is darker.
-    #[arg(long, value_name = "DIFF.png")]
+    /// Write a picture of the difference: red where the first image is brighter, blue where it is darker. A name that
+    /// ends in .png, a pipe, or png:PATH. If it is standard output, the comparison is on standard error.
+    #[arg(long, value_name = "DIFF.png", value_parser = values::difference())]
     png: Option<PathBuf>,
 }
 

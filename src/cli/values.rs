@@ -1,6 +1,6 @@
 //! Values of flags: what they are read as, and what is said if they cannot be.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -8,6 +8,7 @@ use fogbow_kernels::pipeline::Stage;
 
 use crate::error::{Error, Result};
 use crate::image::Format;
+use crate::output;
 use crate::session::Reference;
 
 /// An image to write.
@@ -22,9 +23,8 @@ pub struct ImageOutput {
 impl ImageOutput {
     /// An image whose name says its format, or else the word before a colon, as in `png:/dev/stdout`.
     fn parse(text: OsString) -> Result<Self> {
-        let prefixed = text.to_str().and_then(|text| text.split_once(':'));
-        if let Some((format, path)) = prefixed.and_then(|(name, path)| Some((Format::named(name)?, path))) {
-            return Ok(Self { path: path.into(), format });
+        if let Some(image) = Self::prefixed("--output", &text)? {
+            return Ok(image);
         }
         let path = PathBuf::from(text);
         let Some(format) = Format::of(&path) else {
@@ -33,12 +33,48 @@ impl ImageOutput {
         };
         Ok(Self { path, format })
     }
+
+    /// The image that `text`, the value of `flag`, names after its format and a colon; none if it is written otherwise.
+    fn prefixed(flag: &str, text: &OsStr) -> Result<Option<Self>> {
+        let parts = text.to_str().and_then(|text| text.split_once(':'));
+        let Some((format, path)) = parts.and_then(|(name, path)| Some((Format::named(name)?, path))) else {
+            return Ok(None);
+        };
+        if path.is_empty() {
+            let remedy = "put the path of a file after the colon, as in png:/dev/stdout";
+            return refuse(flag, &text.to_string_lossy(), "does not name a file", remedy);
+        }
+        Ok(Some(Self { path: path.into(), format }))
+    }
 }
 
 /// `--output`
 pub fn image() -> impl clap::builder::TypedValueParser<Value = ImageOutput> {
     use clap::builder::{OsStringValueParser, TypedValueParser};
     OsStringValueParser::new().try_map(ImageOutput::parse)
+}
+
+/// `--png`
+pub fn difference() -> impl clap::builder::TypedValueParser<Value = PathBuf> {
+    use clap::builder::{OsStringValueParser, TypedValueParser};
+    OsStringValueParser::new().try_map(difference_path)
+}
+
+/// The path of a PNG image, by its name or the word before a colon; pipes have no ending that could say so.
+fn difference_path(text: OsString) -> Result<PathBuf> {
+    let path = match ImageOutput::prefixed("--png", &text)? {
+        Some(ImageOutput { path, format: Format::Png }) => return Ok(path),
+        Some(_) => None,
+        None => Some(PathBuf::from(&text)),
+    };
+    let is_fit = |path: &PathBuf| Format::of(path) == Some(Format::Png) || output::is_stream(path);
+    path.filter(is_fit).map_or_else(
+        || {
+            let remedy = "end the name in .png, or put png: before it";
+            refuse("--png", &text.to_string_lossy(), "does not name a PNG image", remedy)
+        },
+        Ok,
+    )
 }
 
 /// The error that `flag` cannot be followed by `value`.
