@@ -72,6 +72,9 @@ pub fn folder(file: &Path) -> &Path {
 /// If it is nothing that a result can be written to.
 pub fn of(path: &Path) -> Result<Place> {
     let refuse = |finding: String| Error::failure(path.display(), finding, "give the path of a file");
+    if path.as_os_str().is_empty() {
+        return Err(Error::failure("\"\"", "is an empty path", "give the path of a file"));
+    }
     if path.to_string_lossy().ends_with(std::path::is_separator) {
         return Err(refuse("is a folder".into()));
     }
@@ -91,6 +94,10 @@ pub fn of(path: &Path) -> Result<Place> {
     if let Some(reason) = forbidden(&end, &metadata) {
         let remedy = "give another path, or make it writable first";
         return Err(Error::failure(path.display(), reason, remedy));
+    }
+    if !is_replaceable(&end, &metadata) {
+        let finding = "belongs to another user, and its folder lets only owners replace files";
+        return Err(Error::failure(path.display(), finding, "give another path"));
     }
     Ok(if kind.is_file() { Place::Regular(end) } else { Place::Stream(end) })
 }
@@ -155,6 +162,23 @@ fn forbidden(path: &Path, metadata: &std::fs::Metadata) -> Option<String> {
         ErrorKind::PermissionDenied => "is read-only".into(),
         _ => format!("cannot be written: {error}"),
     })
+}
+
+/// Whether a new file may take the place of the one at `path`: in a folder with the sticky bit, as `/tmp` is one, that is
+/// for the owners of the file and of the folder, and for root.
+#[cfg(unix)]
+fn is_replaceable(path: &Path, metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    const STICKY: u32 = 0o1000;
+    let Ok(folder) = folder(path).metadata() else { return true };
+    let user = rustix::process::geteuid();
+    let is_owner = [metadata.uid(), folder.uid()].contains(&user.as_raw());
+    !metadata.is_file() || folder.mode() & STICKY == 0 || is_owner || user.is_root()
+}
+
+#[cfg(not(unix))]
+fn is_replaceable(_: &Path, _: &std::fs::Metadata) -> bool {
+    true
 }
 
 #[cfg(not(unix))]
