@@ -28,7 +28,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         let (bytes, meaning) = difference_picture(&a, &b)?;
         let rows = bytes.chunks(3 * a.width).map(|row| row.iter().copied());
         let size = [a.width as u32, a.height as u32];
-        output::write(path, |file| image::png::write_rows(file, size, rows, &[("scale", meaning.clone())]))?;
+        let notes = [("scale", meaning.clone())];
+        output::write(path, || false, |file| image::png::write_rows(file, size, rows, &notes))?;
         tell(format!("{}: full colour stands for {meaning}", path.display()));
     }
     Ok(())

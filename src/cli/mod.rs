@@ -69,7 +69,7 @@ transparency and normal maps are not rendered yet; a warning names the materials
 is black unless its material is doubleSided.
 
 Exit codes: 0 success, 1 failure, 2 wrong command line. Ctrl-C, SIGTERM or SIGHUP ends a render early: fogbow writes the
-image so far and exits with 130, 143 or 129.";
+image so far, nothing if it has no samples yet, and exits with 130, 143 or 129.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_RENDERING)]

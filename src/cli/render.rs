@@ -58,9 +58,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
             reporter.update(state);
         },
     );
-    let stopped = signals.exit_code();
-    reporter.finish(if stopped.is_some() { last } else { last.done() });
-    finish(&session, &outcome, stopped, &outputs, args.stats.as_deref(), &reporter)
+    reporter.finish(if signals.came() { last } else { last.done() });
+    finish(&session, &outcome, &signals, &outputs, args.stats.as_deref(), &reporter)
 }
 
 /// `--help-scene`
