@@ -1,6 +1,8 @@
 //! Files beside the model, each of them read once, however many objects refer to it.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::fault::{Checked, Fault, quoted};
@@ -9,6 +11,8 @@ use super::uri::{self, Target};
 
 /// Bytes of the largest file that is read: no binary container can be larger.
 const LARGEST_FILE: u64 = 1 << 32;
+/// Bytes at the start of a file that tell what it is: more white space than anybody begins with.
+const START: u64 = 1 << 12;
 
 /// The files beside one model.
 #[derive(Debug)]
@@ -82,14 +86,47 @@ pub fn beside(root: &Root, folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The bytes of the file at `path`, or why there are none. Pipes and devices would keep the reader waiting.
-pub fn content(path: &Path) -> core::result::Result<Vec<u8>, String> {
-    if path.exists() && !path.is_file() {
-        return Err("is not a regular file".into());
+/// The bytes of the file at `path`, or why there are none.
+fn content(path: &Path) -> Read<Vec<u8>> {
+    Content::open(path)?.all()
+}
+
+/// What was read, or why it cannot be.
+type Read<T> = core::result::Result<T, String>;
+
+/// The content of a file, of which only the start may have been read.
+#[derive(Debug)]
+pub struct Content {
+    file: File,
+    read: Vec<u8>,
+}
+
+impl Content {
+    /// Opens the file at `path`. Pipes and devices would keep the reader waiting.
+    pub fn open(path: &Path) -> Read<Self> {
+        if path.exists() && !path.is_file() {
+            return Err("is not a regular file".into());
+        }
+        let size = path.metadata().map_or(0, |metadata| metadata.len());
+        if size > LARGEST_FILE {
+            return Err(format!("has {size} bytes, more than the limit of 4 GiB"));
+        }
+        Ok(Self { file: File::open(path).map_err(unreadable)?, read: Vec::new() })
     }
-    let size = path.metadata().map_or(0, |metadata| metadata.len());
-    if size > LARGEST_FILE {
-        return Err(format!("has {size} bytes, more than the limit of 4 GiB"));
+
+    /// Its first bytes, all of it if it is short.
+    pub fn start(&mut self) -> Read<&[u8]> {
+        (&mut self.file).take(START).read_to_end(&mut self.read).map_err(unreadable)?;
+        Ok(&self.read)
     }
-    std::fs::read(path).map_err(|error| format!("cannot be read: {error}"))
+
+    /// All of it.
+    pub fn all(mut self) -> Read<Vec<u8>> {
+        self.file.read_to_end(&mut self.read).map_err(unreadable)?;
+        Ok(self.read)
+    }
+}
+
+fn unreadable(error: std::io::Error) -> String {
+    format!("cannot be read: {error}")
 }

@@ -74,8 +74,13 @@ pub fn load(path: &Path) -> Result<Model> {
 /// As [`load`].
 pub fn load_from(path: &Path, origin: impl Fn(Option<DVec3>) -> DVec3) -> Result<Model> {
     let remedy = "give the path of a readable .gltf or .glb file";
-    let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
-    parse_from(&path.display().to_string(), &bytes, path.parent(), &origin)
+    let file = path.display().to_string();
+    let mut content = files::Content::open(path).map_err(|finding| Error::failure(&file, finding, remedy))?;
+    // A large file that is none of ours is not worth its memory.
+    let start = content.start().map_err(|finding| Error::failure(&file, finding, remedy))?;
+    container::check_start(start).in_file(&file)?;
+    let bytes = content.all().map_err(|finding| Error::failure(&file, finding, remedy))?;
+    parse_from(&file, &bytes, path.parent(), &origin)
 }
 
 /// Reads a model from memory; `file` is what errors call it, and files that it refers to are in `folder`.

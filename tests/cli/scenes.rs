@@ -345,3 +345,19 @@ fn inputs_without_end_or_too_large_are_refused_by_size() {
         folder.refused(&["render", name], 1, &format!("{name}: {finding}"));
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_large_file_that_is_no_model_is_refused_by_its_first_bytes() {
+    let folder = Folder::with_edited_scene("[camera]", "geometry = \"big.glb\"\n[camera]");
+    let file = std::fs::File::create(folder.path("big.glb")).expect("a file");
+    file.set_len(3900 << 20).expect("a file system with holes");
+    for scene in ["big.glb", "scene.toml"] {
+        let mut shell = std::process::Command::new("sh");
+        let render = format!("ulimit -v 1500000; exec {} render {scene}", env!("CARGO_BIN_EXE_fogbow"));
+        let output = shell.current_dir(folder.path(".")).args(["-c", &render]).output().expect("a shell");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.starts_with("error: big.glb: is not glTF: it begins neither with "), "{stderr}");
+    }
+}
