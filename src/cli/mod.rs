@@ -20,6 +20,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
+use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
 use crate::session::Reference;
 use crate::warning::Warning;
 use values::ImageOutput;
@@ -88,10 +89,12 @@ struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
     /// Longest path, in segments, including the camera and light segments.
-    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = values::whole_number("--max-segments"))]
+    #[arg(long, value_name = "K", allow_hyphen_values = true)]
+    #[arg(value_parser = values::whole_number("--max-segments", 1..=MOST_SEGMENTS))]
     max_segments: Option<i64>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true, value_parser = values::whole_number("--samples"))]
+    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true)]
+    #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]
     samples: Option<i64>,
     /// Render for this long, for example 60s or 2min, but at least one sample per pixel.
     #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
@@ -111,7 +114,7 @@ struct RenderArgs {
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
     exposure: Option<toml::Value>,
     /// Seed for all random numbers.
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed"))]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed", 0..=u32::MAX))]
     seed: Option<i64>,
     /// Number of worker threads; it does not change the image. Default: one per processor.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]

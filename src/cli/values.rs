@@ -1,5 +1,6 @@
 //! Values of flags: what they are read as, and what is said if they cannot be.
 
+use core::ops::RangeInclusive;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -102,9 +103,12 @@ pub fn noise(text: &str) -> Result<f64> {
 
 /// `--time`
 pub fn time(text: &str) -> Result<Duration> {
-    let remedy = "give numbers with units, for example 90s, 5min or 1h30m";
-    humantime::parse_duration(text)
-        .or_else(|error| refuse("--time", text, format!("is not a duration: {error}"), remedy))
+    let finding = match humantime::parse_duration(text) {
+        Ok(time) => return Ok(time),
+        Err(humantime::DurationError::NumberOverflow) => "is too long or too short",
+        Err(_) => "is not a duration",
+    };
+    refuse("--time", text, finding, "give numbers with units, for example 90s, 5min or 1h30m")
 }
 
 /// `--mesc`
@@ -131,9 +135,18 @@ pub fn threads(text: &str) -> Result<u32> {
     }
 }
 
-/// A parser of the whole numbers after `flag`; whether they are in range is for the scene's checks to say.
-pub fn whole_number(flag: &'static str) -> impl Fn(&str) -> Result<i64> + Clone {
-    move |text| text.parse().or_else(|_| refuse(flag, text, "is not a whole number", "give a whole number"))
+/// A parser of the whole numbers in `range` after `flag`.
+pub fn whole_number(flag: &'static str, range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<i64> + Clone {
+    use core::num::IntErrorKind::{NegOverflow, PosOverflow};
+    move |text| {
+        let finding = match text.parse() {
+            Ok(number) if u32::try_from(number).is_ok_and(|number| range.contains(&number)) => return Ok(number),
+            Ok(_) => "is out of range",
+            Err(error) if matches!(error.kind(), PosOverflow | NegOverflow) => "is out of range",
+            Err(_) => "is not a whole number",
+        };
+        refuse(flag, text, finding, &format!("give a whole number from {} to {}", range.start(), range.end()))
+    }
 }
 
 /// `--size`

@@ -9,7 +9,7 @@ use toml::de::DeTable;
 use toml::{Table, Value};
 
 use super::places::{EXTRAS, Place, note_extras, note_table, place_at};
-use super::plain;
+use super::plain::{self, Words};
 use crate::error::{Error, Kind, Result};
 
 /// Steps of the longest key that an override may have: some more than any key of a scene has.
@@ -35,13 +35,19 @@ impl Override {
     /// From `key=value`, where the value is TOML; what is no TOML value is a string.
     ///
     /// # Errors
-    /// If there is no `=`.
+    /// If there is no `=`, or the value is a number that is too large.
     pub fn parse(text: &str) -> Result<Self> {
         let flag = format!("--set {text}");
         let Some((key, value)) = text.split_once('=') else {
             return Err(Error::usage(flag, "has no '='", "write key=value, for example medium.phase.g=0.6"));
         };
-        let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
+        let parsed = format!("value = {value}").parse::<Table>();
+        let words = parsed.as_ref().err().map(|error| plain::words(error.message()));
+        // A number that TOML cannot hold is meant as one all the same.
+        if let Some(Words { finding, remedy: Some(remedy) }) = words {
+            return Err(Error::usage(flag, finding, remedy));
+        }
+        let parsed = parsed.ok().filter(|table| table.len() == 1);
         let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
         Ok(Self { key: key.trim().into(), value, flag, is_dedicated: false })
     }
@@ -117,8 +123,9 @@ impl Document {
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let malformed = |error: toml::de::Error| {
             let place = error.span().map_or_else(|| file.to_string(), |span| place_at(file, text, span.start));
-            let finding = plain::words(error.message());
-            Error::failure(place, finding, "write valid TOML; fogbow render --help-scene lists the keys of a scene")
+            let words = plain::words(error.message());
+            let remedy = "write valid TOML; fogbow render --help-scene lists the keys of a scene";
+            Error::failure(place, words.finding, words.remedy.unwrap_or_else(|| remedy.into()))
         };
         let mut places = BTreeMap::new();
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());

@@ -130,13 +130,13 @@ fn name(path: &Path) -> String {
 fn read(document: &Document) -> Result<Scene> {
     serde_path_to_error::deserialize(document.values.clone().into_deserializer()).map_err(|error| {
         let path = error.path().to_string();
-        let finding = plain::words(error.inner().message());
-        let finding = if path == "." { finding } else { format!("{path}: {finding}") };
+        let words = plain::words(error.inner().message());
         let remedy = match (path.as_str(), document.values.get("light")) {
             ("light", Some(toml::Value::Table(_))) => "write [[light]]: lights are a list of tables",
             _ => "see fogbow render --help-scene for every key with its type and range",
         };
-        document.error(&path, finding, remedy)
+        let finding = words.at(if path == "." { "" } else { &path });
+        document.error(&path, finding, words.remedy.unwrap_or_else(|| remedy.into()))
     })
 }
 
