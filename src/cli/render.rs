@@ -31,6 +31,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene);
     check_destinations(args, &scene, &outputs)?;
+    let has_png = outputs.iter().any(|image| image.format == Format::Png);
+    if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(stops) {
+        reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
+    }
     let target = match (args.time, args.noise) {
         (Some(time), _) => Target::Time(time),
         (_, Some(noise)) => Target::Noise(noise),
@@ -46,7 +50,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         },
     )?;
     let signals = Signals::watch(&session.monitor().stop)?;
-    session.prepare(outputs.iter().any(|image| image.format == Format::Png), || signals.came());
+    session.prepare(has_png, || signals.came());
     let left_out = session.preparation().left_out.filter(Truncation::matters);
     left_out.iter().for_each(|left_out| reporter.warn(left_out));
     let mut last = State::default();
@@ -82,10 +86,10 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
         change("film.size", value.into(), format!("--size {width}x{height}"))
     });
-    let exposure = args.exposure.as_ref().map(|value| {
-        let stops = value.as_str().map_or_else(|| value.to_string(), str::to_string);
-        change("film.exposure", value.clone(), format!("--exposure {stops}"))
-    });
+    let exposure = args
+        .exposure
+        .as_ref()
+        .map(|value| change("film.exposure", value.clone(), format!("--exposure {}", stops(value))));
     let numbers = [
         number("render.max_segments", "max-segments", args.max_segments),
         number("render.samples", "samples", args.samples),
@@ -93,6 +97,11 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
     ];
     let flags = [technique, mesc, size, exposure].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
+}
+
+/// An exposure as it is written after its flag.
+fn stops(exposure: &toml::Value) -> String {
+    exposure.as_str().map_or_else(|| exposure.to_string(), str::to_string)
 }
 
 fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
