@@ -114,7 +114,7 @@ impl Rendered {
             let finding = "does not name an image format";
             return Err(Error::failure(path.display(), finding, "end the name in .exr or .png"));
         };
-        self.session.write(&self.outcome, path, format)
+        self.session.write(&self.outcome, path, format, || false)
     }
 
     /// The finished render, with its film, statistics and everything else.

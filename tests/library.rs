@@ -1,5 +1,6 @@
 //! The library, as a program that depends on it uses it.
 
+use fogbow::session::{Session, Settings};
 use fogbow::{Scene, Target};
 
 const FOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/fog-facing");
@@ -36,4 +37,23 @@ fn what_cannot_be_set_leaves_the_scene_as_it_was() {
     assert_eq!(scene.loaded().hash(), before);
     let image = scene.render(Target::Noise(0.9)).expect("an image");
     assert!(image.write("fog.jpg").expect_err("no format").to_string().contains("does not name an image format"));
+}
+
+#[test]
+fn progress_towards_a_noise_never_goes_back() {
+    let mut scene = Scene::load(FOG).expect("a scene");
+    scene.set("film.size", vec![24, 24]).expect("a size");
+    scene.set("render.technique", "path").expect("a technique");
+    // Few paths find the light, so that early noise is far too small.
+    scene.set("light[0].radius", 0.1).expect("a radius");
+    let session = Session::new(scene.loaded().clone(), Settings::default()).expect("a session");
+    let mut states = Vec::new();
+    let outcome = session.run(Target::Noise(0.3), || false, |state| states.push(state));
+    assert!(states.is_sorted_by(|before, after| before.fraction <= after.fraction), "{states:?}");
+    let known = states.iter().filter(|state| state.fraction > 0.0);
+    let first = known.clone().next().expect("an estimate");
+    assert!(states.len() > known.count(), "the first rounds know nothing");
+    let expected = first.samples as f64 / first.fraction;
+    let ratio = expected / outcome.stats.samples as f64;
+    assert!((0.5..2.0).contains(&ratio), "{ratio} of the samples that it took were expected");
 }

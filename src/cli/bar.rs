@@ -1,7 +1,10 @@
 //! The progress bar: one line of a terminal of any width.
 
+use core::fmt::Write;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use console::Term;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 /// Steps of the bar.
 const STEPS: u64 = 10_000;
@@ -10,9 +13,13 @@ const LONGEST_NAME: usize = 24;
 /// Widths from which on there is room for the time left, and for the name besides.
 const WIDTHS: [usize; 2] = [56, 96];
 
+/// What stands behind the bar.
+type Outlook = Arc<Mutex<String>>;
+
 /// A bar on standard error.
 pub struct Bar {
     bar: ProgressBar,
+    outlook: Outlook,
     term: Term,
     /// Columns that it was made for.
     columns: usize,
@@ -27,13 +34,15 @@ impl Bar {
         let columns = width(&term);
         let name = console::truncate_str(name, LONGEST_NAME, "..").into_owned();
         // Built up before it is drawn for the first time.
-        let bar = ProgressBar::new(STEPS).with_style(style(columns)).with_prefix(name);
-        Self { bar, term, columns, is_drawn: false }
+        let outlook = Arc::default();
+        let bar = ProgressBar::new(STEPS).with_style(style(columns, &outlook)).with_prefix(name);
+        Self { bar, outlook, term, columns, is_drawn: false }
     }
 
     /// No bar.
     pub fn hidden() -> Self {
-        Self { bar: ProgressBar::hidden(), term: Term::stderr(), columns: 0, is_drawn: false }
+        let (bar, outlook) = (ProgressBar::hidden(), Arc::default());
+        Self { bar, outlook, term: Term::stderr(), columns: 0, is_drawn: false }
     }
 
     /// Draws it anew, `fraction` of it full.
@@ -42,8 +51,9 @@ impl Bar {
         if columns != self.columns {
             self.resize(columns);
         }
-        self.bar.set_message(outlook);
-        self.bar.set_position((fraction * STEPS as f64) as u64);
+        // Whatever changes the bar draws it: the outlook has to be the new one by then.
+        *self.outlook.lock().unwrap_or_else(PoisonError::into_inner) = outlook;
+        self.bar.update(|state| state.set_pos((fraction * STEPS as f64) as u64));
         self.is_drawn = true;
     }
 
@@ -62,7 +72,7 @@ impl Bar {
             }
         });
         self.columns = columns;
-        self.bar.set_style(style(columns));
+        self.bar.set_style(style(columns, &self.outlook));
     }
 }
 
@@ -72,12 +82,16 @@ fn width(term: &Term) -> usize {
 }
 
 /// The bar and whatever else has room in `columns`.
-fn style(columns: usize) -> ProgressStyle {
+fn style(columns: usize, outlook: &Outlook) -> ProgressStyle {
     let template = match columns {
         columns if columns < WIDTHS[0] => "[{wide_bar}] {percent:>3} %",
-        columns if columns < WIDTHS[1] => "[{wide_bar}] {percent:>3} %  {msg}",
-        _ => "{prefix} [{wide_bar}] {percent:>3} %  {msg}",
+        columns if columns < WIDTHS[1] => "[{wide_bar}] {percent:>3} %  {outlook}",
+        _ => "{prefix} [{wide_bar}] {percent:>3} %  {outlook}",
     };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    style.progress_chars("=> ")
+    let outlook = Arc::clone(outlook);
+    let write = move |_: &ProgressState, to: &mut dyn Write| {
+        let _ = to.write_str(&outlook.lock().unwrap_or_else(PoisonError::into_inner));
+    };
+    style.with_key("outlook", write).progress_chars("=> ")
 }

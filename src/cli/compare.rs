@@ -1,38 +1,47 @@
 //! `fogbow compare`
 
+use std::path::PathBuf;
+
+use super::destinations::{self, Destination};
 use super::{CompareArgs, say, tell};
 use crate::compare::{ChannelComparison, compare, difference_picture};
 use crate::error::{Error, Result};
 use crate::figures::number;
-use crate::image::{self, Format};
+use crate::image;
 use crate::output;
 
 pub fn run(args: &CompareArgs) -> Result<()> {
-    if let Some(path) = &args.png {
-        if Format::of(path) != Some(Format::Png) {
-            let flag = format!("--png {}", path.display());
-            return Err(Error::usage(flag, "does not name a PNG image", "end the name in .png"));
-        }
-        output::check(path)?;
-    }
+    let pictures: Vec<_> = args.png.iter().map(|path| Destination { flag: "--png", path }).collect();
+    destinations::check(&pictures, &[args.a.clone(), args.b.clone()])?;
     let (a, b) = (image::exr::read_image(&args.a)?, image::exr::read_image(&args.b)?);
     let channels = compare(&a, &b)
         .map_err(|error| Error { place: format!("{}, {}", args.a.display(), args.b.display()), ..error })?;
     if args.json {
         let report = serde_json::json!({ "width": a.width, "height": a.height, "channels": channels });
-        say(report)?;
+        report_to(&args.png, report)?;
     } else {
-        say(format!("{} and {}: {}x{} pixels", args.a.display(), args.b.display(), a.width, a.height))?;
-        channels.iter().try_for_each(|channel| say(describe(channel)))?;
+        let heading = format!("{} and {}: {}x{} pixels", args.a.display(), args.b.display(), a.width, a.height);
+        report_to(&args.png, heading)?;
+        channels.iter().try_for_each(|channel| report_to(&args.png, describe(channel)))?;
     }
     if let Some(path) = &args.png {
         let (bytes, meaning) = difference_picture(&a, &b)?;
         let rows = bytes.chunks(3 * a.width).map(|row| row.iter().copied());
         let size = [a.width as u32, a.height as u32];
-        output::write(path, |file| image::png::write_rows(file, size, rows, &[("scale", meaning.clone())]))?;
+        let notes = [("scale", meaning.clone())];
+        output::write(path, || false, |file| image::png::write_rows(file, size, rows, &notes))?;
         tell(format!("{}: full colour stands for {meaning}", path.display()));
     }
     Ok(())
+}
+
+/// A line of the comparison: on standard output, unless the picture goes there.
+fn report_to(picture: &Option<PathBuf>, line: impl core::fmt::Display) -> Result<()> {
+    if picture.as_deref().is_some_and(output::is_standard_output) {
+        tell(line);
+        return Ok(());
+    }
+    say(line)
 }
 
 fn describe(c: &ChannelComparison) -> String {

@@ -4,36 +4,65 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::progress::Reporter;
+use super::signals::Signals;
+use super::tell;
 use super::values::ImageOutput;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::figures::{duration, number, rate};
 use crate::session::{Outcome, Session};
 
 /// Contributions that may be dropped for not being finite, as a share of the samples.
 const TOLERATED_DROPS: f64 = 1e-6;
 
-/// Writes what there is and says so; `stopped` is the exit code of the signal that ended it.
+/// Writes what there is and says so; the exit code is that of the signal that ended it, if one did.
 pub fn finish(
     session: &Session,
     outcome: &Outcome,
-    stopped: Option<u8>,
+    signals: &Signals,
     outputs: &[ImageOutput],
     stats: Option<&Path>,
     reporter: &Reporter,
 ) -> Result<ExitCode> {
+    let stopped = signals.exit_code();
+    if let Some(code) = stopped.filter(|_| outcome.stats.samples == 0) {
+        // An image of before is worth more than a black one.
+        reporter.line("stopped before the first sample; nothing is written");
+        return Ok(code.into());
+    }
     if stopped.is_some() {
         reporter.line(format!("stopped after {} samples; writing the results so far", outcome.stats.samples));
     }
-    // What can be written is, also if something else cannot.
-    let images: Vec<_> = outputs.iter().map(|image| session.write(outcome, &image.path, image.format)).collect();
-    let statistics = stats.map_or(Ok(()), |path| session.report(outcome).write_statistics(path));
-    images.into_iter().chain([statistics]).collect::<Result<()>>()?;
+    let errors = write(session, outcome, signals, outputs, stats);
+    if !errors.is_empty() {
+        return Ok(tell_all(&errors, signals));
+    }
     reporter.line(summary(session, outcome, outputs));
     if stopped.is_none() && session.film.mean().0 == [0.0; 3] {
         reporter.warn("the image is black: no path reached a light");
     }
     refuse_drops(session, outcome, reporter)?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
+}
+
+/// Writes all results; what can be written is, also if something else cannot. Returns what went wrong.
+fn write(
+    session: &Session,
+    outcome: &Outcome,
+    signals: &Signals,
+    outputs: &[ImageOutput],
+    stats: Option<&Path>,
+) -> Vec<Error> {
+    let came = || signals.came();
+    let images = outputs.iter().map(|image| session.write(outcome, &image.path, image.format, came));
+    let statistics = stats.iter().map(|path| session.report(outcome).write_statistics(path, came));
+    images.chain(statistics).filter_map(Result::err).collect()
+}
+
+/// Prints all `errors` and gives their exit code: that of the signal if there are only waits that it ended.
+fn tell_all(errors: &[Error], signals: &Signals) -> ExitCode {
+    errors.iter().for_each(tell);
+    let only_waits = errors.iter().all(|error| error.kind == Kind::Interrupted);
+    signals.exit_code().filter(|_| only_waits).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
 /// What was rendered, in one line.

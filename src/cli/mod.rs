@@ -2,6 +2,7 @@
 
 mod bar;
 mod compare;
+mod destinations;
 mod finish;
 mod info;
 mod progress;
@@ -19,6 +20,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
+use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
 use crate::session::Reference;
 use crate::warning::Warning;
 use values::ImageOutput;
@@ -68,7 +70,7 @@ transparency and normal maps are not rendered yet; a warning names the materials
 is black unless its material is doubleSided.
 
 Exit codes: 0 success, 1 failure, 2 wrong command line. Ctrl-C, SIGTERM or SIGHUP ends a render early: fogbow writes the
-image so far and exits with 130, 143 or 129.";
+image so far, nothing if it has no samples yet, and exits with 130, 143 or 129.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_RENDERING)]
@@ -87,10 +89,12 @@ struct RenderArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
     /// Longest path, in segments, including the camera and light segments.
-    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = values::whole_number("--max-segments"))]
+    #[arg(long, value_name = "K", allow_hyphen_values = true)]
+    #[arg(value_parser = values::whole_number("--max-segments", 1..=MOST_SEGMENTS))]
     max_segments: Option<i64>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true, value_parser = values::whole_number("--samples"))]
+    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true)]
+    #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]
     samples: Option<i64>,
     /// Render for this long, for example 60s or 2min, but at least one sample per pixel.
     #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
@@ -110,7 +114,7 @@ struct RenderArgs {
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
     exposure: Option<toml::Value>,
     /// Seed for all random numbers.
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed"))]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed", 0..=u32::MAX))]
     seed: Option<i64>,
     /// Number of worker threads; it does not change the image. Default: one per processor.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]
@@ -144,8 +148,9 @@ struct CompareArgs {
     /// Print the comparison as JSON.
     #[arg(long)]
     json: bool,
-    /// Write a picture of the difference: red where the first image is brighter, blue where it is darker.
-    #[arg(long, value_name = "DIFF.png")]
+    /// Write a picture of the difference: red where the first image is brighter, blue where it is darker. A name that
+    /// ends in .png, a pipe, or png:PATH. If it is standard output, the comparison is on standard error.
+    #[arg(long, value_name = "DIFF.png", value_parser = values::difference())]
     png: Option<PathBuf>,
 }
 

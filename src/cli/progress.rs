@@ -15,7 +15,8 @@ const INTERVAL: Duration = Duration::from_secs(2);
 
 /// Rate and time left, for people.
 fn outlook(state: &State) -> String {
-    let left = state.seconds_left.map_or_else(|| "starting".into(), |left| format!("{} left", duration(left)));
+    let left =
+        state.seconds_left.map_or_else(|| "estimating the time".into(), |left| format!("{} left", duration(left)));
     format!("{}  {left}", rate(state.rate()))
 }
 

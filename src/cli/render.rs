@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use super::destinations::{self, Destination};
 use super::finish::finish;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
-use super::{RenderArgs, say, warning_text};
+use super::{Progress, RenderArgs, say, warning_text};
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::film::Region;
@@ -28,8 +29,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
-    let outputs = outputs(args, &scene)?;
-    check_stats(args, &scene, &outputs)?;
+    let outputs = outputs(args, &scene);
+    check_destinations(args, &scene, &outputs)?;
+    let has_png = outputs.iter().any(|image| image.format == Format::Png);
+    if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(stops) {
+        reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
+    }
     let target = match (args.time, args.noise) {
         (Some(time), _) => Target::Time(time),
         (_, Some(noise)) => Target::Noise(noise),
@@ -45,7 +50,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         },
     )?;
     let signals = Signals::watch(&session.monitor().stop)?;
-    session.prepare(outputs.iter().any(|image| image.format == Format::Png), || signals.came());
+    session.prepare(has_png, || signals.came());
     let left_out = session.preparation().left_out.filter(Truncation::matters);
     left_out.iter().for_each(|left_out| reporter.warn(left_out));
     let mut last = State::default();
@@ -57,9 +62,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
             reporter.update(state);
         },
     );
-    let stopped = signals.exit_code();
-    reporter.finish(if stopped.is_some() { last } else { last.done() });
-    finish(&session, &outcome, stopped, &outputs, args.stats.as_deref(), &reporter)
+    reporter.finish(if signals.came() { last } else { last.done() });
+    finish(&session, &outcome, &signals, &outputs, args.stats.as_deref(), &reporter)
 }
 
 /// `--help-scene`
@@ -82,10 +86,10 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
         change("film.size", value.into(), format!("--size {width}x{height}"))
     });
-    let exposure = args.exposure.as_ref().map(|value| {
-        let stops = value.as_str().map_or_else(|| value.to_string(), str::to_string);
-        change("film.exposure", value.clone(), format!("--exposure {stops}"))
-    });
+    let exposure = args
+        .exposure
+        .as_ref()
+        .map(|value| change("film.exposure", value.clone(), format!("--exposure {}", stops(value))));
     let numbers = [
         number("render.max_segments", "max-segments", args.max_segments),
         number("render.samples", "samples", args.samples),
@@ -93,6 +97,11 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
     ];
     let flags = [technique, mesc, size, exposure].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
+}
+
+/// An exposure as it is written after its flag.
+fn stops(exposure: &toml::Value) -> String {
+    exposure.as_str().map_or_else(|| exposure.to_string(), str::to_string)
 }
 
 fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
@@ -107,30 +116,25 @@ fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
 }
 
 /// The images to write.
-fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Result<Vec<ImageOutput>> {
-    let default = [ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
-    let outputs = if args.output.is_empty() { &default } else { args.output.as_slice() };
-    for (index, ImageOutput { path, .. }) in outputs.iter().enumerate() {
-        output::check(path)?;
-        if outputs[..index].iter().any(|before| output::are_same(&before.path, path)) {
-            let flag = format!("--output {}", path.display());
-            return Err(Error::usage(flag, "names the same file as another output", "name each file only once"));
-        }
+fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Vec<ImageOutput> {
+    if args.output.is_empty() {
+        return vec![ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
     }
-    Ok(outputs.to_vec())
+    args.output.clone()
 }
 
-fn check_stats(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
-    let Some(path) = &args.stats else { return Ok(()) };
-    output::check(path)?;
-    let images = outputs.iter().map(|image| &image.path);
-    if images.chain(&scene.files).any(|other| output::are_same(other, path)) {
-        let flag = format!("--stats {}", path.display());
-        return Err(Error::usage(
-            flag,
-            "names a file of the scene or an image",
-            "write the statistics to a file of their own",
-        ));
+/// Fails if a result cannot go where it is to go.
+fn check_destinations(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
+    let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
+    let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
+    let all: Vec<_> = images.chain(stats).collect();
+    destinations::check(&all, &scene.files)?;
+    let taken = |destination: &&Destination<'_>| output::is_standard_output(destination.path);
+    match all.iter().find(taken).filter(|_| args.progress == Progress::Openjd) {
+        Some(Destination { flag, path }) => {
+            let finding = "names standard output, where --progress openjd writes its lines";
+            Err(Error::usage(format!("{flag} {}", path.display()), finding, "write it to a file of its own"))
+        }
+        None => Ok(()),
     }
-    Ok(())
 }

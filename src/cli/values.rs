@@ -1,6 +1,7 @@
 //! Values of flags: what they are read as, and what is said if they cannot be.
 
-use std::ffi::OsString;
+use core::ops::RangeInclusive;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -8,6 +9,7 @@ use fogbow_kernels::pipeline::Stage;
 
 use crate::error::{Error, Result};
 use crate::image::Format;
+use crate::output;
 use crate::session::Reference;
 
 /// An image to write.
@@ -22,9 +24,8 @@ pub struct ImageOutput {
 impl ImageOutput {
     /// An image whose name says its format, or else the word before a colon, as in `png:/dev/stdout`.
     fn parse(text: OsString) -> Result<Self> {
-        let prefixed = text.to_str().and_then(|text| text.split_once(':'));
-        if let Some((format, path)) = prefixed.and_then(|(name, path)| Some((Format::named(name)?, path))) {
-            return Ok(Self { path: path.into(), format });
+        if let Some(image) = Self::prefixed("--output", &text)? {
+            return Ok(image);
         }
         let path = PathBuf::from(text);
         let Some(format) = Format::of(&path) else {
@@ -33,12 +34,48 @@ impl ImageOutput {
         };
         Ok(Self { path, format })
     }
+
+    /// The image that `text`, the value of `flag`, names after its format and a colon; none if it is written otherwise.
+    fn prefixed(flag: &str, text: &OsStr) -> Result<Option<Self>> {
+        let parts = text.to_str().and_then(|text| text.split_once(':'));
+        let Some((format, path)) = parts.and_then(|(name, path)| Some((Format::named(name)?, path))) else {
+            return Ok(None);
+        };
+        if path.is_empty() {
+            let remedy = "put the path of a file after the colon, as in png:/dev/stdout";
+            return refuse(flag, &text.to_string_lossy(), "does not name a file", remedy);
+        }
+        Ok(Some(Self { path: path.into(), format }))
+    }
 }
 
 /// `--output`
 pub fn image() -> impl clap::builder::TypedValueParser<Value = ImageOutput> {
     use clap::builder::{OsStringValueParser, TypedValueParser};
     OsStringValueParser::new().try_map(ImageOutput::parse)
+}
+
+/// `--png`
+pub fn difference() -> impl clap::builder::TypedValueParser<Value = PathBuf> {
+    use clap::builder::{OsStringValueParser, TypedValueParser};
+    OsStringValueParser::new().try_map(difference_path)
+}
+
+/// The path of a PNG image, by its name or the word before a colon; pipes have no ending that could say so.
+fn difference_path(text: OsString) -> Result<PathBuf> {
+    let path = match ImageOutput::prefixed("--png", &text)? {
+        Some(ImageOutput { path, format: Format::Png }) => return Ok(path),
+        Some(_) => None,
+        None => Some(PathBuf::from(&text)),
+    };
+    let is_fit = |path: &PathBuf| Format::of(path) == Some(Format::Png) || output::is_stream(path);
+    path.filter(is_fit).map_or_else(
+        || {
+            let remedy = "end the name in .png, or put png: before it";
+            refuse("--png", &text.to_string_lossy(), "does not name a PNG image", remedy)
+        },
+        Ok,
+    )
 }
 
 /// The error that `flag` cannot be followed by `value`.
@@ -66,9 +103,12 @@ pub fn noise(text: &str) -> Result<f64> {
 
 /// `--time`
 pub fn time(text: &str) -> Result<Duration> {
-    let remedy = "give numbers with units, for example 90s, 5min or 1h30m";
-    humantime::parse_duration(text)
-        .or_else(|error| refuse("--time", text, format!("is not a duration: {error}"), remedy))
+    let finding = match humantime::parse_duration(text) {
+        Ok(time) => return Ok(time),
+        Err(humantime::DurationError::NumberOverflow) => "is too long or too short",
+        Err(_) => "is not a duration",
+    };
+    refuse("--time", text, finding, "give numbers with units, for example 90s, 5min or 1h30m")
 }
 
 /// `--mesc`
@@ -95,9 +135,18 @@ pub fn threads(text: &str) -> Result<u32> {
     }
 }
 
-/// A parser of the whole numbers after `flag`; whether they are in range is for the scene's checks to say.
-pub fn whole_number(flag: &'static str) -> impl Fn(&str) -> Result<i64> + Clone {
-    move |text| text.parse().or_else(|_| refuse(flag, text, "is not a whole number", "give a whole number"))
+/// A parser of the whole numbers in `range` after `flag`.
+pub fn whole_number(flag: &'static str, range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<i64> + Clone {
+    use core::num::IntErrorKind::{NegOverflow, PosOverflow};
+    move |text| {
+        let finding = match text.parse() {
+            Ok(number) if u32::try_from(number).is_ok_and(|number| range.contains(&number)) => return Ok(number),
+            Ok(_) => "is out of range",
+            Err(error) if matches!(error.kind(), PosOverflow | NegOverflow) => "is out of range",
+            Err(_) => "is not a whole number",
+        };
+        refuse(flag, text, finding, &format!("give a whole number from {} to {}", range.start(), range.end()))
+    }
 }
 
 /// `--size`

@@ -46,8 +46,13 @@ impl Asset {
     /// is not supported.
     pub fn open(path: &Path) -> Result<Self> {
         let remedy = "give the path of a readable .gltf or .glb file";
-        let bytes = files::content(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
-        Self::parse(&path.display().to_string(), bytes, path.parent())
+        let file = path.display().to_string();
+        let mut content = files::Content::open(path).map_err(|finding| Error::failure(&file, finding, remedy))?;
+        // A large file that is not ours is not worth its memory.
+        let start = content.start().map_err(|finding| Error::failure(&file, finding, remedy))?;
+        container::check_start(start).in_file(&file)?;
+        let bytes = content.all().map_err(|finding| Error::failure(&file, finding, remedy))?;
+        Self::parse(&file, bytes, path.parent())
     }
 
     /// Opens a file from memory; `file` is what errors call it, and files that it refers to are in `folder`.
@@ -85,7 +90,8 @@ impl Asset {
     /// If what is left of the file is malformed, or an image cannot be read.
     pub fn load(mut self, origin: DVec3) -> Result<Model> {
         let model = self.model(origin).in_file(&self.file)?;
-        Ok(Model { cameras: self.cameras, warnings: self.warnings.of_file(&self.file), ..model })
+        let files = self.files.folder().map_or_else(Vec::new, |folder| files::beside(&self.root, folder));
+        Ok(Model { cameras: self.cameras, warnings: self.warnings.of_file(&self.file), files, ..model })
     }
 
     /// The model but for its cameras and warnings.
@@ -128,6 +134,7 @@ impl Asset {
             extras: extras(root, &self.places)?,
             cameras: Vec::new(),
             warnings: Vec::new(),
+            files: Vec::new(),
         })
     }
 }

@@ -23,7 +23,7 @@ pub fn read(cameras: &[schema::Camera], placed: &[Placed<'_>], warnings: &mut Wa
             continue;
         };
         if transforms::mirrors(placed.world) {
-            warnings.note("its camera is mirrored, but the image is not", || placed.label());
+            warnings.note("mirrored cameras render images that are not mirrored", || placed.label());
         }
         let name = placed.node.name.as_ref().or(camera.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| label("camera", index, None));

@@ -14,6 +14,7 @@ const JSON: &[u8] = b"JSON";
 const BINARY: &[u8] = b"BIN\0";
 
 const EXPORT_AGAIN: &str = "copy or export the file again";
+const GIVE_GLTF: &str = "give a glTF 2.0 file, .gltf or .glb";
 
 /// The parts of a file.
 #[derive(Debug)]
@@ -31,14 +32,22 @@ pub fn open<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'
     if bytes.starts_with(MAGIC) {
         return binary(bytes, warnings);
     }
-    let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let first = json.iter().find(|byte| !byte.is_ascii_whitespace());
-    let finding = || match first {
-        Some(_) => "is not glTF: it begins neither with \"glTF\", as .glb files do, nor with '{', as .gltf files do",
-        None => "is empty",
-    };
-    require(first == Some(&b'{'), finding, "give a glTF 2.0 file, .gltf or .glb")?;
+    check_start(bytes)?;
+    let json = without_mark(bytes);
+    require(!json.trim_ascii_start().is_empty(), || "is empty", GIVE_GLTF)?;
     Ok(Container { json, binary: None, is_text: true })
+}
+
+/// A fault if no file that begins with `start` is glTF.
+pub fn check_start(start: &[u8]) -> Checked<()> {
+    let first = without_mark(start).trim_ascii_start().first();
+    let finding = || "is not glTF: it begins neither with \"glTF\", as .glb files do, nor with '{', as .gltf files do";
+    require(start.starts_with(MAGIC) || first.is_none_or(|first| *first == b'{'), finding, GIVE_GLTF)
+}
+
+/// Text without the mark of its byte order.
+fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 
 fn binary<'a>(bytes: &'a [u8], warnings: &mut Warnings) -> Checked<Container<'a>> {

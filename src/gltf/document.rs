@@ -8,8 +8,6 @@ use crate::error::{Error, Result};
 
 /// Extensions that are read.
 const SUPPORTED: [&str; 4] = [LIGHTS, "KHR_materials_emissive_strength", "KHR_texture_transform", MESH_QUANTIZATION];
-/// Extensions that one warning names.
-const MOST_NAMED: usize = 10;
 /// Lights of the scene.
 const LIGHTS: &str = "KHR_lights_punctual";
 /// Compressed attributes and indices.
@@ -52,10 +50,8 @@ pub fn check(root: &Root, warnings: &mut Warnings) -> Checked<()> {
         require(SUPPORTED.contains(&name.as_str()), || format!("requires {}", quoted(name)), remedy(name))
             .map_err(|fault| fault.at("extensionsRequired"))?;
     }
-    let unread = root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str()));
-    let unread: Vec<String> = unread.take(MOST_NAMED).map(|name| quoted(name)).collect();
-    if !unread.is_empty() {
-        warnings.note("these extensions are ignored", || format!("extensionsUsed: {}", unread.join(", ")));
+    for name in root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str())) {
+        warnings.note("extensions that are not supported are ignored", || format!("extension {}", quoted(name)));
     }
     if !root.animations.is_empty() {
         warnings.note("animations are ignored; nodes stay where the file places them", || "animation 0");

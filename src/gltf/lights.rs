@@ -20,7 +20,7 @@ pub fn read(root: &Root, placed: &[Placed<'_>], warnings: &mut Warnings) -> Chec
         let light = entry(lights, "light", index).at(|| placed.label())?;
         let label = || label("light", index, light.name.as_deref());
         if light.range.is_some() {
-            warnings.note("its range is ignored; its light reaches any distance", label);
+            warnings.note("ranges are ignored; light reaches any distance", label);
         }
         let name = placed.node.name.as_ref().or(light.name.as_ref());
         let name = name.cloned().unwrap_or_else(|| format!("light {index}"));

@@ -18,7 +18,7 @@ pub fn read(
     let read = |(index, material): (usize, &schema::Material)| {
         let label = || label("material", index, material.name.as_deref());
         if material.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
-            warnings.note("its alpha is ignored; the surface is opaque", label);
+            warnings.note("alpha is ignored; surfaces are opaque", label);
         }
         read_one(material, textures).at(label)
     };
@@ -33,13 +33,15 @@ pub fn note_what_is_diffuse(materials: &[schema::Material], triangles: &[Triangl
         let label = || label("material", index, material.name.as_deref());
         let surface = &material.pbr_metallic_roughness;
         if surface.metallic_factor > 0.0 {
-            warnings
-                .note("is metallic (metallicFactor is 1 unless the file sets it) and is rendered as diffuse", label);
+            warnings.note(
+                "metallic materials are rendered as diffuse (metallicFactor is 1 unless the file sets it)",
+                label,
+            );
         } else if surface.roughness_factor < 1.0 || surface.metallic_roughness_texture.is_some() {
-            warnings.note("is glossy and is rendered as diffuse, without highlights", label);
+            warnings.note("glossy materials are rendered as diffuse, without highlights", label);
         }
         if material.normal_texture.is_some() {
-            warnings.note("has a normal map, which is ignored; the surface is as flat as its triangles", label);
+            warnings.note("normal maps are ignored; surfaces are as flat as their triangles", label);
         }
     }
 }

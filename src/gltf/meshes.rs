@@ -98,7 +98,7 @@ fn plan<'a>(
         };
         entry(meshes, "mesh", mesh).at(|| placed.label())?;
         if placed.node.skin.is_some() {
-            let finding = "skins are ignored; the mesh keeps its bind pose and, unlike in glTF, its node's transform";
+            let finding = "skins are ignored; meshes keep their bind pose and, unlike in glTF, their node's transform";
             warnings.note(finding, || placed.label());
         }
         nodes.entry(mesh).or_default().push(placed);

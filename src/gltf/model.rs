@@ -2,6 +2,7 @@
 
 use crate::warning::Warning;
 use core::ops::Range;
+use std::path::PathBuf;
 
 use serde_json::Value;
 
@@ -40,6 +41,8 @@ pub struct Model {
     pub extras: Extras,
     /// What was passed over, a line each.
     pub warnings: Vec<Warning>,
+    /// The files beside the model that its buffers and images are in, also those that are not read.
+    pub files: Vec<PathBuf>,
 }
 
 /// A triangle.

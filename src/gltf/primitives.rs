@@ -56,13 +56,13 @@ impl<'a> Planner<'a> {
             return Ok(None);
         };
         if !primitive.targets.is_empty() {
-            warnings.note("morph targets are ignored; the mesh keeps its base shape", &place);
+            warnings.note("morph targets are ignored; meshes keep their base shape", &place);
         }
         let (material, used) = self.material(primitive)?;
         let attributes = attributes(primitive, used)?;
         self.require_data(primitive, &attributes)?;
         if used.iter().zip(&attributes.texcoords).any(|(used, texcoords)| *used && texcoords.is_none()) {
-            let finding = "its material has a texture, but there are no texture coordinates for it; (0, 0) is used";
+            let finding = "texture coordinates for a texture of the material are missing; (0, 0) is used";
             warnings.note(finding, &place);
         }
         let vertices = self.reader.position_elements(&attributes)?.count;

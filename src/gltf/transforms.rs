@@ -23,7 +23,7 @@ pub fn local(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) -
         None => from_parts(node, warnings, &place)?,
     };
     if transform.matrix3 == DMat3::ZERO {
-        warnings.note("has scale 0 and is left out, with all nodes below it", place);
+        warnings.note("nodes of scale 0 are left out, with all nodes below them", place);
         return Ok(None);
     }
     finite(transform)?;
@@ -70,7 +70,7 @@ fn from_parts(node: &Node, warnings: &mut Warnings, place: impl Fn() -> String) 
     let finding = || format!("its rotation is {:?}", [x, y, z, w]);
     require(length > 0.0 && length.is_finite(), finding, "give a quaternion of length 1")?;
     if (length - 1.0).abs() > UNIT {
-        warnings.note("its rotation is not a unit quaternion and is normalized", place);
+        warnings.note("rotations that are not unit quaternions are normalized", place);
     }
     let translation = DVec3::from(node.translation.unwrap_or_default());
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation / length, translation))

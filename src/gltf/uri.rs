@@ -38,6 +38,11 @@ pub fn resolve(uri: &str) -> Checked<Target> {
     }
 }
 
+/// The path that `uri` stands for, if it stands for one.
+pub fn file(uri: &str) -> Option<PathBuf> {
+    if split_scheme(uri).is_some() { None } else { relative(uri).ok() }
+}
+
 /// Scheme and rest, if there is a scheme; drive letters of Windows are schemes too.
 fn split_scheme(uri: &str) -> Option<(&str, &str)> {
     let (scheme, rest) = uri.split_once(':')?;

@@ -4,13 +4,14 @@
 //! system allows, its owner. What is not a regular file, a pipe, a terminal, `/dev/stdout`, is never replaced: bytes go straight
 //! into it, from memory. Symbolic links are followed, also to where nothing is yet.
 
+mod pipe;
 mod place;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use place::Place;
 
 /// What a file is written through.
@@ -28,22 +29,38 @@ pub fn check(path: &Path) -> Result<()> {
     }
 }
 
-/// Whether both paths lead to the same regular file.
+/// Whether both paths lead to the same file, pipe or device, so that one result would replace or run into the other;
+/// `/dev/null` takes any number of them.
 pub fn are_same(a: &Path, b: &Path) -> bool {
-    let file = |path| place::of(path).ok()?.file();
-    file(a).is_some_and(|a| file(b).is_some_and(|b| a == b))
+    place::identity(a).is_some_and(|a| place::identity(b) == Some(a))
 }
 
-/// Writes to `path` what `fill` writes.
+/// Whether `path` leads to standard output.
+pub fn is_standard_output(path: &Path) -> bool {
+    are_same(path, Path::new("/dev/stdout"))
+}
+
+/// Whether `path` leads to something other than a regular file, as `/dev/stdout` and process substitution do; its name
+/// then says nothing of its content.
+pub fn is_stream(path: &Path) -> bool {
+    matches!(place::of(path), Ok(Place::Stream(_) | Place::Standard(_)))
+}
+
+/// Writes to `path` what `fill` writes. A named pipe is waited for until somebody reads it or `interrupted` says so.
 ///
 /// # Errors
-/// If anything cannot be written. A regular file is then what it was before.
-pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
+/// If anything cannot be written; a regular file is then what it was before. If the wait was interrupted.
+pub fn write(
+    path: &Path,
+    interrupted: impl Fn() -> bool,
+    fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>,
+) -> Result<()> {
     let place = place::of(path)?;
     let Place::Regular(file) = place else {
         let mut bytes = Cursor::new(Vec::new());
         fill(&mut bytes).map_err(|error| failed(path, error))?;
-        return stream(&place, bytes.get_ref()).map_err(|error| failed(path, error));
+        let written = stream(&place, bytes.get_ref(), interrupted).map_err(|error| failed(path, error))?;
+        return if written { Ok(()) } else { Err(unread(path)) };
     };
     let mut temporary = temporary(path, &file)?;
     let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
@@ -61,14 +78,23 @@ fn failed(path: &Path, error: impl core::fmt::Display) -> Error {
     Error::failure(path.display(), format!("cannot be written: {error}"), remedy)
 }
 
-/// Sends `bytes` straight to what is not a regular file.
-fn stream(place: &Place, bytes: &[u8]) -> io::Result<()> {
-    let all = |mut to: Box<dyn Write>| to.write_all(bytes).and_then(|()| to.flush());
+/// The error that nobody reads the pipe at `path`.
+fn unread(path: &Path) -> Error {
+    let finding = "is a pipe that nobody had opened for reading when a signal came, so nothing was written";
+    let error = Error::failure(path.display(), finding, "start the program that reads it before fogbow is done");
+    Error { kind: Kind::Interrupted, ..error }
+}
+
+/// Sends `bytes` straight to what is not a regular file; not if `interrupted` says so before anybody reads it.
+fn stream(place: &Place, bytes: &[u8], interrupted: impl Fn() -> bool) -> io::Result<bool> {
+    let all = |mut to: Box<dyn Write>| to.write_all(bytes).and_then(|()| to.flush()).map(|()| true);
     match place {
         Place::Standard(place::Standard::Output) => all(Box::new(io::stdout().lock())),
         Place::Standard(place::Standard::Error) => all(Box::new(io::stderr().lock())),
-        // What is open already may be a file with something in it, as behind a shell's `>>`.
-        Place::Stream(path) | Place::Regular(path) => all(Box::new(File::options().append(true).open(path)?)),
+        Place::Stream(path) | Place::Regular(path) => match pipe::open(path, interrupted)? {
+            Some(file) => all(Box::new(file)),
+            None => Ok(false),
+        },
     }
 }
 

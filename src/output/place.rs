@@ -29,12 +29,36 @@ pub enum Standard {
     Error,
 }
 
-impl Place {
-    /// The regular file, its folder without links.
-    pub fn file(self) -> Option<PathBuf> {
-        let Self::Regular(file) = self else { return None };
-        Some(folder(&file).canonicalize().ok()?.join(file.file_name()?))
+/// What all paths to one thing have in common.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Identity {
+    /// Device and inode of what is there.
+    #[cfg(unix)]
+    There(u64, u64),
+    /// The path without links, of what may not be there yet.
+    Path(PathBuf),
+}
+
+/// What `path` leads to; none if it leads nowhere, or to the null device, where nothing is lost.
+pub fn identity(path: &Path) -> Option<Identity> {
+    let (end, metadata) = follow(path).ok()?;
+    #[cfg(unix)]
+    if let Some(metadata) = metadata {
+        use std::os::unix::fs::MetadataExt;
+        return (!is_null(&metadata)).then(|| Identity::There(metadata.dev(), metadata.ino()));
     }
+    #[cfg(not(unix))]
+    if metadata.is_some() {
+        return end.canonicalize().ok().map(Identity::Path);
+    }
+    Some(Identity::Path(folder(&end).canonicalize().ok()?.join(end.file_name()?)))
+}
+
+#[cfg(unix)]
+fn is_null(metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::{FileTypeExt, MetadataExt};
+    let null = Path::new("/dev/null").metadata();
+    metadata.file_type().is_char_device() && null.is_ok_and(|null| null.rdev() == metadata.rdev())
 }
 
 /// The folder that a file is in or will be.
@@ -48,6 +72,9 @@ pub fn folder(file: &Path) -> &Path {
 /// If it is nothing that a result can be written to.
 pub fn of(path: &Path) -> Result<Place> {
     let refuse = |finding: String| Error::failure(path.display(), finding, "give the path of a file");
+    if path.as_os_str().is_empty() {
+        return Err(Error::failure("\"\"", "is an empty path", "give the path of a file"));
+    }
     if path.to_string_lossy().ends_with(std::path::is_separator) {
         return Err(refuse("is a folder".into()));
     }
@@ -67,6 +94,10 @@ pub fn of(path: &Path) -> Result<Place> {
     if let Some(reason) = forbidden(&end, &metadata) {
         let remedy = "give another path, or make it writable first";
         return Err(Error::failure(path.display(), reason, remedy));
+    }
+    if !is_replaceable(&end, &metadata) {
+        let finding = "belongs to another user, and its folder lets only owners replace files";
+        return Err(Error::failure(path.display(), finding, "give another path"));
     }
     Ok(if kind.is_file() { Place::Regular(end) } else { Place::Stream(end) })
 }
@@ -131,6 +162,23 @@ fn forbidden(path: &Path, metadata: &std::fs::Metadata) -> Option<String> {
         ErrorKind::PermissionDenied => "is read-only".into(),
         _ => format!("cannot be written: {error}"),
     })
+}
+
+/// Whether a new file may take the place of the one at `path`: in a folder with the sticky bit, as `/tmp` is one, that is
+/// for the owners of the file and of the folder, and for root.
+#[cfg(unix)]
+fn is_replaceable(path: &Path, metadata: &std::fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    const STICKY: u32 = 0o1000;
+    let Ok(folder) = folder(path).metadata() else { return true };
+    let user = rustix::process::geteuid();
+    let is_owner = [metadata.uid(), folder.uid()].contains(&user.as_raw());
+    !metadata.is_file() || folder.mode() & STICKY == 0 || is_owner || user.is_root()
+}
+
+#[cfg(not(unix))]
+fn is_replaceable(_: &Path, _: &std::fs::Metadata) -> bool {
+    true
 }
 
 #[cfg(not(unix))]

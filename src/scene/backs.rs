@@ -27,9 +27,8 @@ pub fn seen(frame: &Frame, size: [u32; 2], file: &str, looks: &[Material]) -> Op
     let seen = pixels.iter().enumerate().filter(|(_, pixels)| **pixels > 0);
     let places: Vec<_> = seen.map(|(index, _)| label("material", index, looks[index].name.as_deref())).collect();
     let share = 100.0 * pixels.iter().sum::<u64>() as f64 / region.pixels() as f64;
-    let finding = format!(
-        "black backs of its surfaces cover {share:.1} % of the image: make the material doubleSided to light them"
-    );
+    let finding =
+        format!("black backs of surfaces cover {share:.1} % of the image; a doubleSided material is lit on both sides");
     (!places.is_empty()).then(|| Warning { places, ..Warning::new(file, finding) })
 }
 

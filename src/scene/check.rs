@@ -19,7 +19,9 @@ use super::lights::{self, Placed};
 use super::model;
 use super::phase;
 use super::ranges::{LARGEST, LARGEST_RADIANCE};
-use super::schema::{self, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique};
+use super::schema::{
+    self, LARGEST_FILM, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
+};
 use super::surfaces;
 use crate::error::{Error, Result};
 use crate::frame::Frame;
@@ -34,8 +36,6 @@ const LARGEST_AIMED: f64 = 0.99;
 const MOST_AIMED_LIGHTS: usize = 16;
 /// Smallest probability of going on from a vertex.
 const SMALLEST_SURVIVAL: f64 = 0.01;
-/// Pixels of the largest film: it takes 12 GiB.
-const LARGEST_FILM: u64 = 1 << 27;
 /// Largest exposure in stops either way: factors of 10^30.
 const MOST_STOPS: f64 = 100.0;
 
@@ -104,7 +104,7 @@ impl Check<'_> {
     fn film_size(&self, size: [u32; 2]) -> Result<()> {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let remedy = format!("give a width and a height of 1 or more, and at most {LARGEST_FILM} pixels in all");
-        self.require((1..=LARGEST_FILM).contains(&pixels), "film.size", format!("{size:?}"), &remedy)
+        self.require((1..=u64::from(LARGEST_FILM)).contains(&pixels), "film.size", format!("{size:?}"), &remedy)
     }
 
     fn exposure(&self, exposure: NumberOrAuto) -> Result<()> {

@@ -15,7 +15,7 @@ use toml::{Table, Value};
 use crate::error::{Error, Kind, Result};
 pub use overrides::Override;
 use overrides::{LONGEST_KEY, Step, display, enter, steps};
-pub(super) use parser_messages::in_plain_words;
+pub(super) use parser_messages::words;
 pub(super) use places::EXTRAS;
 use places::{Place, note_extras, note_table, place_at};
 
@@ -92,8 +92,9 @@ impl Document {
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let malformed = |error: toml::de::Error| {
             let place = error.span().map_or_else(|| file.to_string(), |span| place_at(file, text, span.start));
-            let finding = in_plain_words(error.message());
-            Error::failure(place, finding, "write valid TOML; fogbow render --help-scene lists the keys of a scene")
+            let words = parser_messages::words(error.message());
+            let remedy = "write valid TOML; fogbow render --help-scene lists the keys of a scene";
+            Error::failure(place, words.finding, words.remedy.unwrap_or_else(|| remedy.into()))
         };
         let mut places = BTreeMap::new();
         note_table(&mut places, "", DeTable::parse(text).map_err(malformed)?.get_ref());

@@ -22,7 +22,7 @@ use serde::de::IntoDeserializer;
 use crate::error::{Error, Result};
 use crate::gltf::Asset;
 use crate::warning::Warning;
-use document::{Document, Override, in_plain_words};
+use document::{Document, Override, words};
 use lights::Placed;
 pub use loaded::{Contents, Light, LoadedScene};
 use model::Loaded;
@@ -74,12 +74,14 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     warnings.extend(no_medium(document));
     let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
+    let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
+    let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
+    let named = scene.geometry.iter().chain(table).map(|file| document.folder().join(file));
+    let files = named.chain(beside).collect();
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
-    let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
-    let files = scene.geometry.iter().chain(table).map(|file| document.folder().join(file)).collect();
     Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
 }
 
@@ -119,13 +121,13 @@ fn name(path: &Path) -> String {
 fn read(document: &Document) -> Result<Scene> {
     serde_path_to_error::deserialize(document.values.clone().into_deserializer()).map_err(|error| {
         let path = error.path().to_string();
-        let finding = in_plain_words(error.inner().message());
-        let finding = if path == "." { finding } else { format!("{path}: {finding}") };
+        let words = words(error.inner().message());
         let remedy = match (path.as_str(), document.values.get("light")) {
             ("light", Some(toml::Value::Table(_))) => "write [[light]]: lights are a list of tables",
             _ => "see fogbow render --help-scene for every key with its type and range",
         };
-        document.error(&path, finding, remedy)
+        let finding = words.at(if path == "." { "" } else { &path });
+        document.error(&path, finding, words.remedy.unwrap_or_else(|| remedy.into()))
     })
 }
 

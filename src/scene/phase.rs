@@ -89,6 +89,7 @@ impl Keys<'_> {
     fn lobe(&self) -> Result<f32> {
         let remedy = "give a mean cosine from -0.9999 to 0.9999";
         match self.phase.g {
+            None if self.phase.kind == PhaseKind::HenyeyGreenstein => Ok(0.0),
             None => Err(self.missing("g", remedy)),
             Some(OneOrTwo::One(g)) if g.abs() <= SHARPEST => Ok(g as f32),
             Some(OneOrTwo::One(g)) => Err(self.wrong("g", format!("{g:?}"), remedy)),

@@ -7,6 +7,13 @@ use serde::{Deserialize, Serialize};
 
 pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Spectrum, Starts, Techniques};
 
+/// Most segments of a path.
+pub const MOST_SEGMENTS: u32 = 1024;
+/// Most samples per pixel.
+pub const MOST_SAMPLES: u32 = 1 << 31;
+/// Pixels of the largest film, and of its longest side: it takes 12 GiB.
+pub const LARGEST_FILM: u32 = 1 << 27;
+
 /// A scene: one TOML file.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -54,11 +61,13 @@ impl Scene {
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Position of the pinhole `[m]`.
+    #[serde(deserialize_with = "values::entries")]
     pub position: [f64; 3],
     /// A point on the viewing axis `[m]`.
+    #[serde(deserialize_with = "values::entries")]
     pub look_at: [f64; 3],
     /// The up direction in the image, made perpendicular to the viewing axis. Image right is forward x up.
-    #[serde(default = "Camera::up")]
+    #[serde(default = "Camera::up", deserialize_with = "values::entries")]
     pub up: [f64; 3],
     /// Angle of view from the lower to the upper edge of the image, in degrees, above 0 and below 180.
     pub vertical_fov_deg: f64,
@@ -78,7 +87,7 @@ impl Camera {
 #[serde(deny_unknown_fields)]
 pub struct Film {
     /// Width and height in pixels. The pixel filter is a box.
-    #[serde(default = "Film::square")]
+    #[serde(default = "Film::square", deserialize_with = "values::sides")]
     #[schemars(extend("x-format" = "[width, height]"))]
     pub size: [u32; 2],
     /// Exposure of PNG images in stops, -100 to 100; each stop doubles the radiance that is shown. With "auto" the
@@ -130,8 +139,8 @@ pub struct Phase {
     /// The phase function.
     #[serde(rename = "type", default)]
     pub kind: PhaseKind,
-    /// For henyey_greenstein, draine and two_lobe: mean cosine of the scattering angle, from -0.9999 to 0.9999; above 0 is
-    /// forward scattering. For two_lobe a list of two.
+    /// For henyey_greenstein (0 unless given), draine and two_lobe: mean cosine of the scattering angle, from -0.9999 to
+    /// 0.9999; above 0 is forward scattering. For two_lobe a list of two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub g: Option<OneOrTwo>,
     /// For two_lobe only: share of the first lobe, from 0 to 1.
@@ -143,7 +152,8 @@ pub struct Phase {
     /// For droplets only: diameter of the droplets in micrometres, from 5 to 50; fog and clouds have 10 to 30.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_um: Option<f64>,
-    /// For tabulated only: a CSV file with rows of cosine and value, in ascending order from -1 to 1; relative to the scene file.
+    /// For tabulated only: a CSV file with rows of cosine and value, in ascending order from -1 to 1; relative to the scene
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
 }
@@ -203,9 +213,10 @@ pub struct Light {
     #[serde(rename = "type")]
     pub kind: LightKind,
     /// Centre `[m]`.
+    #[serde(deserialize_with = "values::entries")]
     pub center: [f64; 3],
     /// For a disk or spot: the direction that the front faces, of any length but 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, deserialize_with = "values::some_entries", skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "[x, y, z]"))]
     pub normal: Option<[f64; 3]>,
     /// Radius `[m]`, > 0.
@@ -253,10 +264,10 @@ pub struct Render {
     /// Connection technique, or a list of them; `path` is always active as well.
     pub technique: Techniques,
     /// Longest path that counts, in segments, including the camera and light segments, 1 to 1024.
-    #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
+    #[serde(deserialize_with = "values::whole::<1, { MOST_SEGMENTS }, _>")]
     pub max_segments: u32,
     /// Shortest path that counts, in segments, 1 to max_segments: 1 counts all, 2 leaves out directly visible light.
-    #[serde(deserialize_with = "values::whole::<1, 1024, _>")]
+    #[serde(deserialize_with = "values::whole::<1, { MOST_SEGMENTS }, _>")]
     pub min_segments: u32,
     /// How bridges are rolled about their axis.
     pub roll: Roll,
@@ -292,7 +303,7 @@ pub struct Render {
     /// How a connection picks its light.
     pub light_selection: LightSelection,
     /// Samples per pixel, 1 to 2147483648.
-    #[serde(deserialize_with = "values::whole::<1, 0x8000_0000, _>")]
+    #[serde(deserialize_with = "values::whole::<1, { MOST_SAMPLES }, _>")]
     pub samples: u32,
     /// Seed for all random numbers, 0 to 4294967295.
     #[serde(deserialize_with = "values::whole::<0, { u32::MAX }, _>")]

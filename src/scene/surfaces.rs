@@ -73,7 +73,7 @@ pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<Warning> {
     let averaged: Vec<_> = model.materials.iter().enumerate().filter_map(averaged).collect();
     let own = [
         (suns, "directional lights are not rendered yet and are left out"),
-        (averaged, "its emission has a texture; each triangle emits the mean of it"),
+        (averaged, "textures of emission are averaged; each triangle emits the mean"),
     ];
     let own = own.into_iter().filter(|(places, _)| !places.is_empty());
     let own = own.map(|(places, finding)| Warning { places, ..Warning::new(file, finding) });

@@ -163,13 +163,14 @@ impl Session {
         Report { session: self, outcome }
     }
 
-    /// Writes the image to `path`.
+    /// Writes the image to `path`. If that is a pipe that nobody reads yet, waits until somebody does or `interrupted` says
+    /// so.
     ///
     /// # Errors
-    /// If it cannot be written.
-    pub fn write(&self, outcome: &Outcome, path: &Path, format: Format) -> Result<()> {
+    /// If it cannot be written, or the wait was interrupted.
+    pub fn write(&self, outcome: &Outcome, path: &Path, format: Format, interrupted: impl Fn() -> bool) -> Result<()> {
         let size = self.scene.scene.film.size;
-        output::write(path, |file| match format {
+        output::write(path, interrupted, |file| match format {
             Format::Png => image::png::write_film(file, &self.film, self.preparation.exposure.unwrap_or(Exposure(0.0))),
             Format::Exr => image::exr::write_film(file, &self.film, size, &self.report(outcome).header()),
         })

@@ -67,10 +67,13 @@ impl Report<'_> {
         )
     }
 
-    /// Writes the statistics as JSON.
-    pub fn write_statistics(&self, path: &Path) -> Result<()> {
+    /// Writes the statistics as JSON; waits as [`Session::write`] does.
+    ///
+    /// # Errors
+    /// If they cannot be written, or the wait was interrupted.
+    pub fn write_statistics(&self, path: &Path, interrupted: impl Fn() -> bool) -> Result<()> {
         let text = serde_json::to_string_pretty(&self.statistics()).expect("numbers and names");
-        output::write(path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
+        output::write(path, interrupted, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
     }
 
     /// Statistics as JSON.

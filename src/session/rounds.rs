@@ -1,11 +1,13 @@
 //! Rounds of samples, until the target is met.
 
+use core::cell::Cell;
 use core::ops::Range;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use super::{Outcome, Session};
+use crate::scene::schema::MOST_SAMPLES;
 use crate::stats::Stats;
 
 /// How often progress and deadlines are looked at.
@@ -20,8 +22,8 @@ const LIKELY_FRACTION: f64 = 0.05;
 /// Samples per pixel after which an image that is still black is taken for black.
 const BLACK_AFTER: u32 = 1 << 14;
 
-/// Most samples per pixel, whatever the target.
-const MOST_SAMPLES: u32 = 1 << 31;
+/// Share by which two estimates of the samples that a target takes may differ to be believed.
+const AGREEMENT: f64 = 0.1;
 
 /// When a render is done.
 #[derive(Clone, Copy, Debug)]
@@ -37,13 +39,13 @@ pub enum Target {
 /// How far a render is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
-    /// Share of the work that is done, in [0, 1].
+    /// Share of the work that is done, in [0, 1], as far as that is known; never less than before.
     pub fraction: f64,
     /// Camera paths so far.
     pub samples: u64,
     /// Time since the start.
     pub elapsed: Duration,
-    /// Time left, once anything is known about it `[s]`.
+    /// Time left, while anything is known about it `[s]`.
     pub seconds_left: Option<f64>,
 }
 
@@ -72,6 +74,7 @@ impl Session {
     /// and then how far it is.
     pub fn run(&self, target: Target, interrupted: impl Fn() -> bool, mut look: impl FnMut(State)) -> Outcome {
         let (mut stats, mut done) = (Stats::new(false), 0);
+        let (mut estimates, fraction) = (Estimates::default(), Cell::new(0.0));
         let begin = Instant::now();
         while !interrupted() {
             let Some(round) = self.next_round(target, done) else { break };
@@ -81,7 +84,12 @@ impl Session {
                 _ => None,
             };
             let pixels = self.film.region().pixels() as f64;
-            let watch = Watch { session: self, begin, target, expected: round.expected.map(|n| n * pixels) };
+            let expected = match target {
+                Target::Noise(_) => estimates.agreed(round.expected),
+                Target::Samples(_) | Target::Time(_) => round.expected,
+            };
+            let expected = expected.map(|expected| expected * pixels);
+            let watch = Watch { session: self, begin, target, expected, fraction: &fraction };
             done = round.samples.end;
             stats.merge(&self.render(round.samples, deadline, || look(watch.state())));
             look(watch.state()); // a short round had no time for it
@@ -137,6 +145,21 @@ impl Session {
     }
 }
 
+/// Estimates of the number of samples that a noise takes. Early ones may be far off, as long as few paths have found the
+/// light, so none counts unless the one before was about the same.
+#[derive(Debug, Default)]
+struct Estimates {
+    last: Option<f64>,
+}
+
+impl Estimates {
+    /// The `next` estimate, if it agrees with the last one.
+    fn agreed(&mut self, next: Option<f64>) -> Option<f64> {
+        let last = core::mem::replace(&mut self.last, next);
+        next.filter(|next| last.is_some_and(|last| (next / last - 1.0).abs() <= AGREEMENT))
+    }
+}
+
 /// Reads the progress of a running render.
 struct Watch<'a> {
     session: &'a Session,
@@ -145,6 +168,8 @@ struct Watch<'a> {
     target: Target,
     /// Samples of all pixels together after which the target will be met, as far as that is known.
     expected: Option<f64>,
+    /// The largest share of the work that was told so far.
+    fraction: &'a Cell<f64>,
 }
 
 impl Watch<'_> {
@@ -159,7 +184,8 @@ impl Watch<'_> {
             Target::Time(time) => Some(time.saturating_sub(elapsed).as_secs_f64()),
             Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
         };
-        State { fraction: fraction.min(1.0), samples, elapsed, seconds_left }
+        self.fraction.set(self.fraction.get().max(fraction.min(1.0)));
+        State { fraction: self.fraction.get(), samples, elapsed, seconds_left }
     }
 
     /// Time left at the rate so far `[s]`; none as long as that says little.
@@ -167,5 +193,18 @@ impl Watch<'_> {
         let since = self.begin.elapsed();
         let is_known = since >= SURE_AFTER || (since >= LIKELY_AFTER && fraction >= LIKELY_FRACTION);
         (is_known && fraction > 0.0).then(|| since.as_secs_f64() * (1.0 - fraction).max(0.0) / fraction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_counts_once_the_next_one_agrees() {
+        let mut estimates = Estimates::default();
+        let told = [None, Some(40.0), Some(90.0), Some(97.0), Some(93.0), Some(200.0), None, Some(200.0), Some(190.0)]
+            .map(|next| estimates.agreed(next));
+        assert_eq!(told, [None, None, None, Some(97.0), Some(93.0), None, None, None, Some(190.0)]);
     }
 }

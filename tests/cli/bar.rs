@@ -8,10 +8,15 @@ use super::support::Folder;
 
 /// What a render of about a second writes to a terminal of so many columns, which has others after half of it.
 fn drawn(columns: [u32; 2]) -> Option<String> {
+    drawn_with("--time 900ms", columns)
+}
+
+/// The same of a render with these flags.
+fn drawn_with(flags: &str, columns: [u32; 2]) -> Option<String> {
     let folder = Folder::with_scene();
     let [before, after] = columns;
     let script = format!(
-        "stty cols {before} rows 24; '{}' render scene.toml -o a.exr --time 900ms --progress bar & \
+        "stty cols {before} rows 24; '{}' render scene.toml -o a.exr {flags} --progress bar & \
          sleep 0.5; stty cols {after}; wait",
         env!("CARGO_BIN_EXE_fogbow")
     );
@@ -42,6 +47,28 @@ fn a_bar_fits_any_width_from_20_columns_on() {
             assert!(width <= columns as usize, "{width} of {columns} columns: {bar:?}");
             assert_eq!(bar.contains("samples/s"), columns >= 56, "{columns} columns: {bar:?}");
         }
+    }
+}
+
+/// The number before the last of `unit` in a bar.
+fn before(bar: &str, unit: &str) -> Option<f64> {
+    bar.rsplit_once(unit)?.0.rsplit(' ').next()?.parse().ok()
+}
+
+#[test]
+fn a_bar_and_the_time_behind_it_belong_together() {
+    // The pilot takes a part of the time, so that the bar does not begin empty.
+    let flags = "--time 2s --technique bridge --max-segments 32 --set medium.scattering=3 --size 64x64";
+    let Some(written) = drawn_with(flags, [100; 2]) else {
+        println!("not run: there is no script");
+        return;
+    };
+    let bars = bars(&written);
+    assert!(!bars.is_empty(), "{written:?}");
+    for bar in bars {
+        let Some((percent, left)) = before(bar, " %").zip(before(bar, " s left")) else { continue };
+        // The time is rounded to a tenth of a second, the share to a hundredth.
+        assert!((percent / 100.0 + left / 2.0 - 1.0).abs() < 0.04, "{bar:?} in {written:?}");
     }
 }
 

@@ -105,6 +105,53 @@ fn a_picture_shows_where_images_differ() {
 }
 
 #[test]
+fn the_picture_replaces_neither_image() {
+    let folder = renders();
+    std::fs::copy(folder.path("b.exr"), folder.path("b.png")).expect("a copy");
+    std::fs::create_dir(folder.path("sub")).expect("a folder");
+    let finding = "names a file that this command reads\n";
+    for (images, picture) in [(["a.exr", "b.png"], "b.png"), (["b.png", "a.exr"], "sub/../b.png")] {
+        let args = [&["compare"][..], &images, &["--png", picture]].concat();
+        folder.refused(&args, 2, &format!("--png {picture}: {finding}"));
+    }
+    folder.refused(&["compare", "a.exr", "b.exr", "--png", "png:a.exr"], 2, &format!("--png a.exr: {finding}"));
+    folder.refused(
+        &["compare", "a.exr", "b.exr", "--png", "exr:d.png"],
+        2,
+        "--png exr:d.png: does not name a PNG image\n",
+    );
+    folder.refused(&["compare", "a.exr", "b.exr", "--png", "png:"], 2, "--png png:: does not name a file\n");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_picture_may_go_into_a_pipe() {
+    let folder = renders();
+    let script = |shell: &str, script: &str| {
+        let mut command = std::process::Command::new(shell);
+        let output = command.args(["-c", script, env!("CARGO_BIN_EXE_fogbow")]).current_dir(folder.path(".")).output();
+        let output = output.expect("a shell");
+        assert!(output.status.success(), "{script}: {}", String::from_utf8_lossy(&output.stderr));
+        (output.stdout, String::from_utf8(output.stderr).expect("UTF-8"))
+    };
+    let is_png = |bytes: &[u8]| bytes.starts_with(b"\x89PNG");
+    for name in ["png:/dev/stdout", "/dev/stdout"] {
+        let (picture, report) = script("sh", &format!("\"$0\" compare a.exr b.exr --png {name} | cat"));
+        assert!(is_png(&picture) && report.starts_with("a.exr and b.exr: 8x8 pixels\nR  means "), "{report}");
+    }
+    if std::process::Command::new("bash").arg("--version").output().is_err() {
+        println!("not run in part: there is no bash");
+        return;
+    }
+    for name in [">(cat > d.png)", "png:>(cat > d.png)"] {
+        let (report, _) = script("bash", &format!("\"$0\" compare a.exr b.exr --png {name}; wait; sleep 0.2"));
+        assert!(report.starts_with(b"a.exr and b.exr: 8x8 pixels\n"), "{report:?}");
+        assert_eq!(folder.png("d.png").0.width, 8);
+        std::fs::remove_file(folder.path("d.png")).expect("a file");
+    }
+}
+
+#[test]
 fn images_that_cannot_be_compared_are_refused() {
     let folder = renders();
     folder.write("scene.exr", "no image");

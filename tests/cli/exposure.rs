@@ -83,6 +83,21 @@ fn an_exposure_is_a_number_of_stops() {
 }
 
 #[test]
+fn an_exposure_without_a_png_image_is_told_to_have_no_effect() {
+    let folder = Folder::with_scene();
+    let render = |output: &str, exposure: &str| {
+        let args = ["render", "scene.toml", "-o", output, "--exposure", exposure, "--progress", "none"];
+        folder.done(&args).stderr
+    };
+    for exposure in ["2", "auto"] {
+        let warning = "has no effect: only PNG images are exposed, and none is written\n";
+        let stops = if exposure == "2" { "2.0" } else { exposure };
+        assert_eq!(render("a.exr", exposure), format!("warning: --exposure {stops} {warning}"));
+    }
+    assert_eq!(render("a.png", "2"), "");
+}
+
+#[test]
 fn an_exposure_changes_no_radiance() {
     let folder = Folder::with_scene();
     folder.done(&["render", "scene.toml", "-o", "a.exr"]);

@@ -3,6 +3,11 @@
 use std::fs;
 use std::io::Read;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+
+use super::models::with_model;
 use super::support::{Folder, SCENE, header, plane};
 
 #[test]
@@ -29,6 +34,10 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
 #[test]
 fn an_output_names_its_format() {
     let folder = Folder::with_scene();
+    for output in ["png:", "EXR:"] {
+        let beginning = format!("--output {output}: does not name a file\n");
+        folder.refused(&["render", "scene.toml", "-o", output], 2, &beginning);
+    }
     for output in ["a", "a.jpg", ".exr", "scene.toml", "jpg:a", "/dev/null"] {
         let beginning = format!("--output {output}: does not name an image format\n");
         folder.refused(&["render", "scene.toml", "-o", output], 2, &beginning);
@@ -39,10 +48,45 @@ fn an_output_names_its_format() {
 #[test]
 fn statistics_do_not_replace_the_image_or_the_scene() {
     let folder = Folder::with_scene();
-    for stats in ["a.exr", "scene.toml"] {
-        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
+    for (stats, finding) in
+        [("a.exr", "names the same file as another output"), ("scene.toml", "names a file that this command reads")]
+    {
+        let beginning = format!("--stats {stats}: {finding}\n");
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
+}
+
+#[test]
+fn no_image_replaces_what_the_scene_is_read_from() {
+    let mut data = Vec::new();
+    let folder = with_model(|model| {
+        let uri = model["buffers"][0]["uri"].as_str().and_then(|uri| uri.split_once(',')).expect("a data URI");
+        data = STANDARD.decode(uri.1).expect("base64");
+        model["buffers"][0]["uri"] = json!("data/room.bin");
+        // Of no material, so that nobody reads it.
+        model["images"] = json!([{ "uri": "rough%20wall.png" }]);
+    });
+    folder.write("data/room.bin", data);
+    folder.write("rough wall.png", "a texture");
+    folder.write("scene.toml", "geometry = \"room.gltf\"\n");
+    let content = |name: &str| fs::read(folder.path(name)).expect("a file");
+    let files = ["scene.toml", "room.gltf", "data/room.bin", "rough wall.png"];
+    let before = files.map(content);
+    for file in files {
+        for output in [format!("png:{file}"), format!("exr:data/../{file}")] {
+            let path = &output[4..];
+            let beginning =
+                format!("--output {path}: names a file that this command reads\n  help: give the result a file");
+            folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", &output], 2, &beginning);
+        }
+        let beginning = format!("--stats {file}: names a file that this command reads\n");
+        folder.refused(&["render", ".", "-o", "a.exr", "--stats", file], 2, &beginning);
+    }
+    for file in &files[1..] {
+        let beginning = format!("--output {file}: names a file that this command reads\n");
+        folder.refused(&["render", "room.gltf", "-o", &format!("png:{file}")], 2, &beginning);
+    }
+    assert_eq!(files.map(content), before);
 }
 
 #[cfg(unix)]
@@ -82,8 +126,11 @@ fn a_file_is_named_once() {
             format!("--output {}: names the same file as another output\n", other.trim_start_matches("png:"));
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "-o", other], 2, &beginning);
     }
-    for stats in ["sub/../a.exr", "sub/../scene.toml"] {
-        let beginning = format!("--stats {stats}: names a file of the scene or an image\n");
+    for (stats, finding) in [
+        ("sub/../a.exr", "names the same file as another output"),
+        ("sub/../scene.toml", "names a file that this command"),
+    ] {
+        let beginning = format!("--stats {stats}: {finding}");
         folder.refused(&["render", ".", "-o", "a.exr", "--stats", stats], 2, &beginning);
     }
 }
@@ -187,6 +234,42 @@ fn a_file_that_its_owner_made_read_only_is_refused() {
     folder.refused(&["render", "scene.toml", "-o", "link.exr"], 1, "link.exr: is read-only\n");
     folder.refused(&["render", "scene.toml", "-o", "b.exr", "--stats", "s.json"], 1, "s.json: is read-only\n");
     assert_eq!(fs::read_to_string(folder.path("a.exr")).expect("a file"), "precious");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_of_somebody_else_in_a_folder_like_tmp_is_refused() {
+    use std::os::unix::fs::{PermissionsExt, chown};
+    use std::os::unix::process::CommandExt;
+    let folder = Folder::with_scene();
+    folder.write("a.exr", "precious");
+    let allow = |name: &str, mode: u32| {
+        fs::set_permissions(folder.path(name), fs::Permissions::from_mode(mode)).expect("own file");
+    };
+    allow("a.exr", 0o666);
+    allow("scene.toml", 0o644);
+    allow(".", 0o1777);
+    let (other, nobody) = (65_533, 65_534);
+    if chown(folder.path("."), Some(other), None).and(chown(folder.path("a.exr"), Some(other), None)).is_err() {
+        println!("not run: only root may give files away");
+        return;
+    }
+    // Where others may not run what this user has built, they may run a copy.
+    fs::copy(env!("CARGO_BIN_EXE_fogbow"), folder.path("fogbow")).expect("a copy");
+    let render = |output: &str| {
+        let mut command = std::process::Command::new(folder.path("fogbow"));
+        command.current_dir(folder.path(".")).uid(nobody).gid(nobody).stdin(std::process::Stdio::null());
+        let pipe = std::process::Stdio::piped;
+        command.args(["render", "scene.toml", "-o", output, "--progress", "none"]).stdout(pipe()).stderr(pipe());
+        super::support::Run::of(&mut command)
+    };
+    let run = render("a.exr");
+    let message = "error: a.exr: belongs to another user, and its folder lets only owners replace files\n  help: ";
+    assert!(run.code == Some(1) && run.stderr.starts_with(message), "{run}");
+    assert_eq!(fs::read(folder.path("a.exr")).expect("a file"), b"precious");
+    let run = render("b.exr");
+    assert_eq!(run.code, Some(0), "{run}");
+    assert_eq!(render("b.exr").code, Some(0), "one's own file may be replaced");
 }
 
 #[cfg(unix)]

@@ -32,15 +32,24 @@ fn an_override_is_checked_like_the_scene() {
     for (flag, key, range) in
         [("--max-segments", "max_segments", "from 1 to 1024"), ("--samples", "samples", "from 1 to 2147483648")]
     {
-        for number in ["-1", "0", "2147483649"] {
-            let finding = format!("this is the whole number `{number}`, expected a whole number {range}\n");
-            refused(&[flag, number], &format!("{flag} {number}: render.{key}: {finding}"));
+        for number in ["-1", "0", "2147483649", "99999999999999999999", "-99999999999999999999"] {
+            let finding = format!("out of range\n  help: give a whole number {range}\n");
+            refused(&[flag, number], &format!("{flag} {number}: is {finding}"));
+            let set = format!("render.{key}={number}");
+            let finding = match number.len() {
+                ..19 => format!("render.{key}: {number} is {finding}"),
+                _ => format!("{number} is out of range\n  help: give a number of at most 64 bits\n"),
+            };
+            refused(&["--set", &set], &format!("--set {set}: {finding}"));
         }
     }
-    refused(&["--seed", "-1"], "--seed -1: render.seed: this is the whole number `-1`");
-    refused(&["--seed", "4294967296"], "--seed 4294967296: render.seed: ");
-    refused(&["--size", "0x0"], "--size 0x0: film.size is [0, 0]\n");
-    refused(&["--size", "4000000000x4000000000"], "--size 4000000000x4000000000: film.size is ");
+    for seed in ["-1", "4294967296", "99999999999999999999"] {
+        let finding = "is out of range\n  help: give a whole number from 0 to 4294967295\n";
+        refused(&["--seed", seed], &format!("--seed {seed}: {finding}"));
+    }
+    refused(&["--size", "0x0"], "--size 0x0: film.size[0]: 0 is out of range\n  help: give a whole number from 1 to");
+    refused(&["--size", "4000000000x4"], "--size 4000000000x4: film.size[0]: 4000000000 is out of range\n");
+    refused(&["--size", "20000x20000"], "--size 20000x20000: film.size is [20000, 20000]\n");
 }
 
 #[test]
@@ -90,6 +99,10 @@ fn an_override_may_begin_a_table() {
     folder.done(&[&["render", "vacuum.toml", "-o", "a.exr"], &fog[..]].concat());
     folder.done(&["render", "scene.toml", "-o", "b.exr"]);
     assert_eq!(folder.image("a.exr").channels, folder.image("b.exr").channels);
+    let isotropic = ["--set", "medium.phase.type=henyey_greenstein", "--set", "medium.scattering=0.7"];
+    folder.done(&[&["render", "vacuum.toml", "-o", "c.exr"], &isotropic[..]].concat());
+    folder.done(&["render", "scene.toml", "-o", "d.exr", "--set", "medium.phase.g=0"]);
+    assert_eq!(folder.image("c.exr").channels, folder.image("d.exr").channels, "g is 0 unless it is given");
     let run = folder.done(&["render", "vacuum.toml", "-o", "c.exr", "--set", "medium.phase.g=0.5"]);
     let warning = "warning: --set medium.phase.g=0.5: medium has neither scattering nor absorption, so it is vacuum\n";
     assert!(run.stderr.starts_with(warning), "{run}");
@@ -110,8 +123,9 @@ fn a_value_that_does_not_parse_comes_with_an_example() {
         refused(&["--crop", crop], &format!("--crop {crop}: is not a crop window\n  help: give X0,Y0,X1,Y1"));
     }
     for time in ["5", "abc", "-1s", "1h2"] {
-        refused(&["--time", time], &format!("--time {time}: is not a duration: "));
+        refused(&["--time", time], &format!("--time {time}: is not a duration\n  help: give numbers with units"));
     }
+    refused(&["--time", "99999999999999999999s"], "--time 99999999999999999999s: is too long or too short\n");
     for noise in ["0", "-1", "nan", "inf", "x"] {
         refused(&["--noise", noise], &format!("--noise {noise}: is not a fraction above 0\n"));
     }
@@ -119,7 +133,7 @@ fn a_value_that_does_not_parse_comes_with_an_example() {
         refused(&["--threads", threads], &format!("--threads {threads}: is not a valid number of threads\n"));
     }
     for flag in ["--samples", "--max-segments", "--seed"] {
-        refused(&[flag, "1.5"], &format!("{flag} 1.5: is not a whole number\n"));
+        refused(&[flag, "1.5"], &format!("{flag} 1.5: is not a whole number\n  help: give a whole number from "));
     }
     refused(&["--mesc", "x"], "--mesc x: is not a number\n");
     refused(

@@ -391,13 +391,43 @@ fn a_black_back_in_view_is_told_with_its_material() {
         })
     };
     let run = render(&turned(false), &[]);
-    let warning = "warning: room.gltf: material 0 \"Plaster\": black backs of its surfaces cover 100.0 % of the image: \
-                   make the material doubleSided to light them\n";
+    let warning = "warning: room.gltf: material 0 \"Plaster\": black backs of surfaces cover 100.0 % of the image; \
+                   a doubleSided material is lit on both sides\n";
     assert!(run.stderr.contains(warning), "{run}");
     for folder in [turned(true), with_model(|_| {})] {
         let run = render(&folder, &[]);
         assert!(!run.stderr.contains("warning"), "{run}");
     }
+}
+
+#[test]
+fn a_warning_reads_well_whatever_the_number_of_its_places() {
+    let warned = |count: usize| {
+        let folder = with_model(|model| {
+            let glossy = json!({ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0.5 } });
+            model["materials"] = json!(vec![glossy; count]);
+            let wall = model["meshes"][0]["primitives"][0].clone();
+            let of = |material: usize| {
+                let mut wall = wall.clone();
+                wall["material"] = json!(material);
+                wall
+            };
+            model["meshes"][0]["primitives"] = (0..count).map(of).collect();
+            model["extensionsUsed"] = (0..count).map(|index| json!(format!("EXT_{index}"))).collect();
+        });
+        render(&folder, &[]).stderr
+    };
+    let lines = |extensions: &str, materials: &str| {
+        format!(
+            "warning: room.gltf: {extensions}: extensions that are not supported are ignored\n\
+             warning: room.gltf: {materials}: glossy materials are rendered as diffuse, without highlights\n"
+        )
+    };
+    assert_eq!(warned(1), lines("extension \"EXT_0\"", "material 0"));
+    let more = "and 2 more (--verbose lists all)";
+    let extensions = "extension \"EXT_0\", extension \"EXT_1\", extension \"EXT_2\", extension \"EXT_3\"";
+    let materials = "material 0, material 1, material 2, material 3";
+    assert_eq!(warned(6), lines(&format!("{extensions} {more}"), &format!("{materials} {more}")));
 }
 
 #[test]

@@ -32,14 +32,22 @@ fn a_wrong_type_is_reported_in_plain_words() {
         ("radius = 1.5", "radius = \"big\"", "light[0].radius: this is the string \"big\", expected a number"),
         ("radius = 1.5", "radius = true", "light[0].radius: this is the boolean `true`, expected a number"),
         ("samples = 4", "samples = 1.5", "render.samples: this is the number `1.5`, expected a whole number from 1 to"),
-        ("samples = 4", "samples = -1", "render.samples: this is the whole number `-1`, expected a whole number from"),
-        ("normal = [0, 0, -1]", "normal = [0, -1]", "light[0].normal: the number of entries is 2, expected a list of"),
         (
-            "normal = [0, 0, -1]",
-            "normal = [0, 0, -1, 0]",
-            "light[0].normal: the number of entries is 4, expected fewer",
+            "samples = 4",
+            "samples = -1",
+            "render.samples: -1 is out of range\n  help: give a whole number from 1 to 2147483648",
         ),
-        ("scattering = 0.7", "scattering = [1, 2]", "medium.scattering: the number of entries is 2, expected a number"),
+        ("normal = [0, 0, -1]", "normal = [0, -1]", "light[0].normal has 2 entries, not 3\n"),
+        ("normal = [0, 0, -1]", "normal = [0, 0, -1, 0, 0]", "light[0].normal has 5 entries, not 3\n"),
+        (
+            "center = [0, 0, 3]",
+            "center = 3",
+            "light[0].center: this is the whole number `3`, expected a list of 3 numbers\n",
+        ),
+        ("look_at = [0, 0, 1]", "look_at = [0]", "camera.look_at has 1 entry, not 3\n"),
+        ("size = [8, 8]", "size = [8, 8, 8]", "film.size has 3 entries, not 2\n"),
+        ("scattering = 0.7", "scattering = [1, 2]", "medium.scattering has 2 entries, not 3\n"),
+        ("scattering = 0.7", "scattering = [1, 2, 3, \"a\"]", "medium.scattering has 4 entries, not 3\n"),
         ("technique = \"mvnee\"", "technique = 3", "render.technique: this is the whole number `3`, expected the name"),
         ("type = \"disk\"", "type = \"cube\"", "light[0].type: unknown name `cube`, expected one of `disk`"),
         (
@@ -106,11 +114,11 @@ fn a_light_has_a_normal_and_a_size() {
 fn path_lengths_have_limits() {
     for segments in ["0", "1025", "4294967295"] {
         let to = format!("max_segments = {segments}");
-        let finding = format!("this is the whole number `{segments}`, expected a whole number from 1 to 1024\n");
+        let finding = format!("{segments} is out of range\n  help: give a whole number from 1 to 1024\n");
         refused("max_segments = 24", &to, &format!("render.max_segments: {finding}"));
     }
     refused("max_segments = 24", "max_segments = 24\nmin_segments = 25", "render.min_segments is 25\n");
-    let finding = "render.min_segments: this is the whole number `0`, expected a whole number from 1 to 1024\n";
+    let finding = "render.min_segments: 0 is out of range\n  help: give a whole number from 1 to 1024\n";
     refused("max_segments = 24", "max_segments = 24\nmin_segments = 0", finding);
     refused("mesc = 4", "mesc = 0", "render.mesc is 0.0\n");
     refused("mesc = 4", "mesc = nan", "render.mesc is NaN\n");
@@ -130,12 +138,22 @@ fn a_camera_sees_something() {
 
 #[test]
 fn a_film_has_pixels_but_not_more_than_fit() {
-    for size in ["[0, 0]", "[8, 0]", "[4000000000, 4000000000]", "[1, 134217729]"] {
-        refused("size = [8, 8]", &format!("size = {size}"), &format!("film.size is {size}\n"));
+    refused("size = [8, 8]", "size = [20000, 20000]", "film.size is [20000, 20000]\n");
+    for (size, key, side) in [
+        ("[-1, 8]", "film.size[0]", "-1"),
+        ("[0, 0]", "film.size[0]", "0"),
+        ("[8, 0]", "film.size[1]", "0"),
+        ("[1, 134217729]", "film.size[1]", "134217729"),
+        ("[4294967296, 1]", "film.size[0]", "4294967296"),
+    ] {
+        let folder = Folder::with_edited_scene("size = [8, 8]", &format!("size = {size}"));
+        let column =
+            if key.ends_with("[0]") { "size = [".len() } else { size.find(", ").expect("two") + 2 + "size = ".len() };
+        let line = folder.place("size = ").rsplit_once(':').expect("a column").0.to_string();
+        let help = "give a whole number from 1 to 134217728\n";
+        let beginning = format!("{line}:{}: {key}: {side} is out of range\n  help: {help}", column + 1);
+        folder.refused(&["render", "scene.toml"], 1, &beginning);
     }
-    let folder = Folder::with_edited_scene("size = [8, 8]", "size = [4294967296, 1]");
-    let beginning = format!("{}: film.size[0]: this is the whole number `4294967296`", folder.place("4294967296"));
-    folder.refused(&["render", "scene.toml"], 1, &beginning);
 }
 
 #[test]
@@ -177,7 +195,7 @@ fn files_that_are_no_scenes_are_told_apart() {
     folder.refused(&["render", "prose.toml"], 1, "prose.toml:2:4: ");
     folder.refused(&["render", "latin1.toml"], 1, "latin1.toml:2:7: is not a UTF-8 text file\n");
     folder.refused(&["render", "deep.toml"], 1, "deep.toml:1:");
-    folder.refused(&["render", "huge.toml"], 1, "huge.toml:1:8: this is the whole number `99999999999999999999`");
+    folder.refused(&["render", "huge.toml"], 1, "huge.toml:1:8: 99999999999999999999 is out of range\n");
     folder.refused(&["render", "here"], 1, "here: is a folder without a scene.toml\n");
     folder.refused(&["render", "."], 1, ".: is a folder without a scene.toml\n");
 }
@@ -343,5 +361,21 @@ fn inputs_without_end_or_too_large_are_refused_by_size() {
         let file = std::fs::File::create(folder.path(name)).expect("a file");
         file.set_len(1 << 40).expect("a file system with holes");
         folder.refused(&["render", name], 1, &format!("{name}: {finding}"));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_large_file_that_is_no_model_is_refused_by_its_first_bytes() {
+    let folder = Folder::with_edited_scene("[camera]", "geometry = \"big.glb\"\n[camera]");
+    let file = std::fs::File::create(folder.path("big.glb")).expect("a file");
+    file.set_len(3900 << 20).expect("a file system with holes");
+    for scene in ["big.glb", "scene.toml"] {
+        let mut shell = std::process::Command::new("sh");
+        let render = format!("ulimit -v 1500000; exec {} render {scene}", env!("CARGO_BIN_EXE_fogbow"));
+        let output = shell.current_dir(folder.path(".")).args(["-c", &render]).output().expect("a shell");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.starts_with("error: big.glb: is not glTF: it begins neither with "), "{stderr}");
     }
 }

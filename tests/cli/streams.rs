@@ -42,6 +42,35 @@ fn devices_stay_devices() {
 }
 
 #[test]
+fn a_pipe_or_standard_output_takes_one_result() {
+    let folder = Folder::with_scene();
+    let made = Command::new("mkfifo").arg("pipe").current_dir(folder.path(".")).status().expect("mkfifo");
+    assert!(made.success());
+    let another = "names the same file as another output\n";
+    for (outputs, finding) in [
+        (["-o", "png:pipe", "-o", "exr:./pipe"], format!("--output ./pipe: {another}")),
+        (["-o", "png:pipe", "--stats", "pipe"], format!("--stats pipe: {another}")),
+        (["-o", "png:/dev/stdout", "-o", "exr:/dev/fd/1"], format!("--output /dev/fd/1: {another}")),
+        (["-o", "png:/dev/stdout", "--stats", "/proc/self/fd/1"], format!("--stats /proc/self/fd/1: {another}")),
+        (["-o", "png:/dev/full", "--stats", "/dev/full"], format!("--stats /dev/full: {another}")),
+    ] {
+        folder.refused(&[&["render", "scene.toml"][..], &outputs].concat(), 2, &finding);
+    }
+    let openjd = "names standard output, where --progress openjd writes its lines\n";
+    for (flags, name) in
+        [(["-o", "png:/dev/stdout"], "--output /dev/stdout"), (["--stats", "/dev/fd/1"], "--stats /dev/fd/1")]
+    {
+        let args = ["render", "scene.toml", "-o", "a.exr", "--progress", "openjd"];
+        folder.refused(&[&args[..], &flags].concat(), 2, &format!("{name}: {openjd}"));
+    }
+    // What standard output leads to counts, not what it is called.
+    let script = "\"$0\" render scene.toml -o png:/dev/stdout -o exr:b.exr > b.exr 2> message; test $? = 2";
+    self::script(&folder, "sh", script);
+    let message = fs::read_to_string(folder.path("message")).expect("a message");
+    assert!(message.starts_with(&format!("error: --output b.exr: {another}")), "{message}");
+}
+
+#[test]
 fn a_named_pipe_gets_the_image() {
     let folder = Folder::with_scene();
     let text = "mkfifo pipe.png && ln -s pipe.png link.png || exit 1

@@ -48,7 +48,7 @@ fn sheared_cameras_have_a_perpendicular_up() {
     let model = file.model();
     let camera = &model.cameras[0];
     assert!(near(camera.forward, [0.0, 0.0, -1.0]) && near(camera.up, [0.0, 1.0, 0.0]), "{camera:?}");
-    assert_eq!(warnings(&model), ["node 0: its camera is mirrored, but the image is not"]);
+    assert_eq!(warnings(&model), ["node 0: mirrored cameras render images that are not mirrored"]);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn lights_shine_along_minus_z() {
     assert_eq!((&point.extras, &spot.extras), (&Some(json!({ "radius": 0.03 })), &None));
     assert!(near(spot.direction, [0.0, -1.0, 0.0]), "{spot:?}");
     assert_eq!((spot.color, spot.intensity, spot.node), ([1.0, 0.5, 0.0], 7.5, 1));
-    assert_eq!(warnings(&model), ["light 2: its range is ignored; its light reaches any distance"]);
+    assert_eq!(warnings(&model), ["light 2: ranges are ignored; light reaches any distance"]);
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn rotations_are_normalized() {
     file.json["nodes"] = json!([{ "mesh": mesh, "rotation": [0, 0, 3, 3], "name": "Lamp" }]);
     let model = file.model();
     assert!(near(model.positions[1], [0.0, 1.0, 0.0]), "{:?}", model.positions);
-    assert_eq!(warnings(&model), ["node 0 \"Lamp\": its rotation is not a unit quaternion and is normalized"]);
+    assert_eq!(warnings(&model), ["node 0 \"Lamp\": rotations that are not unit quaternions are normalized"]);
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn scale_0_hides_a_node_and_its_children() {
     file.json["nodes"] = json!([{ "children": [1], "scale": [0, 0, 0] }, { "mesh": mesh }]);
     let model = file.model();
     assert!(model.triangles.is_empty());
-    assert_eq!(warnings(&model), ["node 0: has scale 0 and is left out, with all nodes below it"]);
+    assert_eq!(warnings(&model), ["node 0: nodes of scale 0 are left out, with all nodes below them"]);
 }
 
 #[test]

@@ -66,15 +66,13 @@ fn materials_that_are_more_than_diffuse_are_named_once() {
         with("tiles", "metallicRoughnessTexture", texture.clone()),
         bumpy,
     ];
-    let diffuse = "is rendered as diffuse";
     assert_eq!(
         warnings(&painted(&materials).model()),
         [
-            format!(
-                "material 1 \"brass\", material 2 \"silent\": is metallic (metallicFactor is 1 unless the file sets it) and {diffuse}"
-            ),
-            format!("material 3 \"floor\", material 4 \"tiles\": is glossy and {diffuse}, without highlights"),
-            "material 5 \"bumpy\": has a normal map, which is ignored; the surface is as flat as its triangles".into(),
+            "material 1 \"brass\", material 2 \"silent\": metallic materials are rendered as diffuse (metallicFactor is 1 \
+             unless the file sets it)",
+            "material 3 \"floor\", material 4 \"tiles\": glossy materials are rendered as diffuse, without highlights",
+            "material 5 \"bumpy\": normal maps are ignored; surfaces are as flat as their triangles",
         ]
     );
     assert!(warnings(&painted(&materials[..1]).model()).is_empty());
@@ -83,7 +81,7 @@ fn materials_that_are_more_than_diffuse_are_named_once() {
 #[test]
 fn alpha_is_left_out() {
     let file = with(json!({ "name": "leaf", "alphaMode": "MASK" }));
-    assert_eq!(warnings(&file.model()), ["material 0 \"leaf\": its alpha is ignored; the surface is opaque"]);
+    assert_eq!(warnings(&file.model()), ["material 0 \"leaf\": alpha is ignored; surfaces are opaque"]);
     assert!(with(json!({ "alphaMode": "OPAQUE" })).model().warnings.is_empty());
 }
 

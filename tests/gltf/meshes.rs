@@ -231,10 +231,10 @@ fn what_moves_stands_still() {
     let model = file.model();
     assert_eq!(model.positions, TRIANGLE);
     let expected = [
-        "extensionsUsed: \"KHR_materials_ior\", \"VENDOR_x\": these extensions are ignored",
+        "extension \"KHR_materials_ior\", extension \"VENDOR_x\": extensions that are not supported are ignored",
         "animation 0: animations are ignored; nodes stay where the file places them",
-        "node 0 \"dancer\": skins are ignored; the mesh keeps its bind pose and, unlike in glTF, its node's transform",
-        "mesh 0, primitive 0: morph targets are ignored; the mesh keeps its base shape",
+        "node 0 \"dancer\": skins are ignored; meshes keep their bind pose and, unlike in glTF, their node's transform",
+        "mesh 0, primitive 0: morph targets are ignored; meshes keep their base shape",
     ];
     assert_eq!(warnings(&model), expected);
 }

@@ -54,7 +54,12 @@ fn data_is_the_same_wherever_it_is() {
     external["images"] = json!([{ "uri": data_uri("image/png", &image) }]);
     write(&folder, "pictures.gltf", external.to_string());
     for name in ["model.glb", "embedded.gltf", "marked.gltf", "external.gltf", "pictures.gltf"] {
-        assert_eq!(gltf::load(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}")), expected, "{name}");
+        let mut model = gltf::load(&folder.path().join(name)).unwrap_or_else(|error| panic!("{error}"));
+        let files = std::mem::take(&mut model.files);
+        assert_eq!(model, expected, "{name}");
+        let beside = ["data/bäch %.bin", "./data/rot.png"].map(|file| folder.path().join(file));
+        let named = if name == "external.gltf" { beside.to_vec() } else { Vec::new() };
+        assert_eq!(files, named, "{name}");
     }
 }
 

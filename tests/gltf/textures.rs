@@ -165,6 +165,6 @@ fn meshes_without_texture_coordinates_are_at_0_0() {
     let second = &model.texcoords[1];
     assert_eq!(second[..6], [[0.0; 2], [0.0; 2], [0.0; 2], [0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]);
     assert!(near(second[6], [0.0, 0.2]) && near(second[7], [0.4, 0.6]) && near(second[8], [0.8, 1.0]), "{second:?}");
-    let warning = "its material has a texture, but there are no texture coordinates for it; (0, 0) is used";
+    let warning = "texture coordinates for a texture of the material are missing; (0, 0) is used";
     assert_eq!(warnings(&model), [format!("mesh 0, primitive 0: {warning}")]);
 }

@@ -2,6 +2,7 @@
 
 use toml::{Table, Value};
 
+use super::parser_messages::{Words, words};
 use crate::error::{Error, Result};
 
 /// Steps of the longest key that an override may have: some more than any key of a scene has.
@@ -24,13 +25,19 @@ impl Override {
     /// From `key=value`, where the value is TOML; what is not a TOML value is a string.
     ///
     /// # Errors
-    /// If there is no `=`.
+    /// If there is no `=`, or the value is a number that is too large.
     pub fn parse(text: &str) -> Result<Self> {
         let flag = format!("--set {text}");
         let Some((key, value)) = text.split_once('=') else {
             return Err(Error::usage(flag, "has no '='", "write key=value, for example medium.phase.g=0.6"));
         };
-        let parsed = format!("value = {value}").parse::<Table>().ok().filter(|table| table.len() == 1);
+        let parsed = format!("value = {value}").parse::<Table>();
+        let words = parsed.as_ref().err().map(|error| words(error.message()));
+        // A number that TOML cannot hold is meant as one all the same.
+        if let Some(Words { finding, remedy: Some(remedy) }) = words {
+            return Err(Error::usage(flag, finding, remedy));
+        }
+        let parsed = parsed.ok().filter(|table| table.len() == 1);
         let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
         Ok(Self { key: key.trim().into(), value, flag, is_dedicated: false })
     }

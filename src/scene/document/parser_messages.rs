@@ -1,11 +1,44 @@
 //! What the parsers say, in words of someone who writes a scene rather than Rust.
 
+/// What is wrong with a value, and what would be right where that is short.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Words {
+    /// What was found; begins with a verb if it is about the key and not about its value.
+    pub finding: String,
+    /// What would be right.
+    pub remedy: Option<String>,
+}
+
+impl Words {
+    /// The finding about the value at `path`, which is empty for that of the whole document.
+    pub fn at(&self, path: &str) -> String {
+        let Self { finding, .. } = self;
+        match path {
+            "" => finding.clone(),
+            _ if finding.starts_with("has ") => format!("{path} {finding}"),
+            _ => format!("{path}: {finding}"),
+        }
+    }
+}
+
 /// `message` of the TOML parser or of a type, with keys and lists for fields and sequences.
-pub fn in_plain_words(message: &str) -> String {
+pub fn words(message: &str) -> Words {
     let Some((found, expected)) = message.rsplit_once(", expected ") else {
-        return message.replacen("missing field", "missing key", 1);
+        return Words { finding: message.replacen("missing field", "missing key", 1), remedy: None };
     };
-    format!("{}, expected {}", plain_found(found), plain_expected(expected))
+    let expected = plain_expected(expected);
+    match out_of_range(found) {
+        Some(number) => {
+            Words { finding: format!("{number} is out of range"), remedy: Some(format!("give {expected}")) }
+        }
+        None => Words { finding: format!("{}, expected {expected}", plain_found(found)), remedy: None },
+    }
+}
+
+/// The whole number that is refused for being too small or too large.
+fn out_of_range(found: &str) -> Option<&str> {
+    let number = found.strip_prefix("invalid value: integer `").and_then(|rest| rest.strip_suffix('`'));
+    number.or_else(|| found.strip_prefix("invalid type: integer `")?.strip_suffix("` as i128"))
 }
 
 fn plain_found(found: &str) -> String {
@@ -20,13 +53,11 @@ fn plain_found(found: &str) -> String {
         ("unknown variant", "unknown name"),
         ("invalid type: floating point", "this is the number"),
         ("invalid type: integer", "this is the whole number"),
-        ("invalid value: integer", "this is the whole number"),
         ("invalid type:", "this is the"),
         ("invalid value:", "this is the"),
-        ("invalid length", "the number of entries is"),
     ];
     let prefix = prefixes.iter().find_map(|(theirs, ours)| Some((found.strip_prefix(theirs)?, ours)));
-    prefix.map_or_else(|| found.into(), |(rest, ours)| format!("{ours}{}", rest.trim_end_matches(" as i128")))
+    prefix.map_or_else(|| found.into(), |(rest, ours)| format!("{ours}{rest}"))
 }
 
 fn plain_expected(expected: &str) -> String {
@@ -35,10 +66,9 @@ fn plain_expected(expected: &str) -> String {
         "f64" => "a number".into(),
         "a sequence" => "a list".into(),
         "string only" => "a name".into(),
-        "fewer elements in array" => "fewer".into(),
         "any valid TOML value" => "a number of at most 64 bits".into(),
         _ if expected.starts_with("struct ") => "a table".into(),
-        _ => expected.replacen("an array of length", "a list of length", 1).replacen("an array of", "a list of", 1),
+        _ => expected.into(),
     }
 }
 
@@ -51,22 +81,40 @@ mod tests {
         let cases = [
             ("unknown field `g`, expected one of `a`, `b`", "unknown key `g`, expected one of `a`, `b`"),
             ("invalid type: integer `3`, expected struct Camera", "this is the whole number `3`, expected a table"),
-            ("invalid length 4, expected fewer elements in array", "the number of entries is 4, expected fewer"),
             ("missing field `camera`", "missing key `camera`"),
             ("invalid value: string \"few\", expected a number", "this is the string \"few\", expected a number"),
-            (
-                "invalid type: integer `99999999999999999999` as i128, expected any valid TOML value",
-                "this is the whole number `99999999999999999999`, expected a number of at most 64 bits",
-            ),
         ];
         for (theirs, ours) in cases {
-            assert_eq!(in_plain_words(theirs), ours);
+            assert_eq!(words(theirs), Words { finding: ours.into(), remedy: None });
         }
+    }
+
+    #[test]
+    fn numbers_out_of_range_come_with_the_range() {
+        for (theirs, number, range) in [
+            ("invalid value: integer `-1`, expected u32", "-1", "a whole number from 0 to 4294967295"),
+            ("invalid value: integer `0`, expected a whole number from 1 to 9", "0", "a whole number from 1 to 9"),
+            (
+                "invalid type: integer `99999999999999999999` as i128, expected any valid TOML value",
+                "99999999999999999999",
+                "a number of at most 64 bits",
+            ),
+        ] {
+            let Words { finding, remedy } = words(theirs);
+            assert_eq!((finding, remedy), (format!("{number} is out of range"), Some(format!("give {range}"))));
+        }
+    }
+
+    #[test]
+    fn findings_about_a_key_follow_it() {
+        assert_eq!(words("has 3 entries, not 2").at("film.size"), "film.size has 3 entries, not 2");
+        assert_eq!(words("unknown field `g`, expected `a`").at("film"), "film: unknown key `g`, expected `a`");
+        assert_eq!(words("missing field `light`").at(""), "missing key `light`");
     }
 
     #[test]
     fn what_the_author_wrote_stays_as_it_is() {
         let theirs = r#"invalid type: string "map, expected u32", expected f64"#;
-        assert_eq!(in_plain_words(theirs), r#"this is the string "map, expected u32", expected a number"#);
+        assert_eq!(words(theirs).finding, r#"this is the string "map, expected u32", expected a number"#);
     }
 }

@@ -1,13 +1,14 @@
 //! Values that are written in more than one way.
 
 use core::fmt;
+use core::marker::PhantomData;
 
 use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Camera, Phase, PhaseKind, Technique};
+use super::{Camera, LARGEST_FILM, Phase, PhaseKind, Technique};
 
 /// A table `[camera]`, or the name of a camera of the geometry.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -58,6 +59,65 @@ pub fn whole<'de, const MIN: u32, const MAX: u32, D: Deserializer<'de>>(deserial
         }
     }
     deserializer.deserialize_any(Whole::<MIN, MAX>)
+}
+
+/// Reads a list of `N` values.
+pub fn entries<'de, T: Deserialize<'de>, const N: usize, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<[T; N], D::Error> {
+    struct Entries<T, const N: usize>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Entries<T, N> {
+        type Value = [T; N];
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a list of {N} numbers")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[T; N], A::Error> {
+            let mut list = Vec::new();
+            while list.len() < N {
+                match seq.next_element()? {
+                    Some(entry) => list.push(entry),
+                    None => return Err(wrong_count(list.len(), N)),
+                }
+            }
+            refuse_more(seq, N)?;
+            list.try_into().map_err(|_| de::Error::custom("is no list"))
+        }
+    }
+    deserializer.deserialize_any(Entries(PhantomData))
+}
+
+/// The same for a key that may be absent.
+pub fn some_entries<'de, T: Deserialize<'de>, const N: usize, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<[T; N]>, D::Error> {
+    entries(deserializer).map(Some)
+}
+
+/// Reads the width and height of an image.
+pub fn sides<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[u32; 2], D::Error> {
+    struct Side(u32);
+    impl<'de> Deserialize<'de> for Side {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            whole::<1, LARGEST_FILM, _>(deserializer).map(Self)
+        }
+    }
+    entries(deserializer).map(|sides: [Side; 2]| sides.map(|side| side.0))
+}
+
+fn wrong_count<E: de::Error>(count: usize, right: usize) -> E {
+    let entries = if count == 1 { "entry" } else { "entries" };
+    E::custom(format_args!("has {count} {entries}, not {right}"))
+}
+
+/// An error if there is more in `seq`, of which `count` entries, all that it should have, were read.
+fn refuse_more<'de, A: SeqAccess<'de>>(mut seq: A, count: usize) -> Result<(), A::Error> {
+    let mut all = count;
+    while seq.next_element::<de::IgnoredAny>()?.is_some() {
+        all += 1;
+    }
+    if all == count { Ok(()) } else { Err(wrong_count(all, count)) }
 }
 
 /// How many vertices connect.
@@ -185,12 +245,10 @@ impl<'de> Deserialize<'de> for Spectrum {
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Spectrum, A::Error> {
                 let mut channels = [0.0; 3];
                 for (index, channel) in channels.iter_mut().enumerate() {
-                    *channel = seq.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &self))?;
+                    *channel = seq.next_element()?.ok_or_else(|| wrong_count(index, 3))?;
                 }
-                match seq.next_element::<f64>()? {
-                    None => Ok(Spectrum(channels)),
-                    Some(_) => Err(de::Error::invalid_length(4, &self)),
-                }
+                refuse_more(seq, 3)?;
+                Ok(Spectrum(channels))
             }
         }
         deserializer.deserialize_any(Channels)
