@@ -12,6 +12,7 @@ mod info;
 mod lamps;
 mod left_out;
 mod models;
+mod phases;
 mod progress;
 mod render;
 mod scenes;

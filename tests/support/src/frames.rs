@@ -93,6 +93,24 @@ pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
     Frame { techniques: active.techniques(&frame.medium, frame.lengths.max, mesc), ..frame.clone() }
 }
 
+/// A phase function of every kind but one lobe of Henyey and Greenstein, by name.
+pub fn phase_functions() -> [(&'static str, PhaseFunction); 6] {
+    let table = [(-1.0, 0.4), (-0.2, 0.05), (0.5, 0.5), (0.9, 2.0), (1.0, 20.0)];
+    [
+        ("rayleigh", PhaseFunction::rayleigh()),
+        ("two lobes", PhaseFunction::two_lobe([0.9, -0.4], 0.7)),
+        ("draine", PhaseFunction::draine(0.6, 3.0)),
+        ("droplets of 6 um", PhaseFunction::droplets(6.0)),
+        ("droplets of 30 um", PhaseFunction::droplets(30.0)),
+        ("table", PhaseFunction::tabulated(&table).expect("a valid table")),
+    ]
+}
+
+/// `frame` with another phase function; techniques have to be set anew.
+pub fn with_phase(frame: &Frame, phase: PhaseFunction) -> Frame {
+    Frame { medium: Medium { phase, ..frame.medium.clone() }, ..frame.clone() }
+}
+
 /// `frame` with only paths of `segments` segments.
 pub fn with_length(frame: &Frame, segments: u32) -> Frame {
     Frame { lengths: PathLengths { min: segments, max: segments }, ..frame.clone() }
@@ -323,6 +341,12 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     }
     for g in [-0.9, -0.3, 0.0, 1e-5, 0.3, 0.97] {
         add(format!("three lights, g {g}"), three_lights(g, Selection::Intensity, size));
+    }
+    for (phase_name, phase) in phase_functions() {
+        let frame = with_phase(&three_lights(0.0, Selection::IntensityDistance, size), phase);
+        for active in [Active::Both, Active::Every] {
+            add(format!("three lights, {phase_name}, {active:?}"), with_techniques(&frame, active, 2.0));
+        }
     }
     for (starts, survival) in [(1, 1.0), (2, 0.5), (u32::MAX, 0.7)] {
         for active in [Active::Bridge, Active::Every] {

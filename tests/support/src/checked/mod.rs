@@ -19,6 +19,7 @@ use fogbow_kernels::emission::reference::cosine;
 use fogbow_kernels::lanes::{LANES, LaneSet};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
+use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{
     Step, accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
     prune, remember, roulette, scatter, surface,

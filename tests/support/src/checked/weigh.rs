@@ -32,7 +32,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
     for at in bucket.rows() {
         count_rows(1);
         let (weight, weight_twin) = (f64::from(weights[at]), f64::from(weights_twin[at]));
-        let conditioning = sight.conditioning(medium.phase.mean_cosine(), at);
+        let conditioning = sight.conditioning(sharpest(medium), at);
         let Tolerance { absolute, relative } = tolerances::WEIGHT;
         let largest = weight.max(weight_twin);
         if (weight == 0.0) != (weight_twin == 0.0) && largest > absolute {
@@ -53,6 +53,11 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
     for at in bucket.rows() {
         check_row("mis_weight", (0, at), &factors, &[("factor", tolerances::CONTRIBUTION)]);
     }
+}
+
+/// Largest |g| of the lobes of a medium.
+fn sharpest(medium: &Medium) -> f64 {
+    medium.phase.twin().roll_lobes().into_iter().fold(0.0, |largest, (_, g)| g.abs().max(largest))
 }
 
 /// The complete paths of candidates.
