@@ -43,8 +43,21 @@ pub trait PhaseX8: Copy {
     /// Draws a turn from a uniform number in (0, 1).
     fn sample(&self, u: f32x8) -> Deflection;
 
+    /// The same for a number u of which `above = 1 - u` is known apart, each relative to itself: what is left of a number that
+    /// selected something else before.
+    #[inline(always)]
+    fn sample_at(&self, u: f32x8, _above: f32x8) -> Deflection {
+        self.sample(u)
+    }
+
     /// Draws a turn by less than a right angle.
     fn sample_forward(&self, u: f32x8) -> Deflection;
+
+    /// The same as [`Self::sample_at`] for turns by less than a right angle.
+    #[inline(always)]
+    fn sample_forward_at(&self, u: f32x8, _above: f32x8) -> Deflection {
+        self.sample_forward(u)
+    }
 
     /// Share of such turns, (0, 1).
     fn forward_share(&self) -> f32x8;

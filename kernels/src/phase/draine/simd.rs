@@ -158,8 +158,12 @@ fn deflection(x: f32x8, sign: f32x8) -> Deflection {
 impl PhaseX8 for DraineX8 {
     #[inline(always)]
     fn sample(&self, u: f32x8) -> Deflection {
+        self.sample_at(u, f32x8::ONE - u)
+    }
+
+    #[inline(always)]
+    fn sample_at(&self, u: f32x8, above: f32x8) -> Deflection {
         let one = f32x8::ONE;
-        let above = one - u;
         let forward = above.simd_lt(self.front.share);
         let hemisphere = Hemisphere::select(forward, &self.front, &self.back);
         deflection(hemisphere.pole_distance(forward.select(above, u), self.alpha), forward.select(one, -one))
@@ -167,7 +171,12 @@ impl PhaseX8 for DraineX8 {
 
     #[inline(always)]
     fn sample_forward(&self, u: f32x8) -> Deflection {
-        deflection(self.front.pole_distance((f32x8::ONE - u) * self.front.share, self.alpha), f32x8::ONE)
+        self.sample_forward_at(u, f32x8::ONE - u)
+    }
+
+    #[inline(always)]
+    fn sample_forward_at(&self, _: f32x8, above: f32x8) -> Deflection {
+        deflection(self.front.pole_distance(above * self.front.share, self.alpha), f32x8::ONE)
     }
 
     #[inline(always)]

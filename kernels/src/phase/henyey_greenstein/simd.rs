@@ -31,8 +31,6 @@ pub struct HenyeyGreensteinX8 {
     g: f32x8,
     /// 1 or -1, as g
     sign: f32x8,
-    /// 0 or 1: `sign u + mirror` is u for a forward lobe, 1 - u for a backward one
-    mirror: f32x8,
     /// 2 |g|
     two_g: f32x8,
     /// 1 - |g|
@@ -58,7 +56,6 @@ impl HenyeyGreensteinX8 {
         Self {
             g: splat(g),
             sign: splat(sign),
-            mirror: splat(0.5 - 0.5 * sign),
             two_g: splat(2.0 * g),
             back: splat(back),
             cosine_scale: splat(2.0 * back * back),
@@ -91,11 +88,17 @@ impl HenyeyGreensteinX8 {
 impl PhaseX8 for HenyeyGreensteinX8 {
     #[inline(always)]
     fn sample(&self, u: f32x8) -> Deflection {
+        self.sample_at(u, f32x8::ONE - u)
+    }
+
+    #[inline(always)]
+    fn sample_at(&self, u: f32x8, above: f32x8) -> Deflection {
         let one = f32x8::ONE;
-        let u = self.sign.mul_add(u, self.mirror);
+        let forward = self.sign.simd_gt(f32x8::ZERO);
+        let (u, above) = (forward.select(u, above), forward.select(above, u));
         let inverse_d = one / self.two_g.mul_add(u, self.back);
         let inverse_d2 = inverse_d * inverse_d;
-        let rest = (one - u) * self.g.mul_add(u, one);
+        let rest = above * self.g.mul_add(u, one);
         let radicand = u * rest * self.g.mul_add(u, self.back);
         Deflection {
             cosine: self.sign * (self.cosine_scale * rest).mul_neg_add(inverse_d2, one),
@@ -106,6 +109,11 @@ impl PhaseX8 for HenyeyGreensteinX8 {
     #[inline(always)]
     fn sample_forward(&self, u: f32x8) -> Deflection {
         self.sample((f32x8::ONE - u).mul_neg_add(self.forward, f32x8::ONE))
+    }
+
+    #[inline(always)]
+    fn sample_forward_at(&self, _: f32x8, above: f32x8) -> Deflection {
+        self.sample_at(above.mul_neg_add(self.forward, f32x8::ONE), self.forward * above)
     }
 
     #[inline(always)]

@@ -7,9 +7,11 @@
 //!
 //! Departures from the textbook:
 //! 1. Both parts are asked, and the answer is selected.
-//! 2. What remains of u is kept in [2^-24, 1 - 2^-24], the range of uniform numbers, whatever the division rounds to. A
+//! 2. What remains of 1 - u is computed apart from what remains of u: both ends of a part keep their digits, and with them turns
+//!    towards a pole where there is little.
+//! 3. What remains is kept in [2^-24, 1 - 2^-24], the range of uniform numbers, whatever the division rounds to. A
 //!    part without a share is never selected, though it divides by zero.
-//! 3. With the inverse densities A and B of the parts, which are finite, the inverse density is `A B / (w B + (1 - w)
+//! 4. With the inverse densities A and B of the parts, which are finite, the inverse density is `A B / (w B + (1 - w)
 //!    A)`: one division, and no NaN where both are as large as they get, 2^60 sr.
 
 use wide::f32x8;
@@ -38,13 +40,14 @@ impl Split {
         Self { first: splat(first), inverse_first: splat(1.0 / first), inverse_second: splat(1.0 / (1.0 - first)) }
     }
 
-    /// Whether u selects the first, and what remains of u for the first and for the second.
+    /// Whether u selects the first, and what remains of u and of 1 - u for the first and for the second.
     #[inline(always)]
-    fn choose(&self, u: f32x8) -> (f32x8, f32x8, f32x8) {
+    fn choose(&self, u: f32x8) -> (f32x8, [f32x8; 2], [f32x8; 2]) {
         const SMALLEST: f32 = 1.0 / 16_777_216.0;
         let inside = |u: f32x8| u.fast_max(f32x8::splat(SMALLEST)).fast_min(f32x8::splat(1.0 - SMALLEST));
-        let chosen = u.simd_lt(self.first);
-        (chosen, inside(u * self.inverse_first), inside((u - self.first) * self.inverse_second))
+        let first = [u, self.first - u].map(|part| inside(part * self.inverse_first));
+        let second = [u - self.first, f32x8::ONE - u].map(|part| inside(part * self.inverse_second));
+        (u.simd_lt(self.first), first, second)
     }
 }
 
@@ -90,14 +93,14 @@ fn select(mask: f32x8, a: Deflection, b: Deflection) -> Deflection {
 impl<A: PhaseX8, B: PhaseX8> PhaseX8 for MixtureX8<A, B> {
     #[inline(always)]
     fn sample(&self, u: f32x8) -> Deflection {
-        let (chosen, first, second) = self.all.choose(u);
-        select(chosen, self.first.sample(first), self.second.sample(second))
+        let (chosen, [u, above], [v, beyond]) = self.all.choose(u);
+        select(chosen, self.first.sample_at(u, above), self.second.sample_at(v, beyond))
     }
 
     #[inline(always)]
     fn sample_forward(&self, u: f32x8) -> Deflection {
-        let (chosen, first, second) = self.front.choose(u);
-        select(chosen, self.first.sample_forward(first), self.second.sample_forward(second))
+        let (chosen, [u, above], [v, beyond]) = self.front.choose(u);
+        select(chosen, self.first.sample_forward_at(u, above), self.second.sample_forward_at(v, beyond))
     }
 
     #[inline(always)]
@@ -119,7 +122,7 @@ impl<A: PhaseX8, B: PhaseX8> PhaseX8 for MixtureX8<A, B> {
 
     #[inline(always)]
     fn roll(&self, arriving: PlaneAngle, leaving: PlaneAngle, u: f32x8) -> (f32x8, f32x8) {
-        let (chosen, first, second) = self.all.choose(u);
+        let (chosen, [first, _], [second, _]) = self.all.choose(u);
         let (a, b) = (self.first.roll(arriving, leaving, first), self.second.roll(arriving, leaving, second));
         (chosen.select(a.0, b.0), chosen.select(a.1, b.1))
     }

@@ -161,7 +161,12 @@ pub(super) fn check_omnee_build(step: Step, columns: omnee_sample::BuildColumns<
         omnee_sample::BuildColumns { medium, paths, connections, chains: &mut *chains }
     );
     for at in 0..connections.len {
-        check_row("omnee_build", (0, at), &both, &[("vertex", tolerances::CHAIN)]);
+        let [start, vertex, point] = [&connections.start, &chains.vertices[0], &connections.point]
+            .map(|column| glam::Vec3::from(column.row(at)).as_dvec3());
+        let cosine = (vertex - start).normalize_or_zero().dot((point - vertex).normalize_or_zero());
+        let Tolerance { absolute, relative } = tolerances::CHAIN;
+        let absolute = absolute + start.distance(point) * tolerances::turn(&medium.phase, cosine);
+        check_row("omnee_build", (0, at), &both, &[("vertex", Tolerance { absolute, relative })]);
     }
 }
 

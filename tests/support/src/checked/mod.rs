@@ -5,6 +5,7 @@
 
 use std::cell::RefCell;
 
+use fogbow_kernels::columns::Column3;
 use fogbow_kernels::columns::paths::PathColumns;
 use fogbow_kernels::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use fogbow_kernels::columns::trail::TrailTable;

@@ -186,12 +186,15 @@ pub(super) fn check_scatter(step: Step, columns: scatter::Columns<'_, '_>) {
             throughput: &mut *throughput,
         }
     );
-    let allowed = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION), ("arc", tolerances::ARC)];
+    let vector = |column: &Column3<'_>, lane: usize| glam::Vec3::from(column.row(lane)).as_dvec3();
     // Those that end on a surface are moved later.
     let scatters = |lane: usize| live.contains(lane) && !on_surface.contains(lane);
     for lane in lanes(live).filter(|lane| scatters(*lane)) {
-        check_row("scatter", (0, lane), &next_both, &allowed);
-        check_row("scatter", (0, lane), &ray_both, &allowed);
+        check_row("scatter", (0, lane), &next_both, &[("position", tolerances::POSITION), ("arc", tolerances::ARC)]);
+        let cosine = vector(&ray.direction, lane).dot(vector(&next_ray.direction, lane));
+        let Tolerance { absolute, relative } = tolerances::DIRECTION;
+        let direction = Tolerance { absolute: absolute + tolerances::turn(&medium.phase, cosine), relative };
+        check_row("scatter", (0, lane), &ray_both, &[("direction", direction)]);
     }
     // All other paths keep their throughput to the bit.
     for lane in lanes(live) {
