@@ -59,7 +59,7 @@ impl Scene {
     /// If there is not enough memory for the image.
     pub fn render(&self, target: Target) -> Result<Rendered> {
         let mut session = Session::new(self.loaded.clone(), Settings::default())?;
-        session.prepare(true, || false);
+        session.prepare(true, |_| {});
         let outcome = session.run(target, || false, |_| {});
         Ok(Rendered { session, outcome })
     }

@@ -118,13 +118,13 @@ impl Trial {
 /// `size` is that of the whole image. Without bridges there are no starts and survivals to try: techniques that do not reach
 /// every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
 ///
-/// Once `interrupted` says so no further setting is tried.
+/// Once `monitor` says stop no further setting is tried, and the one at hand does not count.
 pub fn settle(
     frame: &Frame,
     size: [u32; 2],
     render: &Render,
     renderer: &Renderer,
-    interrupted: impl Fn() -> bool,
+    monitor: &Monitor,
 ) -> (Frame, Vec<Trial>) {
     let scatters = !frame.stays_straight() && frame.lengths.max > 2;
     let bridges = scatters && frame.techniques.bridge.is_some();
@@ -132,7 +132,8 @@ pub fn settle(
     let open_survival = bridges && render.survival.0.is_none();
     let traces = scatters && frame.techniques.any() && !frame.surfaces.is_empty();
     let open_roulette = traces && render.roulette.0.is_none();
-    let mut search = Search { pilot: Pilot::new(frame, size, renderer), trials: Vec::new(), interrupted };
+    let monitor = &monitor.uncounted();
+    let mut search = Search { pilot: Pilot::new(frame, size, renderer, monitor), trials: Vec::new() };
     let mut setting = Setting::of(frame);
     if open_starts {
         setting.starts = STARTS[0];
@@ -169,17 +170,17 @@ fn neighbours(starts: u32) -> (Option<u32>, Option<u32>) {
 }
 
 /// What was tried so far, and how to try more.
-struct Search<'a, F> {
+struct Search<'a> {
     pilot: Pilot<'a>,
     trials: Vec<Trial>,
-    interrupted: F,
 }
 
-impl<F: Fn() -> bool> Search<'_, F> {
+impl Search<'_> {
     /// Tries a setting, and gives the best so far.
     fn attempt(&mut self, setting: Setting) -> Setting {
-        if !(self.interrupted)() {
-            self.trials.push(self.pilot.attempt(setting));
+        if !self.pilot.monitor.stops() {
+            let trial = self.pilot.attempt(setting);
+            self.trials.extend((!self.pilot.monitor.stops()).then_some(trial));
         }
         best(&self.trials).map_or(setting, |best| best.setting)
     }
@@ -200,14 +201,15 @@ struct Pilot<'a> {
     frame: Frame,
     region: Region,
     renderer: &'a Renderer,
+    monitor: &'a Monitor,
 }
 
 impl<'a> Pilot<'a> {
-    fn new(frame: &Frame, size: [u32; 2], renderer: &'a Renderer) -> Self {
+    fn new(frame: &Frame, size: [u32; 2], renderer: &'a Renderer, monitor: &'a Monitor) -> Self {
         let (frame, region) = frame.small(size, SIDE);
         // Directly seen light is the same in all trials, and its edge is coarse in a small image.
         let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
-        Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer }
+        Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer, monitor }
     }
 
     fn attempt(&self, setting: Setting) -> Trial {
@@ -230,7 +232,7 @@ impl<'a> Pilot<'a> {
         const SHARE: u32 = SAMPLES / PARTS;
         let film = Film::new(frame, self.region, tile_size(self.region));
         let samples = part * SHARE..(part + 1) * SHARE;
-        let stats = self.renderer.render(frame, &SIMD, &film, samples, &Monitor::default());
+        let stats = self.renderer.render(frame, &SIMD, &film, samples, self.monitor);
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
         let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);

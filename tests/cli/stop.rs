@@ -20,7 +20,7 @@ fn started(folder: &Folder, flags: &[&str]) -> Child {
     while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {
         sleep(Duration::from_millis(5));
     }
-    sleep(SLOWNESS * Duration::from_millis(300));
+    sleep(SLOWNESS * Duration::from_millis(600));
     child
 }
 
@@ -127,6 +127,22 @@ fn ctrl_c_ends_the_choice_of_a_setting_too() {
     assert_eq!(code, Some(130), "{stderr}");
     assert!(stderr.contains("stopped after ") && stderr.contains("writing the results so far"), "{stderr}");
     assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+}
+
+/// What long paths would bring, and where walks end, takes seconds to find out.
+#[test]
+fn a_signal_ends_a_long_preparation_at_once() {
+    let folder = Folder::with_scene();
+    let settings = ["--max-segments", "1024", "--set", "medium.scattering=60", "--size", "200x200"];
+    let flags = ["--technique", "bridge", "--samples", "1000000", "--progress", "json"];
+    let child = started(&folder, &[&settings[..], &flags].concat());
+    sleep(Duration::from_secs(2));
+    let start = Instant::now();
+    let (code, _, stderr) = ended_by("-TERM", child);
+    assert_eq!(code, Some(143), "{stderr}");
+    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(3), "took {:?}", start.elapsed());
+    assert!(stderr.contains("\"phase\":\"preparing\""), "{stderr}");
+    assert!(!stderr.contains("are left out"), "nothing is known of it yet\n{stderr}");
 }
 
 #[test]
