@@ -185,5 +185,5 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
         done = next;
     }
     let rate = samples as f64 / start.elapsed().as_secs_f64();
-    Ok((rate, frame.walk, truncation::estimate(&frame, loaded.scene.film.size, &renderer)))
+    Ok((rate, frame.walk, truncation::estimate(&frame, loaded.scene.film.size, &renderer, &monitor)))
 }

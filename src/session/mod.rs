@@ -161,7 +161,7 @@ impl Session {
         let metered = || metering::exposure(frame, size, renderer, monitor);
         let exposure = has_png.then(|| scene.film.exposure.0.map_or_else(metered, Exposure));
         let (frame, trials) = pilot::settle(frame, size, &scene.render, renderer, monitor);
-        let left_out = if monitor.stops() { None } else { truncation::estimate(&frame, size, renderer) };
+        let left_out = truncation::estimate(&frame, size, renderer, monitor);
         (frame, Preparation { trials, left_out, exposure })
     }
 
