@@ -7,14 +7,19 @@
 //!
 //! # fn main() -> fogbow::error::Result<()> {
 //! let mut scene = Scene::load("scenes/fog-facing")?;
-//! scene.set("medium.phase.g", 0.6)?;
+//! scene.set("medium.absorption", 0.5)?;
+//! scene.set("render.max_segments", 32)?;
 //! scene.set("film.size", vec![32, 32])?;
 //!
 //! let image = scene.render(Target::Samples(16))?;
 //! let middle = image.pixel(16, 16);
 //! println!("{:?} +- {:?} W/(m^2 sr)", middle.mean, middle.standard_error);
+//! for warning in image.warnings() {
+//!     eprintln!("warning: {warning}");
+//! }
 //! image.write(std::env::temp_dir().join("fog.png"))?;
 //! # assert!(middle.mean[0] > 0.1 && middle.samples == 16);
+//! # assert!(!image.warnings().iter().any(|warning| warning.contains("left out")), "{:?}", image.warnings());
 //! # Ok(())
 //! # }
 //! ```
@@ -22,11 +27,22 @@
 //! [`session`] is the longer way, which lets you choose and watch everything; [`wavefront`] is the loop that runs the
 //! stages one after another, and [`kernels`] has the stages themselves, each with a scalar twin.
 //!
+//! Light that is neither absorbed nor gets away may take hundreds of turns. How much of it `render.max_segments` leaves out
+//! is among the warnings.
+//!
 //! # Speed
+//!
+//! **Build with `--release`**: without optimisation a render takes minutes instead of seconds. If your own code has to be
+//! built for debugging, have its dependencies optimised all the same, by these lines in the `Cargo.toml` of your workspace:
+//!
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 3
+//! ```
 //!
 //! Stages work on eight numbers at a time, as AVX2 does. Unless told otherwise, Rust builds for the oldest processors,
 //! and a dependency cannot change that: **put these lines into `.cargo/config.toml`** next to the `Cargo.toml` of your
-//! workspace. Without them every render takes up to twice as long (and [`Rendered::warnings`] says so).
+//! workspace. Without them every render takes up to twice as long (and [`Scene::warnings`] says so, before the first one).
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']

@@ -51,6 +51,13 @@ impl Scene {
         &self.loaded
     }
 
+    /// What a person should know before the first render: what in the scene is not rendered as written, and whether this
+    /// build is slow.
+    pub fn warnings(&self) -> Vec<String> {
+        let scene = self.loaded.warnings.iter().map(ToString::to_string);
+        scene.chain(cpu::advice().map(String::from)).collect()
+    }
+
     /// Renders until `target` is reached, on all processors.
     ///
     /// As in the program, a [pilot](crate::pilot) chooses what the scene leaves open.
@@ -59,7 +66,7 @@ impl Scene {
     /// If there is not enough memory for the image.
     pub fn render(&self, target: Target) -> Result<Rendered> {
         let mut session = Session::new(self.loaded.clone(), Settings::default())?;
-        session.prepare(true, || false);
+        session.prepare(true, |_| {});
         let outcome = session.run(target, || false, |_| {});
         Ok(Rendered { session, outcome })
     }

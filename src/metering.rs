@@ -19,12 +19,12 @@ const STARTS: u32 = 4;
 /// The seed of its samples.
 const SEED: u32 = 0x1f12_3bb5;
 
-/// The exposure of `frame`, an image of `size` pixels.
-pub fn exposure(frame: &Frame, size: [u32; 2], renderer: &Renderer) -> Exposure {
+/// The exposure of `frame`, an image of `size` pixels; from what was seen so far if `monitor` says stop.
+pub fn exposure(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Monitor) -> Exposure {
     let (frame, region) = frame.small(size, SIDE);
     let frame = Frame { seed: SEED, roulette: 0.0, ..frame }.with_walk(STARTS, 1.0);
     let film = Film::new(&frame, region, tile_size(region));
-    renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &Monitor::default());
+    renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &monitor.uncounted());
     let pixels: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
     Exposure::metered(pixels.iter().copied())
 }

@@ -139,18 +139,19 @@ impl Trial {
 /// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
 /// with that.
 ///
-/// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `interrupted`
-/// says so no further setting is.
+/// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `monitor` says
+/// stop no further setting is tried, and the one at hand does not count.
 pub fn choose(
     frame: &Frame,
     size: [u32; 2],
     choices: Choices,
     renderer: &Renderer,
-    interrupted: impl Fn() -> bool,
+    monitor: &Monitor,
 ) -> (Frame, Vec<Trial>) {
     let choices = choices.that_matter(frame);
-    let (pilot, trials, setting) = (Pilot::new(frame, size, renderer), Vec::new(), Setting::of(frame));
-    let mut search = Search { pilot, trials, setting, interrupted };
+    let monitor = &monitor.uncounted();
+    let pilot = Pilot::new(frame, size, renderer, monitor);
+    let mut search = Search { pilot, trials: Vec::new(), setting: Setting::of(frame) };
     if choices != Choices::default() {
         search.begin(choices);
     }
@@ -176,15 +177,14 @@ fn neighbours(starts: u32) -> (Option<u32>, Option<u32>) {
 }
 
 /// What was tried so far, and how to try more.
-struct Search<'a, F> {
+struct Search<'a> {
     pilot: Pilot<'a>,
     trials: Vec<Trial>,
     /// The best so far.
     setting: Setting,
-    interrupted: F,
 }
 
-impl<F: Fn() -> bool> Search<'_, F> {
+impl Search<'_> {
     /// Tries what the frame has, with as few starts as may be chosen.
     fn begin(&mut self, choices: Choices) {
         let starts = if choices.starts { STARTS[0] } else { self.setting.starts };
@@ -220,8 +220,9 @@ impl<F: Fn() -> bool> Search<'_, F> {
 
     /// Tries a setting, and keeps the best so far.
     fn attempt(&mut self, setting: Setting) {
-        if !(self.interrupted)() {
-            self.trials.push(self.pilot.attempt(setting));
+        if !self.pilot.monitor.stops() {
+            let trial = self.pilot.attempt(setting);
+            self.trials.extend((!self.pilot.monitor.stops()).then_some(trial));
         }
         self.setting = best(&self.trials).map_or(setting, |best| best.setting);
     }
@@ -242,14 +243,15 @@ struct Pilot<'a> {
     frame: Frame,
     region: Region,
     renderer: &'a Renderer,
+    monitor: &'a Monitor,
 }
 
 impl<'a> Pilot<'a> {
-    fn new(frame: &Frame, size: [u32; 2], renderer: &'a Renderer) -> Self {
+    fn new(frame: &Frame, size: [u32; 2], renderer: &'a Renderer, monitor: &'a Monitor) -> Self {
         let (frame, region) = frame.small(size, SIDE);
         // Directly seen light is the same in all trials, and its edge is coarse in a small image.
         let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
-        Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer }
+        Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer, monitor }
     }
 
     fn attempt(&self, setting: Setting) -> Trial {
@@ -272,7 +274,7 @@ impl<'a> Pilot<'a> {
         const SHARE: u32 = SAMPLES / PARTS;
         let film = Film::new(frame, self.region, tile_size(self.region));
         let samples = part * SHARE..(part + 1) * SHARE;
-        let stats = self.renderer.render(frame, &SIMD, &film, samples, &Monitor::default());
+        let stats = self.renderer.render(frame, &SIMD, &film, samples, self.monitor);
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
         let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);

@@ -35,6 +35,18 @@ pub struct Monitor {
     pub samples: AtomicU64,
 }
 
+impl Monitor {
+    /// One that stops when this one does, and counts for itself.
+    pub fn uncounted(&self) -> Self {
+        Self { stop: Arc::clone(&self.stop), samples: AtomicU64::new(0) }
+    }
+
+    /// Whether it says stop.
+    pub fn stops(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
 /// Worker threads that render.
 pub struct Renderer {
     pool: rayon::ThreadPool,
@@ -102,7 +114,7 @@ impl Renderer {
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
             let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
             wavefront.stats = empty.clone();
-            while !monitor.stop.load(Ordering::Relaxed) {
+            while !monitor.stops() {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= blocks {
                     break;

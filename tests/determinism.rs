@@ -3,7 +3,7 @@
 use fogbow::film::{Film, Pixel, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
-use fogbow::render::{Renderer, Workers};
+use fogbow::render::{Monitor, Renderer, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::lights::Selection;
@@ -100,7 +100,6 @@ fn every_sample_can_be_replayed_alone() {
 #[test]
 fn a_window_of_the_image_has_the_pixels_of_the_whole() {
     use fogbow::film::Region;
-    use fogbow::render::Monitor;
     let frame = frames::three_lights(0.6, Selection::Intensity, SIZE);
     let whole = render(&frame, SIZE, 0..5).0;
     let window = Film::new(&frame, Region { x0: 33, y0: 7, x1: 68, y1: 40 }, TILE_SIZE);
@@ -123,7 +122,7 @@ fn scene(settings: &[&str]) -> LoadedScene {
 /// What the pilot makes of `scene`.
 fn piloted(scene: &LoadedScene, workers: Workers) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(workers).expect("threads start");
-    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, || false)
+    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, &Monitor::default())
 }
 
 #[test]

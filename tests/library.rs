@@ -27,6 +27,30 @@ fn a_render_of_the_library_is_that_of_the_program() {
 }
 
 #[test]
+fn what_is_known_before_a_render_is_told_before_it() {
+    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-fog")).expect("a scene");
+    let is_slow = fogbow::cpu::advice().is_some();
+    let before = scene.warnings();
+    assert_eq!(before.len(), scene.loaded().warnings.len() + usize::from(is_slow), "{before:?}");
+    assert_eq!(before.iter().any(|warning| warning.contains("this build does not use AVX2")), is_slow);
+}
+
+/// The example of the README is the one on the front page of the crate, which is run.
+#[test]
+fn the_example_of_the_readme_is_one_that_runs() {
+    let [readme, page] = ["README.md", "src/lib.rs"].map(|file| {
+        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("text")
+    });
+    let example = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    for line in example.lines().filter(|line| line.contains("scene.set") || line.contains("Scene::load")) {
+        assert!(page.contains(&format!("//! {line}")), "{line}");
+    }
+    for text in [&readme, &page] {
+        assert!(text.contains("Build with `--release`") && text.contains("[profile.dev.package.\"*\"]"));
+    }
+}
+
+#[test]
 fn what_cannot_be_set_leaves_the_scene_as_it_was() {
     let mut scene = Scene::load(FOG).expect("a scene");
     let before = scene.loaded().hash();

@@ -7,7 +7,9 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
+use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::{self, document::Override};
+use fogbow::truncation::{self, Truncation};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::counts::CountTable;
@@ -16,7 +18,7 @@ use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::meshes;
 use fogbow_testing::rays::{Departures, depart, leaks};
-use fogbow_testing::render::{green, render};
+use fogbow_testing::render::{WORKERS, green, render};
 use fogbow_testing::statistics::{p_of_counts, p_of_uniformity, p_of_z, z_of_means};
 use fogbow_testing::truths;
 use glam::DVec3;
@@ -56,6 +58,33 @@ fn means_of_fog_facing_are_those_of_independent_programs() {
         let bridge = |near: f64| frames::with_techniques(&mvnee(near), Active::Bridge, 4.0).with_walk(starts, 1.0);
         tight(&format!("near 1, g .9, Bridge, {starts} starts"), &bridge(1.0), 1.7004, 0.0005);
         tight(&format!("near 0, g .9, Bridge, {starts} starts"), &bridge(0.0), 1.2838, 0.0004);
+    }
+}
+
+/// What a shipped scene leaves out, with these settings.
+fn left_out(folder: &str, settings: &[&str]) -> Option<Truncation> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(folder);
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    let scene = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"));
+    let renderer = Renderer::new(WORKERS).expect("threads start");
+    truncation::estimate(&scene.frame, scene.scene.film.size, &renderer, &Monitor::default())
+}
+
+#[test]
+fn the_limit_offered_for_a_shipped_scene_does() {
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for folder in std::fs::read_dir(scenes).expect("scenes").map(|entry| entry.expect("an entry")) {
+        if !folder.path().join("scene.toml").exists() {
+            continue;
+        }
+        let name = folder.file_name().into_string().expect("UTF-8");
+        for size in ["film.size=[256, 256]", "film.size=[8, 8]", "film.size=[1, 1]"] {
+            let found = left_out(&name, &[size]).expect("fog");
+            println!("{name}, {size}: {found:?}");
+            let Some(limit) = found.sufficient else { continue };
+            let enough = left_out(&name, &[size, &format!("render.max_segments={limit}")]).expect("fog");
+            assert!(!enough.matters(), "{name}, {size}: {found:?}, then {enough:?}");
+        }
     }
 }
 

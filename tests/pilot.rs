@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Setting, Trial};
-use fogbow::render::Renderer;
+use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_kernels::random::lis_seed;
 use fogbow_testing::render::{WORKERS, green, render};
@@ -20,7 +20,7 @@ fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
 /// What the pilot makes of `scene`.
 fn piloted(scene: &LoadedScene) -> (Frame, Vec<Trial>) {
     let renderer = Renderer::new(WORKERS).expect("threads start");
-    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, || false)
+    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, &Monitor::default())
 }
 
 #[test]

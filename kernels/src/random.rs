@@ -42,16 +42,23 @@ impl Purpose {
     }
 
     /// Block `k` of a row.
+    ///
+    /// # Panics
+    /// If the row has no such block, which would be that of another decision. One comparison for eight rows is nothing
+    /// next to their hash.
     #[inline(always)]
     pub const fn nth(self, k: u32) -> Self {
-        debug_assert!(k < self.blocks, "the row has no such block");
+        assert!(k < self.blocks, "the row has no such block");
         Self::one(self.first + k)
     }
 
     /// The block whose first word picks the emitter of a light whose point these blocks are for.
+    ///
+    /// # Panics
+    /// If they are for no light point.
     #[inline(always)]
     pub const fn emitter(self) -> Self {
-        debug_assert!(self.light, "the blocks are for no light point");
+        assert!(self.light, "the blocks are for no light point");
         Self::one(self.first + EMITTER)
     }
 
@@ -206,6 +213,14 @@ mod tests {
                 panic!("block {number:#x} at depth {depth} is asked for twice under one seed, by {names:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_block_that_is_not_declared_is_refused_in_every_build() {
+        let refused = |ask: fn() -> Purpose| std::panic::catch_unwind(ask).is_err();
+        assert!(!refused(|| BRIDGE_WALK.nth(LONGEST_PATH - 1)) && refused(|| BRIDGE_WALK.nth(LONGEST_PATH)));
+        assert!(!refused(|| SEGMENT.nth(0)) && refused(|| SEGMENT.nth(1)));
+        assert!(!refused(|| NEE_LIGHT.emitter()) && refused(|| BRIDGE_COUNT.emitter()));
     }
 
     #[test]

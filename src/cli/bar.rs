@@ -57,6 +57,11 @@ impl Bar {
         self.is_drawn = true;
     }
 
+    /// Prints lines above it.
+    pub fn above(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
+    }
+
     /// Removes it.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

@@ -177,14 +177,15 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
     let rows = PILOT_PIXELS.div_ceil(columns).min(height);
     let (left, top) = ((width - columns) / 2, (height - rows) / 2);
     let region = Region { x0: left, y0: top, x1: left + columns, y1: top + rows };
-    let (frame, _) = pilot::choose(&loaded.frame, loaded.scene.film.size, loaded.choices(), &renderer, || false);
+    let monitor = Monitor::default();
+    let (frame, _) = pilot::choose(&loaded.frame, loaded.scene.film.size, loaded.choices(), &renderer, &monitor);
     let film = Film::new(&frame, region, film::tile_size(region));
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {
         let next = (2 * done).clamp(1, done + 16);
-        samples += renderer.render(&frame, &SIMD, &film, done..next, &Monitor::default()).samples;
+        samples += renderer.render(&frame, &SIMD, &film, done..next, &monitor).samples;
         done = next;
     }
     let rate = samples as f64 / start.elapsed().as_secs_f64();
-    Ok((rate, frame.walk, truncation::estimate(&frame, loaded.scene.film.size, &renderer)))
+    Ok((rate, frame.walk, truncation::estimate(&frame, loaded.scene.film.size, &renderer, &monitor)))
 }

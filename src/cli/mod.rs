@@ -25,7 +25,7 @@ use crate::session::Reference;
 use crate::warning::Warning;
 use values::ImageOutput;
 
-/// Renders light in dense, forward-scattering media: fog, clouds, milk, skin, deep water.
+/// Renders light in fog: one homogeneous medium of any density and any phase, with lamps and diffuse surfaces in it.
 #[derive(Debug, Parser)]
 #[command(name = "fogbow", version, arg_required_else_help = true)]
 struct Cli {

@@ -13,8 +13,11 @@ use crate::session::State;
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// Rate and time left, for people.
+/// What is going on: rate and time left, for people.
 fn outlook(state: &State) -> String {
+    if state.preparing {
+        return "preparing".into();
+    }
     let left =
         state.seconds_left.map_or_else(|| "estimating the time".into(), |left| format!("{} left", duration(left)));
     format!("{}  {left}", rate(state.rate()))
@@ -75,7 +78,7 @@ impl Reporter {
     pub fn warn(&self, text: impl core::fmt::Display) {
         match self.style {
             Progress::Json => tell(json!({ "event": "warning", "message": text.to_string() })),
-            _ => tell(format!("warning: {text}")),
+            _ => self.bar.above(|| tell(format!("warning: {text}"))),
         }
     }
 
@@ -86,6 +89,7 @@ impl Reporter {
             Progress::Json => {
                 let message = json!({
                     "event": "progress",
+                    "phase": if state.preparing { "preparing" } else { "rendering" },
                     "fraction": state.fraction,
                     "samples": state.samples,
                     "samples_per_second": state.rate(),

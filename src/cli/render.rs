@@ -17,7 +17,6 @@ use crate::output;
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
 use crate::session::{Session, Settings, State, Target};
-use crate::truncation::Truncation;
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.help_scene {
@@ -50,8 +49,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         },
     )?;
     let signals = Signals::watch(&session.monitor().stop)?;
-    session.prepare(has_png, || signals.came());
-    let left_out = session.preparation().left_out.filter(Truncation::matters);
+    session.prepare(has_png, |state| reporter.update(state));
+    let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
     left_out.iter().for_each(|left_out| reporter.warn(left_out));
     let mut last = State::default();
     let outcome = session.run(

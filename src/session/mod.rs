@@ -10,6 +10,7 @@ use fogbow_kernels::pipeline::{self, Pipeline, Stage};
 
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
+use crate::frame::Frame;
 use crate::image::tone::Exposure;
 use crate::image::{self, Format};
 use crate::pilot::{self, Trial};
@@ -145,17 +146,24 @@ impl Session {
         &self.preparation
     }
 
-    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out;
-    /// meters the exposure if there will be a PNG image. Once `interrupted` says so nothing further is tried.
-    pub fn prepare(&mut self, has_png: bool, interrupted: impl Fn() -> bool) {
-        let (size, exposure) = (self.scene.scene.film.size, self.scene.scene.film.exposure.0);
-        let metered = || metering::exposure(&self.scene.frame, size, &self.renderer);
-        let exposure = has_png.then(|| exposure.map_or_else(metered, Exposure));
-        let (frame, trials) =
-            pilot::choose(&self.scene.frame, size, self.scene.choices(), &self.renderer, &interrupted);
-        let left_out = if interrupted() { None } else { truncation::estimate(&frame, size, &self.renderer) };
+    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out; meters
+    /// the exposure if there will be a PNG image. Tells `look` now and then that it is at it. Once the session's monitor says
+    /// stop nothing further is tried.
+    pub fn prepare(&mut self, has_png: bool, look: impl FnMut(State)) {
+        let (frame, preparation) = self.watch_preparation(look, || self.prepared(has_png));
         self.scene.frame = frame;
-        self.preparation = Preparation { trials, left_out, exposure };
+        self.preparation = preparation;
+    }
+
+    /// The frame with what the scene left open, and what is known before the first sample.
+    fn prepared(&self, has_png: bool) -> (Frame, Preparation) {
+        let Self { scene: LoadedScene { scene, frame, .. }, renderer, monitor, .. } = self;
+        let size = scene.film.size;
+        let metered = || metering::exposure(frame, size, renderer, monitor);
+        let exposure = has_png.then(|| scene.film.exposure.0.map_or_else(metered, Exposure));
+        let (frame, trials) = pilot::choose(frame, size, self.scene.choices(), renderer, monitor);
+        let left_out = truncation::estimate(&frame, size, renderer, monitor);
+        (frame, Preparation { trials, left_out, exposure })
     }
 
     /// All that is told of a render that ended like this.

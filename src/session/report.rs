@@ -8,11 +8,11 @@ use serde_json::{Value, json};
 
 use super::{Outcome, Session};
 use crate::error::Result;
-use crate::figures::{number, starts};
+use crate::figures::starts;
 use crate::output;
 use crate::pilot::Trial;
 use crate::stats::{ConnectionStats, Stats};
-use crate::truncation::Truncation;
+use crate::truncation::{Share, Truncation};
 
 /// A finished render.
 #[derive(Clone, Copy)]
@@ -59,12 +59,7 @@ impl Report<'_> {
 
     /// What the limit on the length of paths leaves out, for the header.
     fn left_out(&self) -> String {
-        self.session.preparation.left_out.map_or_else(
-            || "0".into(),
-            |Truncation { share, error, max_segments, .. }| {
-                format!("{} +- {} beyond {max_segments} segments", number(share, 2), number(error, 1))
-            },
-        )
+        self.session.preparation.left_out.map_or_else(|| "0".into(), |left_out| left_out.entry())
     }
 
     /// Writes the statistics as JSON; waits as [`Session::write`] does.
@@ -137,8 +132,20 @@ fn trial(trial: &Trial) -> Value {
     })
 }
 
-fn left_out(Truncation { max_segments, share, error, sufficient }: Truncation) -> Value {
-    json!({ "max_segments": max_segments, "share": share, "error": error, "sufficient_max_segments": sufficient })
+/// Of a share of which a lower bound is known, only that; of an unknown one, nothing.
+fn left_out(Truncation { max_segments, share, sufficient }: Truncation) -> Value {
+    let (share, error, least) = match share {
+        Share::About { share, error } => (Some(share), Some(error), None),
+        Share::AtLeast(least) => (None, None, Some(least)),
+        Share::Unknown => (None, None, None),
+    };
+    json!({
+        "max_segments": max_segments,
+        "share": share,
+        "error": error,
+        "at_least": least,
+        "sufficient_max_segments": sufficient,
+    })
 }
 
 fn connections(stats: &Stats) -> Value {

@@ -39,6 +39,8 @@ pub enum Target {
 /// How far a render is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
+    /// Whether it is being prepared, so that there is no sample yet.
+    pub preparing: bool,
     /// Share of the work that is done, in [0, 1], as far as that is known; never less than before.
     pub fraction: f64,
     /// Camera paths so far.
@@ -52,7 +54,7 @@ pub struct State {
 impl State {
     /// The same, with nothing left to do.
     pub fn done(self) -> Self {
-        Self { fraction: 1.0, seconds_left: Some(0.0), ..self }
+        Self { preparing: false, fraction: 1.0, seconds_left: Some(0.0), ..self }
     }
 
     /// Camera paths per second so far.
@@ -97,26 +99,32 @@ impl Session {
         Outcome { stats, elapsed: self.start.elapsed() }
     }
 
+    /// Prepares, telling `look` now and then that it does.
+    pub(super) fn watch_preparation<T: Send>(
+        &self,
+        mut look: impl FnMut(State),
+        prepare: impl FnOnce() -> T + Send,
+    ) -> T {
+        let state = || State { preparing: true, elapsed: self.start.elapsed(), ..State::default() };
+        watched(prepare, TICK, || {
+            look(state());
+            TICK
+        })
+    }
+
     /// Renders one round, calling `look` now and then, and stops it at the deadline.
     fn render(&self, samples: Range<u32>, mut deadline: Option<Instant>, mut look: impl FnMut()) -> Stats {
         let monitor = &self.monitor;
         let pipeline = self.settings.reference.pipeline();
-        std::thread::scope(|scope| {
-            let (end, ended) = mpsc::channel();
-            let round = scope.spawn(move || {
-                let stats = self.renderer.render(&self.scene.frame, &pipeline, &self.film, samples, monitor);
-                let _ = end.send(());
-                stats
-            });
-            let left = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
-            while ended.recv_timeout(deadline.map_or(TICK, left).min(TICK)) == Err(RecvTimeoutError::Timeout) {
-                look();
-                if deadline.is_some_and(|deadline| left(deadline).is_zero()) {
-                    monitor.stop.store(true, Ordering::Relaxed);
-                    deadline = None;
-                }
+        let left = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
+        let round = || self.renderer.render(&self.scene.frame, &pipeline, &self.film, samples, monitor);
+        watched(round, deadline.map_or(TICK, left).min(TICK), || {
+            look();
+            if deadline.is_some_and(|deadline| left(deadline).is_zero()) {
+                monitor.stop.store(true, Ordering::Relaxed);
+                deadline = None;
             }
-            round.join().expect("stages do not panic")
+            deadline.map_or(TICK, left).min(TICK)
         })
     }
 
@@ -160,6 +168,22 @@ impl Estimates {
     }
 }
 
+/// Does `work` on a thread of its own, and calls `look` after `wait`, and then as often as that says, until it is done.
+fn watched<T: Send>(work: impl FnOnce() -> T + Send, mut wait: Duration, mut look: impl FnMut() -> Duration) -> T {
+    std::thread::scope(|scope| {
+        let (end, ended) = mpsc::channel();
+        let thread = scope.spawn(move || {
+            let result = work();
+            let _ = end.send(());
+            result
+        });
+        while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+            wait = look();
+        }
+        thread.join().expect("stages do not panic")
+    })
+}
+
 /// Reads the progress of a running render.
 struct Watch<'a> {
     session: &'a Session,
@@ -185,7 +209,7 @@ impl Watch<'_> {
             Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
         };
         self.fraction.set(self.fraction.get().max(fraction.min(1.0)));
-        State { fraction: self.fraction.get(), samples, elapsed, seconds_left }
+        State { preparing: false, fraction: self.fraction.get(), samples, elapsed, seconds_left }
     }
 
     /// Time left at the rate so far `[s]`; none as long as that says little.

@@ -90,12 +90,23 @@ fn a_technique_is_named_once() {
 #[test]
 fn an_override_may_begin_a_table() {
     let folder = Folder::empty();
-    let scene = super::support::SCENE
-        .replace("[medium]\nscattering = 0.7\nphase = { type = \"henyey_greenstein\", g = 0.5 }\n", "");
+    let scene = super::support::SCENE.replace(
+        "[medium]\nscattering = 0.7\nabsorption = 0.3\nphase = { type = \"henyey_greenstein\", g = 0.5 }\n",
+        "",
+    );
     assert!(!scene.contains("medium"));
     folder.write("vacuum.toml", scene);
     folder.write("scene.toml", super::support::SCENE);
-    let fog = ["--set", "medium.phase.g=0.5", "--set", "medium.scattering=0.7", "--progress", "none"];
+    let fog = [
+        "--set",
+        "medium.phase.g=0.5",
+        "--set",
+        "medium.scattering=0.7",
+        "--set",
+        "medium.absorption=0.3",
+        "--progress",
+        "none",
+    ];
     folder.done(&[&["render", "vacuum.toml", "-o", "a.exr"], &fog[..]].concat());
     folder.done(&["render", "scene.toml", "-o", "b.exr"]);
     assert_eq!(folder.image("a.exr").channels, folder.image("b.exr").channels);

@@ -61,6 +61,7 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         assert!(run.stdout.contains(flag), "{flag} is missing\n{run}");
     }
     let run = Folder::empty().done(&["--help"]);
+    assert!(run.stdout.starts_with("Renders light in fog: one homogeneous medium"), "no more than it can do\n{run}");
     for command in ["render", "compare", "info"] {
         assert!(run.stdout.contains(&format!("\n  {command} ")), "{command} is missing\n{run}");
     }

@@ -10,8 +10,8 @@ fn a_scene_is_described_with_its_cost() {
         let run = folder.done(&["info", scene]);
         let lines: Vec<_> = run.stdout.lines().collect();
         assert_eq!(lines[0], "mist: 8x8 pixels, 4 samples each, seed 1", "{run}");
-        assert_eq!(lines[1], "fog: mean free path 1.429 m, albedo 1, henyey_greenstein of mean cosine 0.5");
-        assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera (2.10 mean free paths)");
+        assert_eq!(lines[1], "fog: mean free path 1 m, albedo 0.7000, henyey_greenstein of mean cosine 0.5");
+        assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera (3 mean free paths)");
         assert_eq!(lines[3], "technique mvnee, paths of 1 to 24 segments");
         assert_eq!(lines[4], "vertices that connect: all, survival 1");
         assert!(lines[5].starts_with("cost: 256 samples, ") && lines[5].contains(" samples/s; film 1 MiB"), "{run}");
@@ -21,7 +21,7 @@ fn a_scene_is_described_with_its_cost() {
 
 #[test]
 fn a_medium_that_does_nothing_is_vacuum() {
-    let folder = Folder::with_edited_scene("scattering = 0.7", "scattering = 0");
+    let folder = Folder::with_edited_scene("scattering = 0.7\nabsorption = 0.3", "scattering = 0");
     let run = folder.done(&["info", "scene.toml"]);
     assert!(run.stdout.contains("\nvacuum: only directly visible light counts\n"), "{run}");
 }

@@ -180,6 +180,22 @@ fn a_reader_that_comes_late_gets_the_whole_image() {
     assert_eq!(folder.image("c.exr").channels, folder.image("a.exr").channels);
 }
 
+/// What long paths would bring, and where walks end, takes seconds to find out.
+#[test]
+fn a_signal_ends_a_long_preparation_at_once() {
+    let folder = Folder::with_scene();
+    let settings = ["--max-segments", "1024", "--set", "medium.scattering=60", "--size", "200x200"];
+    let flags = ["--technique", "bridge", "--samples", "1000000", "--progress", "json"];
+    let child = started(&folder, &[&settings[..], &flags].concat());
+    sleep(Duration::from_secs(2));
+    let start = Instant::now();
+    let (code, _, stderr) = ended_by("-TERM", child);
+    assert_eq!(code, Some(143), "{stderr}");
+    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(3), "took {:?}", start.elapsed());
+    assert!(stderr.contains("\"phase\":\"preparing\""), "{stderr}");
+    assert!(!stderr.contains("are left out"), "nothing is known of it yet\n{stderr}");
+}
+
 #[test]
 fn the_exit_code_says_which_signal_it_was() {
     for (signal, expected) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {

@@ -1,0 +1,233 @@
+//! Light by the length of its paths, as looks saw it, and what is beyond a length.
+
+use fogbow_kernels::LONGEST_PATH;
+
+use super::{Share, TOLERATED};
+
+/// Greatest factor by which the next doubling of the length brings less: that of a power -3/2 of the length.
+const SLOWEST: f64 = core::f64::consts::FRAC_1_SQRT_2;
+/// Relative standard error beyond which nothing is known of an amount of light.
+const UNKNOWN: f64 = 0.5;
+/// Standard errors by which what is said to be so is so.
+const SURE: f64 = 2.0;
+
+/// Light by length, look by look.
+pub struct Light {
+    looks: Vec<Vec<f64>>,
+}
+
+impl Light {
+    /// Of `short` up to the length to which it goes, of `long` from there on.
+    pub fn new(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
+        let join = |(short, long): (&Vec<f64>, &Vec<f64>)| [short, &long[short.len()..]].concat();
+        Self { looks: short.iter().zip(long).map(join).collect() }
+    }
+
+    /// Whether no look found any.
+    pub fn is_black(&self) -> bool {
+        self.looks.iter().flatten().all(|light| *light == 0.0)
+    }
+
+    /// Whether there is an end to it in sight.
+    pub fn is_known(&self) -> bool {
+        self.is_sound() && !self.grows()
+    }
+
+    /// The share of the light on paths of more than `limit` segments.
+    pub fn share(&self, limit: u32) -> Share {
+        if self.is_known() {
+            let (share, error) = self.jackknife(|beyond| beyond.share(limit));
+            return Share::About { share, error };
+        }
+        let (share, error) = self.jackknife(|beyond| beyond.share_seen(limit));
+        let least = share - SURE * error;
+        if self.is_sound() && least > TOLERATED { Share::AtLeast(least) } else { Share::Unknown }
+    }
+
+    /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of them
+    /// alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
+    pub fn sufficient(&self) -> Option<u32> {
+        let half = |odd: usize| Self { looks: self.looks.iter().skip(odd).step_by(2).cloned().collect() };
+        let limits = [self.first_sufficient(), half(0).first_sufficient(), half(1).first_sufficient()];
+        limits.into_iter().try_fold(0, |largest, limit| Some(largest.max(limit?)))
+    }
+
+    /// The first limit, in eighths of a power of two, that leaves out no more than is tolerated.
+    fn first_sufficient(&self) -> Option<u32> {
+        let next = |n: &u32| Some(n + ((n + 1).next_power_of_two() / 16).max(1));
+        let limits = core::iter::successors(Some(1), next).take_while(|n| *n <= LONGEST_PATH);
+        let is_enough = |limit: &u32| match self.share(*limit) {
+            Share::About { share, error } => share + SURE * error <= TOLERATED,
+            Share::AtLeast(_) | Share::Unknown => false,
+        };
+        limits.into_iter().find(is_enough)
+    }
+
+    /// Whether enough was found to say anything at all.
+    fn is_sound(&self) -> bool {
+        let (mean, error) = mean_and_error(self.looks.iter().map(|look| look.iter().sum()));
+        mean > 0.0 && error < UNKNOWN * mean
+    }
+
+    /// Whether the last doublings surely bring more than they may where light fades.
+    fn grows(&self) -> bool {
+        let excess = |look: &Vec<f64>| {
+            let [early, .., last] = octaves(look);
+            last - SLOWEST * SLOWEST * early
+        };
+        let (excess, error) = mean_and_error(self.looks.iter().map(excess));
+        excess > SURE * error
+    }
+
+    /// A figure of all looks together, and its standard error from what it is without each of them.
+    fn jackknife(&self, figure: impl Fn(&Beyond) -> f64) -> (f64, f64) {
+        let lengths = 0..self.looks[0].len();
+        let all: Vec<f64> = lengths.map(|n| self.looks.iter().map(|look| look[n]).sum()).collect();
+        let without = |look: &Vec<f64>| -> f64 {
+            let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
+            figure(&Beyond::of(&rest))
+        };
+        let (_, error) = mean_and_error(self.looks.iter().map(without));
+        (figure(&Beyond::of(&all)), error * (self.looks.len() - 1) as f64)
+    }
+}
+
+/// The light beyond each length.
+struct Beyond {
+    /// That of paths longer than so many segments, extrapolated light included.
+    longer_than: Vec<f64>,
+    /// What is extrapolated of it.
+    tail: f64,
+    /// The factor from one doubling to the next.
+    ratio: f64,
+}
+
+impl Beyond {
+    /// Of the light at each length. With B that of the last doubling and A that of the last but two, the k-th after these
+    /// brings B r^k, r^2 = B / A.
+    fn of(light: &[f64]) -> Self {
+        let [early, .., last] = octaves(light);
+        let ratio = if early > 0.0 { (last / early).sqrt().min(SLOWEST) } else { SLOWEST };
+        let tail = last * ratio / (1.0 - ratio);
+        let light = light.iter().rev();
+        let mut longer_than: Vec<f64> =
+            light.scan(tail, |sum, light| Some(core::mem::replace(sum, *sum + light))).collect();
+        longer_than.reverse();
+        Self { longer_than, tail, ratio }
+    }
+
+    /// Share of all light of paths longer than `limit`.
+    fn share(&self, limit: u32) -> f64 {
+        let longest = (self.longer_than.len() - 1) as f64;
+        let farther = || self.tail * self.ratio.powf((f64::from(limit) / longest).log2());
+        let beyond = self.longer_than.get(limit as usize).copied().unwrap_or_else(farther);
+        fraction(beyond, self.longer_than[0])
+    }
+
+    /// The same of the light that was seen.
+    fn share_seen(&self, limit: u32) -> f64 {
+        let beyond = self.longer_than.get(limit as usize).map_or(0.0, |beyond| beyond - self.tail);
+        fraction(beyond, self.longer_than[0] - self.tail)
+    }
+}
+
+fn fraction(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// The light of the last doublings of the length.
+fn octaves(light: &[f64]) -> [f64; 3] {
+    let longest = light.len() - 1;
+    [4, 2, 1].map(|part| light[longest / part / 2 + 1..=longest / part].iter().sum())
+}
+
+/// Mean and its standard error.
+fn mean_and_error(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values: Vec<f64> = values.collect();
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let spread = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    (mean, (spread / (count - 1.0) / count).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Light that falls with a power of the length.
+    fn algebraic(power: f64, longest: u32) -> Vec<f64> {
+        (0..=longest).map(|n| if n == 0 { 0.0 } else { f64::from(n).powf(-power) }).collect()
+    }
+
+    /// The light seen by looks that differ by `spread`, alternately.
+    fn looks(light: &[f64], spread: f64) -> Light {
+        let factor = |look: u32| 1.0 + if look.is_multiple_of(2) { spread } else { -spread };
+        let look = |number: u32| {
+            let parts = light.iter().enumerate();
+            parts.map(|(n, light)| if n > 32 { factor(number) * light } else { *light }).collect()
+        };
+        Light { looks: (0..16).map(look).collect() }
+    }
+
+    #[test]
+    fn an_algebraic_tail_is_extrapolated() {
+        for power in [1.5, 2.0, 3.0] {
+            let truth = algebraic(power, 10_000_000);
+            let all: f64 = truth.iter().sum();
+            let beyond = Beyond::of(&truth[..=256]);
+            for limit in [15, 100, 255, 256, 500] {
+                let share = truth[limit + 1..].iter().sum::<f64>() / all;
+                let found = beyond.share(limit as u32);
+                assert!((found / share - 1.0).abs() < 0.03, "{found} of {share} beyond {limit}, power {power}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_that_falls_faster_has_no_tail() {
+        let light: Vec<f64> = (0..=256).map(|n| 0.9_f64.powi(n)).collect();
+        let light = looks(&light, 0.0);
+        let Share::About { share, error } = light.share(20) else { panic!("{:?}", light.share(20)) };
+        assert!((share / 0.9_f64.powi(20) - 1.0).abs() < 1e-2 && error < 1e-9, "{share} +- {error}");
+        assert!((44..=48).contains(&light.sufficient().expect("a limit")), "{:?}", light.sufficient());
+    }
+
+    #[test]
+    fn light_that_still_grows_has_no_end_in_sight() {
+        let light: Vec<f64> = (0..=256).map(f64::from).collect();
+        let light = looks(&light, 0.1);
+        assert!(!light.is_known());
+        let Share::AtLeast(least) = light.share(24) else { panic!("{:?}", light.share(24)) };
+        assert!((0.97..0.992).contains(&least), "{least} of 0.991");
+        assert_eq!((light.share(256), light.share(1000), light.sufficient()), (Share::Unknown, Share::Unknown, None));
+    }
+
+    #[test]
+    fn where_no_light_or_that_of_a_single_path_was_found_nothing_is_known() {
+        let mut light = looks(&[0.0; 257], 0.0);
+        assert!(light.is_black() && !light.is_known());
+        assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
+        light.looks[3][200] = 1.0;
+        assert!(!light.is_black());
+        assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
+    }
+
+    #[test]
+    fn a_limit_that_half_of_the_looks_do_not_confirm_is_not_offered() {
+        let mut light = looks(&(0..=256).map(|n| 0.9_f64.powi(n)).collect::<Vec<_>>(), 0.0);
+        let early = light.sufficient().expect("a limit");
+        light.looks.iter_mut().step_by(2).for_each(|look| look[100] = 0.25);
+        light.looks.iter_mut().skip(2).step_by(2).for_each(|look| look[100] = 0.0);
+        assert!(light.sufficient().is_none_or(|limit| limit > 90 && limit > early), "{:?}", light.sufficient());
+    }
+
+    /// A limit is offered where two standard errors more would still be tolerated.
+    #[test]
+    fn noise_asks_for_a_larger_limit() {
+        let light = algebraic(1.8, 256);
+        let limits = [0.0, 0.5].map(|spread| looks(&light, spread).sufficient().expect("a limit"));
+        assert!(limits[0] < limits[1], "{limits:?}");
+        let Share::About { share, error } = looks(&light, 0.5).share(limits[1]) else { panic!("unknown") };
+        assert!(error > 0.0 && share + 2.0 * error <= TOLERATED, "{share} +- {error}");
+    }
+}

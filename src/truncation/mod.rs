@@ -1,0 +1,257 @@
+//! What a limit on the length of paths leaves out.
+//!
+//! No error bar shows it, so it is estimated before a render begins: looks at the image, small, sum light by the length of
+//! its paths. They do not depend on the limit, so that a limit which is offered is found sufficient when it is used.
+//!
+//! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are scaled
+//! from free walks that hardly ever return to where they began; so longer paths are found by long walks that connect to a
+//! light from every vertex by a straight line. To them, small lights in open fog are as wide as half a mean free path: after
+//! so many turns that is all the same, and connections of a vertex close to a small light would decide the estimate.
+//!
+//! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than the one
+//! before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with the power -3/2
+//! of the length, so that every doubling brings at least 1 - 1/sqrt(2) less than the one before. Where the last doublings
+//! bring more than that, light still grows, and how much is beyond is not known.
+
+mod light;
+mod lights;
+
+use core::fmt;
+use std::sync::Arc;
+
+use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::bridge::counts::CountTable;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::{LONGEST_PATH, PathLengths};
+
+use crate::figures::number;
+use crate::film::{Film, tile_size};
+use crate::frame::Frame;
+use crate::render::{Monitor, Renderer};
+use crate::stats::LightByLength;
+use light::Light;
+
+/// Share of the light that may be left out without a word.
+pub const TOLERATED: f64 = 0.01;
+
+/// Longest side of the small image in pixels.
+const SIDE: u32 = 32;
+/// Looks whose spread tells how well light is known.
+const LOOKS: u32 = 16;
+/// Longest paths, in segments, that bridges look for.
+const SHORT: u32 = 32;
+/// How bridges look where nothing is solid, and where something is.
+const BRIDGES: [Way; 2] =
+    [Way { starts: 1, survival: 1.0, samples: 8 << 10 }, Way { starts: 2, survival: 0.9, samples: 4 << 10 }];
+/// How walks look where nothing is solid, and where something is.
+const WALKS: [Way; 2] = [
+    Way { starts: u32::MAX, survival: 1.0, samples: 4 << 10 },
+    Way { starts: u32::MAX, survival: 0.99, samples: 1 << 10 },
+];
+/// Least probability that a walk goes on where absorption decides it.
+const LEAST_SURVIVAL: f32 = 0.5;
+/// Lengths of walks, in segments; the longer ones are taken where the shorter do not see where light ends.
+const LONGEST: [u32; 2] = [256, LONGEST_PATH];
+/// The seed of its samples.
+const SEED: u32 = 0x6c07_8965;
+
+/// How a look is taken.
+#[derive(Clone, Copy)]
+struct Way {
+    /// Vertices that connect.
+    starts: u32,
+    /// Probability of going on from a vertex.
+    survival: f32,
+    /// Least number of samples of all pixels together.
+    samples: u32,
+}
+
+/// What is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truncation {
+    /// The limit, in segments.
+    pub max_segments: u32,
+    /// How much of the light longer paths would bring.
+    pub share: Share,
+    /// A limit that leaves out no more than [`TOLERATED`], surely; none if there is none up to [`LONGEST_PATH`], or none is
+    /// known.
+    pub sufficient: Option<u32>,
+}
+
+/// A share of all light, as far as it is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Share {
+    /// About so much.
+    About {
+        /// The share, [0, 1].
+        share: f64,
+        /// Its standard error.
+        error: f64,
+    },
+    /// At least so much, [0, 1]: light still grows with the length of the longest paths that there are.
+    AtLeast(f64),
+    /// Next to no light was found.
+    Unknown,
+}
+
+impl Truncation {
+    /// What a limit leaves out of which nothing is known.
+    pub fn unknown(max_segments: u32) -> Self {
+        Self { max_segments, share: Share::Unknown, sufficient: None }
+    }
+
+    /// Whether it is worth a word: more than is tolerated, or perhaps so.
+    pub fn matters(&self) -> bool {
+        match self.share {
+            Share::About { share, .. } | Share::AtLeast(share) => share > TOLERATED,
+            Share::Unknown => true,
+        }
+    }
+
+    /// For headers: the share, the limit, and a limit that would do.
+    pub fn entry(&self) -> String {
+        let share = match self.share {
+            Share::About { share, error } => format!("{} +- {}", number(share, 2), number(error, 1)),
+            Share::AtLeast(share) => format!("at least {}", number(share, 2)),
+            Share::Unknown => "unknown".into(),
+        };
+        let enough = match self.sufficient {
+            Some(limit) => format!("no more than {TOLERATED} beyond {limit}"),
+            None => "no sufficient limit known".into(),
+        };
+        format!("{share} beyond {} segments, {enough}", self.max_segments)
+    }
+}
+
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::About { share, error } => {
+                let decimals = usize::from(error < 0.0095);
+                let [share, error] = [share, error].map(|value| 100.0 * value);
+                write!(f, "about {share:.decimals$} +- {error:.decimals$} % of the light")
+            }
+            // Rounded down: it is a bound.
+            Self::AtLeast(share) => write!(f, "at least {} % of the light", (1000.0 * share).floor() / 10.0),
+            Self::Unknown => write!(f, "an unknown share of the light, perhaps nearly all of it"),
+        }
+    }
+}
+
+impl fmt::Display for Truncation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { max_segments, share, sufficient } = self;
+        write!(f, "paths of more than {max_segments} segments are left out, and with them {share}: ")?;
+        match (sufficient, share) {
+            (Some(limit), _) => write!(f, "--max-segments {limit} would leave out 1 % or less"),
+            (None, Share::About { .. }) => {
+                write!(f, "even {LONGEST_PATH}, the largest possible limit, may leave out more than 1 %")
+            }
+            (None, _) => write!(f, "most of it may need more than {LONGEST_PATH} segments, the largest possible limit"),
+        }
+    }
+}
+
+/// What `frame`, whose image has `size` pixels, leaves out; `None` where nothing is left out, as nothing turns light. If
+/// `monitor` says stop, nothing is known.
+pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Monitor) -> Option<Truncation> {
+    if frame.stays_straight() || frame.lights.emitters().is_empty() {
+        return None;
+    }
+    let looker = Looker { frame, size, renderer, monitor: &monitor.uncounted() };
+    let limit = frame.lengths.max;
+    let Some(light) = looker.look() else { return Some(Truncation::unknown(limit)) };
+    if light.is_black() && frame.medium.never_scatters() {
+        return None;
+    }
+    Some(Truncation { max_segments: limit, share: light.share(limit), sufficient: light.sufficient() })
+}
+
+/// Looks at the light of a frame.
+struct Looker<'a> {
+    frame: &'a Frame,
+    size: [u32; 2],
+    renderer: &'a Renderer,
+    monitor: &'a Monitor,
+}
+
+impl Looker<'_> {
+    /// Light by length, with walks as long as they must be; none if it was stopped.
+    fn look(&self) -> Option<Light> {
+        let solid = usize::from(!self.frame.surfaces.is_empty());
+        let nee = || Techniques { nee: true, ..Techniques::default() };
+        let close = if self.frame.medium.never_scatters() { nee() } else { bridges(self.frame, SHORT) };
+        let short = self.take(close, &BRIDGES[solid], SHORT)?;
+        let [near, far] = LONGEST;
+        let walks = self.walks();
+        let wide = Frame { lights: lights::widened(self.frame), ..self.frame.clone() };
+        let walker = Looker { frame: &wide, size: self.size, renderer: self.renderer, monitor: self.monitor };
+        let with_walks = |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(nee(), way, longest)?));
+        let light = with_walks(near, &walks)?;
+        // As many segments, so fewer walks.
+        let fewer = Way { samples: walks.samples * near / far, ..walks };
+        if light.is_known() { Some(light) } else { with_walks(far, &fewer) }
+    }
+
+    /// Walks that end about where the medium absorbs them.
+    fn walks(&self) -> Way {
+        let Frame { medium, surfaces, .. } = self.frame;
+        let way = WALKS[usize::from(!surfaces.is_empty())];
+        let albedo = if medium.never_scatters() { 1.0 } else { medium.albedo.into_iter().fold(0.0, f32::max) };
+        Way { survival: way.survival * albedo.clamp(LEAST_SURVIVAL, 1.0), ..way }
+    }
+
+    /// Light of a sample at each length up to `longest`, look by look; none if they were stopped.
+    fn take(&self, techniques: Techniques, way: &Way, longest: u32) -> Option<Vec<Vec<f64>>> {
+        let (frame, region) = self.frame.small(self.size, SIDE);
+        let samples = way.samples.div_ceil(region.pixels() as u32);
+        let lengths = PathLengths { max: longest, ..frame.lengths };
+        let frame =
+            Frame { lengths, techniques, seed: SEED, roulette: 0.0, ..frame }.with_walk(way.starts, way.survival);
+        let look = |number: u32| {
+            let film = Film::new(&frame, region, tile_size(region));
+            let samples = number * samples..(number + 1) * samples;
+            let stats = self.renderer.render_by_length(&frame, &SIMD, &film, samples, self.monitor);
+            let light = stats.light_by_length.as_ref().map_or_else(Vec::new, LightByLength::values);
+            let is_whole = !self.monitor.stops();
+            is_whole.then(|| light.into_iter().map(|light| light / stats.samples as f64).collect())
+        };
+        (0..LOOKS).map(look).collect()
+    }
+}
+
+/// Bridges with N edges in proportion to 1 / N: as many in every doubling.
+fn bridges(frame: &Frame, longest: u32) -> Techniques {
+    let edges = longest.saturating_sub(1).max(1) as usize;
+    let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / n as f64).collect();
+    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges, |_| weights.clone());
+    Techniques { bridge: Some(Bridge::with_counts(Roll::Aligned, Arc::new(counts))), ..Techniques::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_told_is_as_exact_as_what_is_known() {
+        let told = |share, sufficient| {
+            let found = Truncation { max_segments: 15, share, sufficient };
+            (found.to_string(), found.entry())
+        };
+        let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, Some(448));
+        assert!(
+            text.ends_with("about 9 +- 1 % of the light: --max-segments 448 would leave out 1 % or less"),
+            "{text}"
+        );
+        assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, no more than 0.01 beyond 448");
+        let (text, _) = told(Share::About { share: 0.0893, error: 0.0042 }, None);
+        assert!(text.contains("about 8.9 +- 0.4 % of the light: even 1024, the largest possible"), "{text}");
+        let (text, entry) = told(Share::AtLeast(0.9999), None);
+        assert!(text.contains("at least 99.9 % of the light: most of it may need more than 1024"), "{text}");
+        assert_eq!(entry, "at least 1.00 beyond 15 segments, no sufficient limit known");
+        let (text, entry) = told(Share::Unknown, None);
+        assert!(text.contains("with them an unknown share of the light, perhaps nearly all of it: "), "{text}");
+        assert!(entry.starts_with("unknown beyond 15 segments"), "{entry}");
+    }
+}
