@@ -139,8 +139,8 @@ pub struct Phase {
     /// The phase function.
     #[serde(rename = "type", default)]
     pub kind: PhaseKind,
-    /// For henyey_greenstein (0 unless given), draine and two_lobe: mean cosine of the scattering angle, from -0.9999 to
-    /// 0.9999; above 0 is forward scattering. For two_lobe a list of two.
+    /// Mean cosine of the scattering angle, from -0.9999 to 0.9999; above 0 is forward scattering. For henyey_greenstein (0
+    /// unless given), draine, and two_lobe, which has a list of two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub g: Option<OneOrTwo>,
     /// For two_lobe only: share of the first lobe, from 0 to 1.

@@ -110,7 +110,7 @@ fn an_override_may_begin_a_table() {
     folder.done(&[&["render", "vacuum.toml", "-o", "a.exr"], &fog[..]].concat());
     folder.done(&["render", "scene.toml", "-o", "b.exr"]);
     assert_eq!(folder.image("a.exr").channels, folder.image("b.exr").channels);
-    let isotropic = ["--set", "medium.phase.type=henyey_greenstein", "--set", "medium.scattering=0.7"];
+    let isotropic = [&["--set", "medium.phase.type=henyey_greenstein"], &fog[2..]].concat();
     folder.done(&[&["render", "vacuum.toml", "-o", "c.exr"], &isotropic[..]].concat());
     folder.done(&["render", "scene.toml", "-o", "d.exr", "--set", "medium.phase.g=0"]);
     assert_eq!(folder.image("c.exr").channels, folder.image("d.exr").channels, "g is 0 unless it is given");

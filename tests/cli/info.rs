@@ -10,7 +10,7 @@ fn a_scene_is_described_with_its_cost() {
         let run = folder.done(&["info", scene]);
         let lines: Vec<_> = run.stdout.lines().collect();
         assert_eq!(lines[0], "mist: 8x8 pixels, 4 samples each, seed 1", "{run}");
-        assert_eq!(lines[1], "fog: mean free path 1 m, albedo 0.7000, henyey_greenstein of mean cosine 0.5");
+        assert_eq!(lines[1], "fog: mean free path 1 m, albedo 0.7000, henyey_greenstein of mean cosine 0.5000");
         assert_eq!(lines[2], "light: disk of radius 1.5 m at 3 m from the camera (3 mean free paths)");
         assert_eq!(lines[3], "technique mvnee, paths of 1 to 24 segments");
         assert_eq!(lines[4], "vertices that connect: all, survival 1");

@@ -63,7 +63,7 @@ fn faulty_keys_say_what_is_wrong() {
         ("\"mie\"", "medium.phase: unknown name `mie`"),
     ] {
         let folder = with_phase(phase);
-        let run = folder.refused(&["render", "scene.toml"], 1, &folder.place("phase ="));
+        let run = folder.refused(&["render", "scene.toml"], 1, "scene.toml:13:");
         assert!(run.stderr.contains(finding), "{phase}: {run}");
     }
 }
