@@ -88,7 +88,7 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
         names.join(", "),
         session.report(outcome).techniques(),
         duration(seconds),
-        rate(samples / seconds),
+        rate(samples / outcome.sampling.as_secs_f64()),
         means.join(" | "),
     )
 }

@@ -101,6 +101,8 @@ pub struct Outcome {
     pub stats: Stats,
     /// Time since the session began.
     pub elapsed: Duration,
+    /// Time since the first sample was begun; what came before is preparation.
+    pub sampling: Duration,
 }
 
 impl Session {

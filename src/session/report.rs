@@ -32,7 +32,7 @@ impl Report<'_> {
     /// Entries of an image's header.
     pub fn header(&self) -> Vec<(String, String)> {
         let Session { scene, film, settings, .. } = self.session;
-        let (region, frame, Outcome { stats, elapsed }) = (film.region(), &scene.frame, self.outcome);
+        let (region, frame, Outcome { stats, elapsed, .. }) = (film.region(), &scene.frame, self.outcome);
         let entries = [
             ("version", env!("CARGO_PKG_VERSION").to_string()),
             ("scene", scene.name.clone()),
@@ -74,8 +74,8 @@ impl Report<'_> {
     /// Statistics as JSON.
     fn statistics(&self) -> Value {
         let Session { scene, film, settings, preparation, .. } = self.session;
-        let Outcome { stats, elapsed } = self.outcome;
-        let (seconds, frame) = (elapsed.as_secs_f64(), &scene.frame);
+        let Outcome { stats, elapsed, sampling } = self.outcome;
+        let (seconds, sampling, frame) = (elapsed.as_secs_f64(), sampling.as_secs_f64(), &scene.frame);
         let stages: Vec<_> = Stage::ALL
             .iter()
             .zip(&stats.stages)
@@ -105,10 +105,11 @@ impl Report<'_> {
             "noise": Some(film.relative_noise()).filter(|noise| noise.is_finite()),
             "threads": self.session.threads(),
             "seconds": seconds,
+            "seconds_of_preparation": seconds - sampling,
             "samples": stats.samples,
-            "samples_per_second": stats.samples as f64 / seconds,
+            "samples_per_second": stats.samples as f64 / sampling,
             "segments": stats.segments,
-            "segments_per_second": stats.segments as f64 / seconds,
+            "segments_per_second": stats.segments as f64 / sampling,
             "mean": mean,
             "standard_error": standard_error,
             "stages": stages,

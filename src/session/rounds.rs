@@ -47,6 +47,8 @@ pub struct State {
     pub samples: u64,
     /// Time since the start.
     pub elapsed: Duration,
+    /// Time since the first sample was begun.
+    pub sampling: Duration,
     /// Time left, while anything is known about it `[s]`.
     pub seconds_left: Option<f64>,
 }
@@ -59,7 +61,7 @@ impl State {
 
     /// Camera paths per second so far.
     pub fn rate(&self) -> f64 {
-        self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
+        self.samples as f64 / self.sampling.as_secs_f64().max(1e-9)
     }
 }
 
@@ -96,7 +98,7 @@ impl Session {
             stats.merge(&self.render(round.samples, deadline, || look(watch.state())));
             look(watch.state()); // a short round had no time for it
         }
-        Outcome { stats, elapsed: self.start.elapsed() }
+        Outcome { stats, elapsed: self.start.elapsed(), sampling: begin.elapsed() }
     }
 
     /// Prepares, telling `look` now and then that it does.
@@ -209,7 +211,8 @@ impl Watch<'_> {
             Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
         };
         self.fraction.set(self.fraction.get().max(fraction.min(1.0)));
-        State { preparing: false, fraction: self.fraction.get(), samples, elapsed, seconds_left }
+        let (fraction, sampling) = (self.fraction.get(), self.begin.elapsed());
+        State { preparing: false, fraction, samples, elapsed, sampling, seconds_left }
     }
 
     /// Time left at the rate so far `[s]`; none as long as that says little.
