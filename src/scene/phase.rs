@@ -1,6 +1,8 @@
 //! The phase function of a scene: which keys belong to which, their ranges, and files of tables.
 
-use std::fs;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 
 use fogbow_kernels::phase::droplets::DIAMETERS;
 use fogbow_kernels::phase::{Draine, PhaseFunction};
@@ -12,6 +14,9 @@ use crate::error::{Error, Result};
 /// Largest |g|: of a sharper lobe single precision loses the shape, and the weights of some techniques their last
 /// digits.
 const SHARPEST: f64 = 0.9999;
+
+/// Bytes of the largest table: some hundred thousand rows.
+const LARGEST_TABLE: u64 = 16 << 20;
 
 /// Where the keys stand.
 const KEY: &str = "medium.phase";
@@ -113,8 +118,7 @@ impl Keys<'_> {
         let remedy = "give the path of a CSV file with rows of cosine and value";
         let file = self.phase.file.as_ref().ok_or_else(|| self.missing("file", remedy))?;
         let path = self.document.folder().join(file);
-        let text = fs::read_to_string(&path)
-            .map_err(|error| Error::failure(path.display(), format!("cannot be read: {error}"), remedy))?;
+        let text = read(&path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
         let rows = rows(&text).map_err(|(line, finding)| {
             Error::failure(
                 format!("{}:{line}", path.display()),
@@ -126,6 +130,17 @@ impl Keys<'_> {
             Error::failure(path.display(), finding, "write rows of cosine and value, by ascending cosine from -1 to 1")
         })
     }
+}
+
+/// The text of a file of at most [`LARGEST_TABLE`] bytes; of a larger one, or of one without end, no more is read.
+fn read(path: &Path) -> core::result::Result<String, String> {
+    let mut text = String::new();
+    let read = File::open(path).and_then(|file| file.take(LARGEST_TABLE + 1).read_to_string(&mut text));
+    read.map_err(|error| format!("cannot be read: {error}"))?;
+    if text.len() as u64 <= LARGEST_TABLE {
+        return Ok(text);
+    }
+    Err(format!("is larger than {} MiB, too large for a table", LARGEST_TABLE >> 20))
 }
 
 /// Rows of two numbers; lines that are empty, begin with `#`, or stand first and are no numbers are passed by. Else the number
