@@ -70,7 +70,7 @@ pub struct Stats {
     pub segments: u64,
     /// One entry for each of [`Stage::ALL`]; only filled if detailed.
     pub stages: Vec<StageStats>,
-    /// One entry for each of [`Connector::ALL`]; all but `tried` only filled if detailed.
+    /// One entry for each of [`Technique::ALL`]; all but `tried` only filled if detailed.
     pub connections: [ConnectionStats; Technique::ALL.len()],
     /// What connections cost.
     pub work: Work,

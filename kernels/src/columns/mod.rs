@@ -1,4 +1,5 @@
-//! Structure-of-arrays storage: a [`Column`] is rows of one quantity, stored and read in batches of [`LANES`](crate::lanes::LANES).
+//! Structure-of-arrays storage: a [`Column`] is rows of one quantity, stored and read in batches of
+//! [`LANES`].
 //!
 //! Tables and queues are declared once with [`columns!`](crate::columns!): every field becomes a column, rows are
 //! written by field name, and the doc comment of a field is the place for its unit, range, sentinel and measure.

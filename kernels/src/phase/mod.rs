@@ -75,7 +75,7 @@ impl PhaseFunction {
         Self::TwoLobe(Mixture { weight, first, second })
     }
 
-    /// Droplets of fog and cloud of this `diameter`, in [`droplets::DIAMETERS`] [um].
+    /// Droplets of fog and cloud of this `diameter`, in [`droplets::DIAMETERS`] `[um]`.
     pub fn droplets(diameter: f32) -> Self {
         Self::Droplets(Droplets::of_diameter(diameter))
     }

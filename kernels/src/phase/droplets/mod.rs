@@ -18,7 +18,7 @@ use core::ops::RangeInclusive;
 
 use super::{Draine, DraineX8, HenyeyGreenstein, HenyeyGreensteinX8, Mixture, MixtureX8};
 
-/// Diameters for which the fit was made [um].
+/// Diameters for which the fit was made `[um]`.
 pub const DIAMETERS: RangeInclusive<f32> = 5.0..=50.0;
 
 /// The phase function of droplets.
@@ -28,7 +28,7 @@ pub type Droplets = Mixture<HenyeyGreenstein, Draine>;
 pub type DropletsX8 = MixtureX8<HenyeyGreensteinX8, DraineX8>;
 
 impl Droplets {
-    /// The phase function of droplets of this `diameter`, in [`DIAMETERS`] [um].
+    /// The phase function of droplets of this `diameter`, in [`DIAMETERS`] `[um]`.
     pub fn of_diameter(diameter: f32) -> Self {
         debug_assert!(DIAMETERS.contains(&diameter), "a diameter of {diameter} um is out of range");
         let d = f64::from(diameter);

@@ -24,7 +24,7 @@ pub struct Tabulated {
     columns: Columns,
 }
 
-/// What one over a density of zero is [sr]: 2^60, of which three still multiply to a finite number.
+/// What one over a density of zero is `[sr]`: 2^60, of which three still multiply to a finite number.
 pub const LARGEST_INVERSE_DENSITY: f32 = (1_u64 << 60) as f32;
 
 /// The least share of all events that has to be in the forward hemisphere, from which connections draw.
