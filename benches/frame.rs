@@ -1,5 +1,5 @@
-//! Whole frames: fog-facing, 256 x 256, g .9, K 15, and dense-plate, per technique; a lamp of 2 and of 10 082 triangles; and the
-//! bare walk that no renderer can beat.
+//! Whole frames: fog-facing, 256 x 256, g .9, K 15, and dense-plate, per technique; a lamp of 2 and of 10 082
+//! triangles; and the bare walk that no renderer can beat.
 //!
 //! ```text
 //! cargo bench --bench frame

@@ -1,5 +1,5 @@
-//! Stages on queues recorded from a real frame, all but light_hit and surface, whose rows are few: kernel and twin, by live
-//! lanes and rows; arithmetic stages also against the same algorithm as a plain f32 loop with libm.
+//! Stages on queues recorded from a real frame, all but light_hit and surface, whose rows are few: kernel and twin, by
+//! live lanes and rows; arithmetic stages also against the same algorithm as a plain f32 loop with libm.
 //!
 //! ```text
 //! cargo bench --bench stages
@@ -221,8 +221,8 @@ fn lis_stages(c: &mut Criterion) {
     group.finish();
 }
 
-/// Bridges: making them, and their weights; elements of the latter are starts, of which every row has those of its path and
-/// those that the bridge inserts.
+/// Bridges: making them, and their weights; elements of the latter are starts, of which every row has those of its path
+/// and those that the bridge inserts.
 fn bridge_stages(c: &mut Criterion) {
     let frame = frames::with_techniques(&mvnee_frame(), Active::Bridge, 4.0);
     let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");

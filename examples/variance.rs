@@ -1,13 +1,13 @@
-//! Variance of one camera sample, by technique, mean cosine and light radius, and by the law of the numbers of edges: the
-//! tables of docs/bridges.md.
+//! Variance of one camera sample, by technique, mean cosine and light radius, and by the law of the numbers of edges:
+//! the tables of docs/bridges.md.
 //!
 //! ```text
 //! cargo run --release --example variance
 //! ```
 //!
-//! Scene fog-facing, camera on its near plane 0, K = 15, radiance in inverse proportion to the light's area. A figure is the
-//! mean over the pixels of the variance of a sample. Where techniques are far from the light's shape, variances come from a
-//! few rare samples: the figure in brackets is its relative spread over eight parts of the samples.
+//! Scene fog-facing, camera on its near plane 0, K = 15, radiance in inverse proportion to the light's area. A figure
+//! is the mean over the pixels of the variance of a sample. Where techniques are far from the light's shape, variances
+//! come from a few rare samples: the figure in brackets is its relative spread over eight parts of the samples.
 
 use std::sync::Arc;
 

@@ -121,8 +121,8 @@ fn compare_channel(a: &Image, b: &Image, channel: &str) -> Result<ChannelCompari
     })
 }
 
-/// The difference of two images as RGB bytes: grey where equal, red where the first is brighter, blue where it is darker.
-/// Full colour is `scale`: three standard errors where there are errors, the largest difference elsewhere.
+/// The difference of two images as RGB bytes: grey where equal, red where the first is brighter, blue where it is
+/// darker. Full colour is `scale`: three standard errors where there are errors, the largest difference elsewhere.
 pub fn difference_picture(a: &Image, b: &Image) -> Result<(Vec<u8>, String)> {
     let mut differences = vec![0.0; a.width * a.height];
     let mut in_errors = true;

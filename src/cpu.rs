@@ -39,8 +39,8 @@ fn missing() -> Vec<&'static str> {
 
 /// What a build that leaves the processor's means unused should know; `None` if there is nothing to say.
 ///
-/// The kernels work on eight numbers at a time. Without AVX2 these are two halves, and without FMA a product and a sum are
-/// rounded twice.
+/// The kernels work on eight numbers at a time. Without AVX2 these are two halves, and without FMA a product and a sum
+/// are rounded twice.
 pub fn advice() -> Option<&'static str> {
     cfg!(all(target_arch = "x86_64", not(all(target_feature = "avx2", target_feature = "fma")))).then_some(
         "this build does not use AVX2 and FMA and takes up to twice as long as it could: rebuild it with \

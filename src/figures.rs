@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-/// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an exponent.
+/// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an
+/// exponent.
 pub fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() || (value.fract() == 0.0 && value.abs() < 1e6) {
         return value.to_string();

@@ -28,7 +28,8 @@ pub struct Frame {
     pub walk: Walk,
     /// Share of the camera's flights that are drawn towards the lights, [0, 1).
     pub aimed: f32,
-    /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all are.
+    /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all
+    /// are.
     pub roulette: f32,
     /// The path lengths that count.
     pub lengths: PathLengths,
@@ -63,9 +64,9 @@ impl Frame {
 
     /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
     ///
-    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end with the
-    /// segment after the last start: it meets the light that bridges from that vertex hardly find, the one right in front of
-    /// it.
+    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end
+    /// with the segment after the last start: it meets the light that bridges from that vertex hardly find, the one
+    /// right in front of it.
     pub fn with_walk(self, starts: u32, survival: f32) -> Self {
         let reaches_everything =
             self.techniques.bridge.as_ref().is_some_and(|bridge| bridge.reaches_everything(self.lengths.max));

@@ -27,13 +27,14 @@
 //! [`session`] is the longer way, which lets you choose and watch everything; [`wavefront`] is the loop that runs the
 //! stages one after another, and [`kernels`] has the stages themselves, each with a scalar twin.
 //!
-//! Light that is neither absorbed nor gets away may take hundreds of turns. How much of it `render.max_segments` leaves out
-//! is among the warnings.
+//! Light that is neither absorbed nor gets away may take hundreds of turns. How much of it `render.max_segments` leaves
+//! out is among the warnings.
 //!
 //! # Speed
 //!
-//! **Build with `--release`**: without optimisation a render takes minutes instead of seconds. If your own code has to be
-//! built for debugging, have its dependencies optimised all the same, by these lines in the `Cargo.toml` of your workspace:
+//! **Build with `--release`**: without optimisation a render takes minutes instead of seconds. If your own code has to
+//! be built for debugging, have its dependencies optimised all the same, by these lines in the `Cargo.toml` of your
+//! workspace:
 //!
 //! ```toml
 //! [profile.dev.package."*"]
@@ -42,7 +43,8 @@
 //!
 //! Stages work on eight numbers at a time, as AVX2 does. Unless told otherwise, Rust builds for the oldest processors,
 //! and a dependency cannot change that: **put these lines into `.cargo/config.toml`** next to the `Cargo.toml` of your
-//! workspace. Without them every render takes up to twice as long (and [`Scene::warnings`] says so, before the first one).
+//! workspace. Without them every render takes up to twice as long (and [`Scene::warnings`] says so, before the first
+//! one).
 //!
 //! ```toml
 //! [target.'cfg(target_arch = "x86_64")']

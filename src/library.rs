@@ -51,8 +51,8 @@ impl Scene {
         &self.loaded
     }
 
-    /// What a person should know before the first render: what in the scene is not rendered as written, and whether this
-    /// build is slow.
+    /// What a person should know before the first render: what in the scene is not rendered as written, and whether
+    /// this build is slow.
     pub fn warnings(&self) -> Vec<String> {
         let scene = self.loaded.warnings.iter().map(ToString::to_string);
         scene.chain(cpu::advice().map(String::from)).collect()

@@ -1,7 +1,7 @@
 //! What an image is exposed for: a light meter that looks at the whole scene, whatever part of it is rendered.
 //!
-//! It renders the image small, with a seed and settings of its own, so that all crops, seeds and numbers of samples of a
-//! scene are exposed alike.
+//! It renders the image small, with a seed and settings of its own, so that all crops, seeds and numbers of samples of
+//! a scene are exposed alike.
 
 use fogbow_kernels::pipeline::SIMD;
 

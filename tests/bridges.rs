@@ -133,8 +133,8 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
     }
 }
 
-/// Density of the inner vertices of `chain` as a free walk that sets out along the axis, with flights of mean `flight` times
-/// the distance between the ends: such a walk knows nothing of where it should arrive.
+/// Density of the inner vertices of `chain` as a free walk that sets out along the axis, with flights of mean `flight`
+/// times the distance between the ends: such a walk knows nothing of where it should arrive.
 fn walk_density(phase: &dyn Phase, chain: &[DVec3], flight: f64) -> f64 {
     let way = chain[chain.len() - 1] - chain[0];
     let (mean, mut direction, mut density) = (flight * way.length(), way.normalize(), 1.0);
@@ -175,7 +175,8 @@ fn any_density_over_that_of_bridges_has_mean_one() {
     assert!(p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
 }
 
-/// How strongly the roll to the first edge by a lobe is concentrated, 0 .. 1, and the share of all rolls that are below it.
+/// How strongly the roll to the first edge by a lobe is concentrated, 0 .. 1, and the share of all rolls that are below
+/// it.
 fn roll(g: f32, arriving: DVec3, chain: &[DVec3]) -> (f64, f64) {
     let [axis, first] = [chain[chain.len() - 1], chain[1]].map(|end| (end - chain[0]).normalize());
     let [from, to] = [arriving, first].map(|v| v - v.dot(axis) * axis);
@@ -218,7 +219,8 @@ fn one_vertex_of_a_bridge_matches_its_density() {
     for g in [-0.5_f32, 0.0, 0.6, 0.9] {
         let frame = with(frame(g, Roll::Uniform), |bridge| Bridge { defensive: 1.0, max_inserted: 1, ..bridge });
         let bridge = settings(&frame);
-        // With both edges l1, l2 in units of the distance: x, 1 - x^2 = 1 / (l1 + l2), and y, sin(pi (y - 1/2)) = l1 - l2.
+        // With both edges l1, l2 in units of the distance: x, 1 - x^2 = 1 / (l1 + l2), and y, sin(pi (y - 1/2)) = l1 -
+        // l2.
         let cell = |x: f64, y: f64| {
             let at = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
             SKEW * at(x, LONG) + at(y, SKEW)

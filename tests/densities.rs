@@ -102,8 +102,8 @@ fn poisson_bridge(case: &Case, roll: Roll) -> Bridge {
     Bridge { defensive: 0.0, ..Bridge::with_counts(roll, Arc::new(CountTable::poisson(lobe))) }
 }
 
-/// The probability that the table gives to the number of edges from vertex `start` on, over the Poisson probability that was
-/// recorded.
+/// The probability that the table gives to the number of edges from vertex `start` on, over the Poisson probability
+/// that was recorded.
 fn count_quotient(case: &Case, start: usize) -> f64 {
     let path = vertices(case);
     let arriving = (path[start] - path[start - 1]).normalize();
@@ -245,8 +245,8 @@ proptest! {
     fn weights_sum_to_one_over_techniques(
         path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64, lane in 0..16_usize,
     ) {
-        // A technique's share of a path is its density over the sum of all; the weight is path tracing's share, and each
-        // of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
+        // A technique's share of a path is its density over the sum of all; the weight is path tracing's share, and
+        // each of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
         let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {

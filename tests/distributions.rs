@@ -242,8 +242,8 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
     }
 }
 
-/// The weights of bridges from the second vertices of many walks before and after the roulette, with the probability that
-/// the twin gives them.
+/// The weights of bridges from the second vertices of many walks before and after the roulette, with the probability
+/// that the twin gives them.
 fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
     let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
     after_walks(frame, SAMPLES, 2, |wavefront| {

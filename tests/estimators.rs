@@ -35,8 +35,8 @@ impl Renders {
 
     /// Checks that none is far from the mean of all, and returns the p-values of all being equal, channel by channel.
     ///
-    /// One in 40000 comparisons fails by chance. There are some 2000 here, three channels of the same paths being little more
-    /// than one: one choice of seeds in 20 or so would have to be another.
+    /// One in 40000 comparisons fails by chance. There are some 2000 here, three channels of the same paths being
+    /// little more than one: one choice of seeds in 20 or so would have to be another.
     fn assert_equal(&self, name: &str) -> [f64; 3] {
         [0, 1, 2].map(|channel| {
             let (common, certainty) = self.common(channel);
@@ -54,7 +54,8 @@ impl Renders {
     }
 }
 
-/// Checks that p-values of claims that hold look like it, channel by channel: those of the same paths are not independent.
+/// Checks that p-values of claims that hold look like it, channel by channel: those of the same paths are not
+/// independent.
 fn assert_uniform(name: &str, p_values: &[[f64; 3]]) {
     for channel in 0..3 {
         let p_values: Vec<_> = p_values.iter().map(|channels| channels[channel]).collect();

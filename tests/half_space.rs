@@ -1,5 +1,5 @@
-//! Fog under a shining plane: light of every number of segments against quadrature, for lobes that scatter back and lights that
-//! are focused.
+//! Fog under a shining plane: light of every number of segments against quadrature, for lobes that scatter back and
+//! lights that are focused.
 
 use fogbow::frame::Frame;
 use fogbow_kernels::PathLengths;
@@ -39,11 +39,11 @@ fn frame(depth: f64, mu: f64, emission: Emission, g: f64, active: Active) -> Fra
     frames::with_techniques(&frames::plain(camera, medium, lights, LONGEST, 3), active, 4.0)
 }
 
-/// Checks both sides of the plane's fog, seen towards it and away from it, for light of every number of segments. `case` tells
-/// the random numbers apart.
+/// Checks both sides of the plane's fog, seen towards it and away from it, for light of every number of segments.
+/// `case` tells the random numbers apart.
 ///
-/// Channels differ by factors and share their random numbers: a threshold of 4 standard errors fails one comparison in 16000,
-/// of which there are 16 here.
+/// Channels differ by factors and share their random numbers: a threshold of 4 standard errors fails one comparison in
+/// 16000, of which there are 16 here.
 fn assert_is_that_of_the_quadrature(case: u32, emission: Emission, g: f64) {
     let (steps, end) = (320, 64);
     let half_space = HalfSpace::new(emission, g, 64, steps);

@@ -71,7 +71,8 @@ seed = 7
 
 /// Keys that change no sample.
 const WITHOUT_EFFECT: [&str; 3] = ["render.samples", "film.exposure", "punctual_radius"];
-/// Keys with nothing else to say: there is one phase function, and what a light is follows from its normal and its exponent.
+/// Keys with nothing else to say: there is one phase function, and what a light is follows from its normal and its
+/// exponent.
 const WITHOUT_CHOICE: [&str; 2] = ["medium.phase.type", "light.type"];
 /// Keys that need a file of their own: see the tests of models.
 const ELSEWHERE: [&str; 1] = ["geometry"];

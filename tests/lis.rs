@@ -139,8 +139,8 @@ fn other_shape_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
 
 #[test]
 fn any_density_over_that_of_the_connections_has_mean_one() {
-    // E[h / p] = 1 for every density h of a number of inserted vertices, where p is the twin's density of what the kernels
-    // make, and connections with another number of vertices count as nothing.
+    // E[h / p] = 1 for every density h of a number of inserted vertices, where p is the twin's density of what the
+    // kernels make, and connections with another number of vertices count as nothing.
     let bridge = |frame: &Frame| {
         let bridge = Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max);
         Shape::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })

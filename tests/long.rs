@@ -127,8 +127,8 @@ fn no_rare_sample_decides_the_variance_of_bridges() {
 
 #[test]
 fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
-    // Few mean free paths from the light Poisson counts hardly ever insert as many vertices as light in albedo 1 likes to
-    // visit.
+    // Few mean free paths from the light Poisson counts hardly ever insert as many vertices as light in albedo 1 likes
+    // to visit.
     let near = [
         "light[0].center=[0, 0, 2]",
         "light[0].radius=1",
@@ -148,8 +148,8 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
     });
     println!("long detours, variances of ten seeds, with and without uniform counts:");
     println!("table {tabled:.1?}\nPoisson {poisson:.1?}");
-    // A few samples decide the worst run with Poisson counts alone: by how much it is worse differs, that it is far worse
-    // does not.
+    // A few samples decide the worst run with Poisson counts alone: by how much it is worse differs, that it is far
+    // worse does not.
     let [[tabled, _], [mixed, alone]] = &[tabled, poisson];
     assert!(alone[9] > 50.0 * tabled[9], "worst runs");
     assert!(alone[5] > 5.0 * tabled[5], "medians");

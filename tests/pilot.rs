@@ -150,9 +150,9 @@ fn the_best_trial_is_efficient_agrees_and_has_most_starts_of_those_as_good() {
     assert_eq!(chosen(&[near, trial(2, 3.0, 2.0), full]), Some(1));
 }
 
-/// Where scattering is all but straight back, light comes by many segments, and few starts find it rarely or not at all: five
-/// looks out of six that one start takes see next to nothing, with so little variance that it would be the most efficient by
-/// far. That no more than two of twelve do has a probability of 10^-6.
+/// Where scattering is all but straight back, light comes by many segments, and few starts find it rarely or not at
+/// all: five looks out of six that one start takes see next to nothing, with so little variance that it would be the
+/// most efficient by far. That no more than two of twelve do has a probability of 10^-6.
 #[test]
 fn what_misses_the_light_is_not_chosen() {
     let mut tempting = 0;

@@ -30,9 +30,9 @@ fn share(found: Option<Truncation>) -> (f64, f64) {
     }
 }
 
-/// Means of fog-facing are 1.2828 +- .0005 with up to 15 segments, 1.361 with up to 32, 1.391 with up to 256, 1.400 +- .005
-/// with up to 1024. As beyond that light falls with the root of the length, its end is 1.407, from which 8.8 % are missing
-/// after 15 segments and 3.3 % after 32, and more than 1 % until there are more than 300.
+/// Means of fog-facing are 1.2828 +- .0005 with up to 15 segments, 1.361 with up to 32, 1.391 with up to 256, 1.400 +-
+/// .005 with up to 1024. As beyond that light falls with the root of the length, its end is 1.407, from which 8.8 % are
+/// missing after 15 segments and 3.3 % after 32, and more than 1 % until there are more than 300.
 #[test]
 fn fog_loses_what_long_paths_bring() {
     for (limit, truth) in [(15, 0.088), (32, 0.033)] {

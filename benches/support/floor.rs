@@ -1,5 +1,5 @@
-//! The floor: a walk through fog over plain columns, with nothing that makes a renderer: no refill, no film, no queues, no
-//! candidates. Rates of frames are best read as multiples of its time.
+//! The floor: a walk through fog over plain columns, with nothing that makes a renderer: no refill, no film, no queues,
+//! no candidates. Rates of frames are best read as multiples of its time.
 
 use fogbow_kernels::phase::{HenyeyGreenstein, HenyeyGreensteinX8, PhaseX8};
 use fogbow_kernels::random::{uniform_x8, words_x8};

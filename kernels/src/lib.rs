@@ -1,9 +1,9 @@
 //! The arithmetic of fogbow: columns, read-only tables, and the stages that transform them.
 //!
 //! A stage is a folder: `mod.rs` states what it may read and fill, `simd.rs` does it for eight rows at a time in f32,
-//! `reference.rs` does it for one row at a time in f64, written from the formulas and not from the kernel.
-//! [`pipeline`] lists them all. Nothing here opens files, starts threads, reads clocks or allocates in a loop, but that the
-//! tree over triangles is built on the threads of rayon.
+//! `reference.rs` does it for one row at a time in f64, written from the formulas and not from the kernel. [`pipeline`]
+//! lists them all. Nothing here opens files, starts threads, reads clocks or allocates in a loop, but that the tree
+//! over triangles is built on the threads of rayon.
 
 pub mod accumulate;
 pub mod columns;

@@ -4,8 +4,9 @@
 //! processed. The bits are integer arithmetic, the same in kernels and twins and on every machine.
 //!
 //! This page lists every dimension. A *block* is four words; its number is `depth << 16 | number of the purpose`, where
-//! `depth` is the number of the vertex that asks (the camera is 0; segment `j` leaves vertex `j`). Blocks are asked for by
-//! [`Purpose`], and there are no purposes but those listed here, so that every word that a stage may draw is in [`PURPOSES`].
+//! `depth` is the number of the vertex that asks (the camera is 0; segment `j` leaves vertex `j`). Blocks are asked for
+//! by [`Purpose`], and there are no purposes but those listed here, so that every word that a stage may draw is in
+//! [`PURPOSES`].
 //!
 //! Light importance sampling joins a start with its vertex as MVNEE or a bridge would, from the same blocks under
 //! [`lis_seed`].
@@ -81,7 +82,8 @@ macro_rules! purposes {
 purposes! {
     /// The place of a sample on the film, and its first flight: film x, film y, free or aimed, the aimed one.
     CAMERA = Purpose::one(0);
-    /// One step of the walk: free flight, cosine and azimuth of the scattering at its end, survival of the vertex it leaves.
+    /// One step of the walk: free flight, cosine and azimuth of the scattering at its end, survival of the vertex it
+    /// leaves.
     SEGMENT = Purpose::one(1);
     /// The light point of next event estimation: light, two for the point on it, roulette.
     NEE_LIGHT = Purpose::light_point(2);
@@ -124,8 +126,8 @@ pub fn block_x8(depth: u32x8, purpose: Purpose) -> u32x8 {
     depth << PURPOSE_BITS | u32x8::splat(purpose.first)
 }
 
-/// The seed under which light importance sampling draws its bridges and its seeds on the axis: with the frame's own they
-/// would repeat what MVNEE and bridges draw for the same start.
+/// The seed under which light importance sampling draws its bridges and its seeds on the axis: with the frame's own
+/// they would repeat what MVNEE and bridges draw for the same start.
 #[inline(always)]
 pub fn lis_seed(seed: u32) -> u32 {
     seed ^ 0x85eb_ca6b

@@ -1,12 +1,12 @@
 //! Sums that are exact, so that they do not depend on the order of their terms.
 //!
-//! A sample's value is rounded once, to a multiple of a unit that belongs to the layer; from there on there is only integer
-//! addition, and addition that would overflow saturates, which for non-negative terms is associative too. Any number of
-//! threads, any tiling and any split of the samples therefore give the same bits.
+//! A sample's value is rounded once, to a multiple of a unit that belongs to the layer; from there on there is only
+//! integer addition, and addition that would overflow saturates, which for non-negative terms is associative too. Any
+//! number of threads, any tiling and any split of the samples therefore give the same bits.
 //!
-//! The unit follows from the largest value that is expected, for radiance that of the brightest light. A contribution is at
-//! most its radiance where all walks go on, and rarely more than a thousand times that where few do; with `2^e` the power of
-//! two above the largest value:
+//! The unit follows from the largest value that is expected, for radiance that of the brightest light. A contribution
+//! is at most its radiance where all walks go on, and rarely more than a thousand times that where few do; with `2^e`
+//! the power of two above the largest value:
 //!
 //! | | unit | smallest | largest sample | sum |
 //! |---|---|---|---|---|
@@ -99,8 +99,8 @@ impl ExactSquares {
         a | b << 32 | c << 64 | d << 96
     }
 
-    /// Standard error of the `mean` of `samples` samples, in the unit of the values: unbiased sample variance over the number
-    /// of samples, rooted; 0 for one sample.
+    /// Standard error of the `mean` of `samples` samples, in the unit of the values: unbiased sample variance over the
+    /// number of samples, rooted; 0 for one sample.
     pub fn standard_error(&self, unit: Unit, mean: f64, samples: u64) -> f64 {
         if samples < 2 {
             return 0.0;
@@ -202,7 +202,8 @@ mod tests {
             let variance = samples.iter().map(|x| (f64::from(*x) - mean).powi(2)).sum::<f64>() / (n - 1.0);
             let unit = Unit::for_largest(light as f32);
             let error = sum_of(unit, samples.iter()).standard_error(unit, samples.len() as u64);
-            // Half a unit off every root moves the mean square by no more than a unit times the mean, in the worst case.
+            // Half a unit off every root moves the mean square by no more than a unit times the mean, in the worst
+            // case.
             let bound = 0.5 * root * mean / variance + 1e-9;
             let relative = error / (variance / n).sqrt() - 1.0;
             assert!(relative.abs() <= bound && bound < 0.05, "{faintness:e}: off by {relative:e}, may be by {bound:e}");

@@ -14,8 +14,8 @@ pub struct Layer {
     pub unit: Unit,
     /// Whether squares are summed as well, for standard errors.
     pub squares: bool,
-    /// Names of its channels in an EXR file: `R`, `G`, `B`, or `depth.Z`. Where there are more names than channels, those left
-    /// over show the last channel. Standard errors have the same names after `SE.`.
+    /// Names of its channels in an EXR file: `R`, `G`, `B`, or `depth.Z`. Where there are more names than channels,
+    /// those left over show the last channel. Standard errors have the same names after `SE.`.
     pub planes: &'static [&'static str],
 }
 

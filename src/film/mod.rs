@@ -162,8 +162,9 @@ impl Film {
         (0..self.tiles.len()).map(|index| self.tile(index).samples()).max().unwrap_or(0)
     }
 
-    /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them; infinite if there is
-    /// no error yet, as with one sample per pixel, or nothing but black. Dark pixels count as a tenth of the median.
+    /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them;
+    /// infinite if there is no error yet, as with one sample per pixel, or nothing but black. Dark pixels count as a
+    /// tenth of the median.
     pub fn relative_noise(&self) -> f64 {
         noise::relative(self.pixels())
     }

@@ -1,9 +1,10 @@
 //! How noisy an image is, as one number that a few pixels cannot decide.
 //!
-//! A pixel's noise is its standard error over its mean, both as lengths of RGB vectors; what is much darker than the image
-//! counts as a tenth of the median pixel. That is never more than about one, however bright a lamp is that a pixel sees a part
-//! of. The noise of the image is the root of the mean of their squares, without the noisiest hundredth of the pixels. Black
-//! pixels do not count: whether they are dark or just have not met light yet, nobody can tell.
+//! A pixel's noise is its standard error over its mean, both as lengths of RGB vectors; what is much darker than the
+//! image counts as a tenth of the median pixel. That is never more than about one, however bright a lamp is that a
+//! pixel sees a part of. The noise of the image is the root of the mean of their squares, without the noisiest
+//! hundredth of the pixels. Black pixels do not count: whether they are dark or just have not met light yet, nobody can
+//! tell.
 
 use super::Pixel;
 

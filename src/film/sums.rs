@@ -51,7 +51,8 @@ impl Sums {
         self.squares.iter_mut().zip(&other.squares).for_each(|(sum, other)| sum.merge(other));
     }
 
-    /// What is known of `channel` of the pixel at `place` after so many samples; channels after the last are like the last.
+    /// What is known of `channel` of the pixel at `place` after so many samples; channels after the last are like the
+    /// last.
     pub fn estimate(&self, place: usize, channel: usize, samples: u32) -> Estimate {
         let Layer { channels, unit, .. } = self.layer;
         let index = place * channels + channel.min(channels - 1);

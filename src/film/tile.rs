@@ -115,8 +115,8 @@ impl Tile {
         self.samples
     }
 
-    /// Adds one sample to the pixel at `place`: for each layer, in the order of the film, the values of its channels, finite
-    /// and >= 0. What is there beyond the tile's layers and channels is not kept.
+    /// Adds one sample to the pixel at `place`: for each layer, in the order of the film, the values of its channels,
+    /// finite and >= 0. What is there beyond the tile's layers and channels is not kept.
     ///
     /// # Panics
     /// If values are missing.

@@ -1,5 +1,5 @@
-//! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, likewise for other layers of the film, and N
-//! samples.
+//! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, likewise for other layers of the film,
+//! and N samples.
 
 mod planes;
 
@@ -21,7 +21,8 @@ use crate::film::Film;
 /// Prefix of our own header entries.
 pub const PREFIX: &str = "fogbow.";
 
-/// Writes the film, which may cover part of an image of `size` pixels, with `header` entries (name without prefix, text).
+/// Writes the film, which may cover part of an image of `size` pixels, with `header` entries (name without prefix,
+/// text).
 ///
 /// Pixels are computed as they are written: no copy of the film is made.
 ///

@@ -1,8 +1,8 @@
 //! From radiance to something a screen can show.
 //!
-//! A fixed curve, as of a film: radiance times two to the power of the exposure, compressed by Reinhard's
-//! `L (1 + L / W^2) / (1 + L)` (Reinhard, Stark, Shirley, Ferwerda, Photographic Tone Reproduction for Digital Images, 2002,
-//! Eq. 4), then the sRGB transfer function, 8 bits. L is the largest channel and all three are scaled alike, so that bright
+//! A fixed curve, as of a film: radiance times two to the power of the exposure, compressed by Reinhard's `L (1 + L /
+//! W^2) / (1 + L)` (Reinhard, Stark, Shirley, Ferwerda, Photographic Tone Reproduction for Digital Images, 2002, Eq.
+//! 4), then the sRGB transfer function, 8 bits. L is the largest channel and all three are scaled alike, so that bright
 //! lights keep their hue; W is always the same, so that a pixel does not depend on the others.
 
 /// Luminance that the middle of an image becomes where nothing else is asked for: middle grey.
@@ -24,8 +24,8 @@ pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
 pub struct Exposure(pub f64);
 
 impl Exposure {
-    /// The exposure that makes the log-average luminance of an image middle grey, to a tenth of a stop; pixels a thousand
-    /// times darker than the mean do not count. 0 for a black image.
+    /// The exposure that makes the log-average luminance of an image middle grey, to a tenth of a stop; pixels a
+    /// thousand times darker than the mean do not count. 0 for a black image.
     pub fn metered(pixels: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
         let luminances = pixels.map(luminance).filter(|luminance| *luminance > 0.0 && luminance.is_finite());
         let (sum, count) =

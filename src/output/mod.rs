@@ -1,8 +1,8 @@
 //! Files that a command leaves behind.
 //!
-//! A regular file is written whole or not at all: a temporary file beside it takes its place, with its mode and, where the
-//! system allows, its owner. What is not a regular file, a pipe, a terminal, `/dev/stdout`, is never replaced: bytes go straight
-//! into it, from memory. Symbolic links are followed, also to where nothing is yet.
+//! A regular file is written whole or not at all: a temporary file beside it takes its place, with its mode and, where
+//! the system allows, its owner. What is not a regular file, a pipe, a terminal, `/dev/stdout`, is never replaced:
+//! bytes go straight into it, from memory. Symbolic links are followed, also to where nothing is yet.
 
 mod pipe;
 mod place;

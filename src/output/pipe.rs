@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-/// Opens what is at `path` to add to it: what is open already may be a file with something in it, as behind a shell's `>>`.
-/// A named pipe is open once somebody reads it; none if `interrupted` says so before.
+/// Opens what is at `path` to add to it: what is open already may be a file with something in it, as behind a shell's
+/// `>>`. A named pipe is open once somebody reads it; none if `interrupted` says so before.
 #[cfg(unix)]
 pub fn open(path: &Path, interrupted: impl Fn() -> bool) -> io::Result<Option<File>> {
     use std::os::unix::fs::FileTypeExt;
@@ -25,8 +25,8 @@ pub fn open(path: &Path, interrupted: impl Fn() -> bool) -> io::Result<Option<Fi
 #[cfg(unix)]
 const PAUSE: std::time::Duration = std::time::Duration::from_millis(20);
 
-/// The pipe at `path`, if somebody has it open for reading. To wait for that in the system would be to sleep through signals,
-/// whose handlers have system calls go on where they were.
+/// The pipe at `path`, if somebody has it open for reading. To wait for that in the system would be to sleep through
+/// signals, whose handlers have system calls go on where they were.
 #[cfg(unix)]
 fn open_if_read(path: &Path) -> io::Result<Option<File>> {
     use rustix::fs::{OFlags, fcntl_setfl};

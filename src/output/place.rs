@@ -102,8 +102,8 @@ pub fn of(path: &Path) -> Result<Place> {
     Ok(if kind.is_file() { Place::Regular(end) } else { Place::Stream(end) })
 }
 
-/// The path at the end of all symbolic links, and what is there. The links to files that a process has open are the end:
-/// their targets are not paths.
+/// The path at the end of all symbolic links, and what is there. The links to files that a process has open are the
+/// end: their targets are not paths.
 fn follow(path: &Path) -> io::Result<(PathBuf, Option<std::fs::Metadata>)> {
     let mut path = path.to_path_buf();
     for _ in 0..MOST_LINKS {
@@ -164,8 +164,8 @@ fn forbidden(path: &Path, metadata: &std::fs::Metadata) -> Option<String> {
     })
 }
 
-/// Whether a new file may take the place of the one at `path`: in a folder with the sticky bit, as `/tmp` is one, that is
-/// for the owners of the file and of the folder, and for root.
+/// Whether a new file may take the place of the one at `path`: in a folder with the sticky bit, as `/tmp` is one, that
+/// is for the owners of the file and of the folder, and for root.
 #[cfg(unix)]
 fn is_replaceable(path: &Path, metadata: &std::fs::Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

@@ -13,8 +13,8 @@ use crate::warning::Warning;
 pub struct LoadedScene {
     /// What it is called: its folder's or file's name.
     pub name: String,
-    /// The files that it was read from: its own, that of its phase function's table, that of its geometry, and those that the
-    /// geometry refers to.
+    /// The files that it was read from: its own, that of its phase function's table, that of its geometry, and those
+    /// that the geometry refers to.
     pub files: Vec<PathBuf>,
     /// All keys, overrides and defaults included.
     pub scene: Scene,

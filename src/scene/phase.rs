@@ -143,8 +143,8 @@ fn read(path: &Path) -> core::result::Result<String, String> {
     Err(format!("is larger than {} MiB, too large for a table", LARGEST_TABLE >> 20))
 }
 
-/// Rows of two numbers; lines that are empty, begin with `#`, or stand first and are no numbers are passed by. Else the number
-/// of a faulty line, and what is wrong with it.
+/// Rows of two numbers; lines that are empty, begin with `#`, or stand first and are no numbers are passed by. Else the
+/// number of a faulty line, and what is wrong with it.
 fn rows(text: &str) -> core::result::Result<Vec<(f64, f64)>, (usize, String)> {
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate() {

@@ -139,8 +139,8 @@ pub struct Phase {
     /// The phase function.
     #[serde(rename = "type", default)]
     pub kind: PhaseKind,
-    /// Mean cosine of the scattering angle, from -0.9999 to 0.9999; above 0 is forward scattering. For henyey_greenstein (0
-    /// unless given), draine, and two_lobe, which has a list of two.
+    /// Mean cosine of the scattering angle, from -0.9999 to 0.9999; above 0 is forward scattering. For
+    /// henyey_greenstein (0 unless given), draine, and two_lobe, which has a list of two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub g: Option<OneOrTwo>,
     /// For two_lobe only: share of the first lobe, from 0 to 1.
@@ -152,8 +152,8 @@ pub struct Phase {
     /// For droplets only: diameter of the droplets in micrometres, from 5 to 50; fog and clouds have 10 to 30.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_um: Option<f64>,
-    /// For tabulated only: a CSV file with rows of cosine and value, in ascending order from -1 to 1; relative to the scene
-    /// file.
+    /// For tabulated only: a CSV file with rows of cosine and value, in ascending order from -1 to 1; relative to the
+    /// scene file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
 }

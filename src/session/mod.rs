@@ -148,9 +148,9 @@ impl Session {
         &self.preparation
     }
 
-    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out; meters
-    /// the exposure if there will be a PNG image. Tells `look` now and then that it is at it. Once the session's monitor says
-    /// stop nothing further is tried.
+    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out;
+    /// meters the exposure if there will be a PNG image. Tells `look` now and then that it is at it. Once the session's
+    /// monitor says stop nothing further is tried.
     pub fn prepare(&mut self, has_png: bool, look: impl FnMut(State)) {
         let (frame, preparation) = self.watch_preparation(look, || self.prepared(has_png));
         self.scene.frame = frame;
@@ -173,8 +173,8 @@ impl Session {
         Report { session: self, outcome }
     }
 
-    /// Writes the image to `path`. If that is a pipe that nobody reads yet, waits until somebody does or `interrupted` says
-    /// so.
+    /// Writes the image to `path`. If that is a pipe that nobody reads yet, waits until somebody does or `interrupted`
+    /// says so.
     ///
     /// # Errors
     /// If it cannot be written, or the wait was interrupted.

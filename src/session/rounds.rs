@@ -155,8 +155,8 @@ impl Session {
     }
 }
 
-/// Estimates of the number of samples that a noise takes. Early ones may be far off, as long as few paths have found the
-/// light, so none counts unless the one before was about the same.
+/// Estimates of the number of samples that a noise takes. Early ones may be far off, as long as few paths have found
+/// the light, so none counts unless the one before was about the same.
 #[derive(Debug, Default)]
 struct Estimates {
     last: Option<f64>,

@@ -44,8 +44,8 @@ impl Light {
         if self.is_sound() && least > TOLERATED { Share::AtLeast(least) } else { Share::Unknown }
     }
 
-    /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of them
-    /// alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
+    /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of
+    /// them alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
     pub fn sufficient(&self) -> Option<u32> {
         let half = |odd: usize| Self { looks: self.looks.iter().skip(odd).step_by(2).cloned().collect() };
         let limits = [self.first_sufficient(), half(0).first_sufficient(), half(1).first_sufficient()];
@@ -103,8 +103,8 @@ struct Beyond {
 }
 
 impl Beyond {
-    /// Of the light at each length. With B that of the last doubling and A that of the last but two, the k-th after these
-    /// brings B r^k, r^2 = B / A.
+    /// Of the light at each length. With B that of the last doubling and A that of the last but two, the k-th after
+    /// these brings B r^k, r^2 = B / A.
     fn of(light: &[f64]) -> Self {
         let [early, .., last] = octaves(light);
         let ratio = if early > 0.0 { (last / early).sqrt().min(SLOWEST) } else { SLOWEST };

@@ -8,8 +8,8 @@ use crate::frame::Frame;
 /// Least radius of a light in mean free paths.
 const LEAST_RADIUS: f32 = 0.5;
 
-/// The lights of `frame`, small ones wider and as much fainter; as they are where something is solid, which they might cut
-/// into, and where the camera would be inside.
+/// The lights of `frame`, small ones wider and as much fainter; as they are where something is solid, which they might
+/// cut into, and where the camera would be inside.
 pub fn widened(frame: &Frame) -> Lights {
     let lights = &frame.lights;
     if frame.medium.never_scatters() || !frame.surfaces.is_empty() || lights.has_meshes() {

@@ -1,17 +1,18 @@
 //! What a limit on the length of paths leaves out.
 //!
-//! No error bar shows it, so it is estimated before a render begins: looks at the image, small, sum light by the length of
-//! its paths. They do not depend on the limit, so that a limit which is offered is found sufficient when it is used.
+//! No error bar shows it, so it is estimated before a render begins: looks at the image, small, sum light by the length
+//! of its paths. They do not depend on the limit, so that a limit which is offered is found sufficient when it is used.
 //!
-//! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are scaled
-//! from free walks that hardly ever return to where they began; so longer paths are found by long walks that connect to a
-//! light from every vertex by a straight line. To them, small lights in open fog are as wide as half a mean free path: after
-//! so many turns that is all the same, and connections of a vertex close to a small light would decide the estimate.
+//! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are
+//! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
+//! connect to a light from every vertex by a straight line. To them, small lights in open fog are as wide as half a
+//! mean free path: after so many turns that is all the same, and connections of a vertex close to a small light would
+//! decide the estimate.
 //!
-//! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than the one
-//! before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with the power -3/2
-//! of the length, so that every doubling brings at least 1 - 1/sqrt(2) less than the one before. Where the last doublings
-//! bring more than that, light still grows, and how much is beyond is not known.
+//! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than
+//! the one before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with
+//! the power -3/2 of the length, so that every doubling brings at least 1 - 1/sqrt(2) less than the one before. Where
+//! the last doublings bring more than that, light still grows, and how much is beyond is not known.
 
 mod light;
 mod lights;
@@ -74,8 +75,8 @@ pub struct Truncation {
     pub max_segments: u32,
     /// How much of the light longer paths would bring.
     pub share: Share,
-    /// A limit that leaves out no more than [`TOLERATED`], surely; none if there is none up to [`LONGEST_PATH`], or none is
-    /// known.
+    /// A limit that leaves out no more than [`TOLERATED`], surely; none if there is none up to [`LONGEST_PATH`], or
+    /// none is known.
     pub sufficient: Option<u32>,
 }
 
@@ -153,8 +154,8 @@ impl fmt::Display for Truncation {
     }
 }
 
-/// What `frame`, whose image has `size` pixels, leaves out; `None` where nothing is left out, as nothing turns light. If
-/// `monitor` says stop, nothing is known.
+/// What `frame`, whose image has `size` pixels, leaves out; `None` where nothing is left out, as nothing turns light.
+/// If `monitor` says stop, nothing is known.
 pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Monitor) -> Option<Truncation> {
     if frame.stays_straight() || frame.lights.emitters().is_empty() {
         return None;

@@ -73,8 +73,8 @@ impl Wavefront<'_> {
         self.settle_buckets(Technique::Lis, reach.purpose, 1);
     }
 
-    /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one vertex
-    /// more than it says.
+    /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one
+    /// vertex more than it says.
     pub fn join_from_light(&mut self, lis: &Lis) {
         self.lis_vertex(lis);
         let step = Step { seed: random::lis_seed(self.step.seed), ..self.step };

@@ -1,7 +1,8 @@
 //! The bounce loop: who reads and who fills.
 //!
-//! [`Wavefront`] is all state of one worker. Its stages, one method each, are in `stages`: what of the state a kernel may read
-//! and fill. `bounce` and `connect` are the order in which they run, `settle` is what becomes of complete candidates.
+//! [`Wavefront`] is all state of one worker. Its stages, one method each, are in `stages`: what of the state a kernel
+//! may read and fill. `bounce` and `connect` are the order in which they run, `settle` is what becomes of complete
+//! candidates.
 
 mod bounce;
 mod candidates;
@@ -32,9 +33,9 @@ use crate::stats::Stats;
 /// Paths in flight per worker. Measured, 512 to 3072 are alike on short paths; more fall out of the cache.
 const LANES_PER_WORKER: core::ops::RangeInclusive<usize> = 512..=2048;
 
-/// Paths in flight per segment of the longest path. Connections of one bounce fall into about as many buckets, and a bucket
-/// of few rows leaves lanes empty: with 100 segments, 2048 paths render three to four times as fast as 80, although their
-/// trails are in no second-level cache.
+/// Paths in flight per segment of the longest path. Connections of one bounce fall into about as many buckets, and a
+/// bucket of few rows leaves lanes empty: with 100 segments, 2048 paths render three to four times as fast as 80,
+/// although their trails are in no second-level cache.
 const LANES_PER_SEGMENT: usize = 64;
 
 /// Share of vacant lanes, as a divisor, from which on single lanes are refilled. Below it only batches of eight vacant
@@ -120,7 +121,8 @@ pub struct Wavefront<'q> {
 }
 
 impl<'q> Wavefront<'q> {
-    /// A worker's state for `frame`, with `lanes` paths in flight (rounded up to whole batches) and nothing counted yet.
+    /// A worker's state for `frame`, with `lanes` paths in flight (rounded up to whole batches) and nothing counted
+    /// yet.
     pub fn new_in(arena: &'q Bump, frame: &'q Frame, pipeline: &Pipeline, lanes: usize) -> Self {
         let lanes = lanes.max(1).next_multiple_of(LANES);
         let channels = frame.channels();

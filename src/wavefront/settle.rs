@@ -8,8 +8,8 @@ use fogbow_kernels::random::Purpose;
 use super::{Source, Wavefront};
 
 impl Wavefront<'_> {
-    /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing has
-    /// traced yet.
+    /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing
+    /// has traced yet.
     pub(super) fn settle(&mut self, technique: Technique, purpose: Purpose, source: Source, mut bucket: Bucket) {
         self.count_work(source, bucket);
         self.mis_weight(source, bucket);

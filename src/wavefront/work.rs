@@ -4,8 +4,8 @@ use fogbow_kernels::columns::queues::Request;
 
 use crate::film::Region;
 
-/// The samples of a block that no lane has taken yet: all samples of a pixel before the next pixel, so that neighbouring
-/// lanes see similar things and sums stay in cache.
+/// The samples of a block that no lane has taken yet: all samples of a pixel before the next pixel, so that
+/// neighbouring lanes see similar things and sums stay in cache.
 pub(super) struct Work {
     region: Region,
     samples: core::ops::Range<u32>,

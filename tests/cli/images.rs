@@ -81,8 +81,8 @@ fn a_png_is_eight_bit_srgb_of_the_right_size() {
     assert!(pixels.chunks(3).all(|rgb| rgb[0] == rgb[1] && rgb[1] == rgb[2]), "grey light gives a grey image");
 }
 
-/// The light of a pixel as a screen shows it, from the papers: Reinhard et al. 2002, Eq. 4, of the largest channel, with
-/// white at 16, then IEC 61966-2-1.
+/// The light of a pixel as a screen shows it, from the papers: Reinhard et al. 2002, Eq. 4, of the largest channel,
+/// with white at 16, then IEC 61966-2-1.
 fn shown(rgb: [f64; 3], exposure: f64) -> [f64; 3] {
     let light = exposure * rgb.into_iter().fold(0.0, f64::max);
     rgb.map(|channel| {

@@ -8,7 +8,8 @@ use super::support::{Folder, Run, header, mean};
 
 const HALF: f64 = core::f64::consts::FRAC_1_SQRT_2;
 
-/// A wall of 4 m x 4 m at z = -3 m that faces +z, a camera at the origin that looks at it, and a spot beside the camera.
+/// A wall of 4 m x 4 m at z = -3 m that faces +z, a camera at the origin that looks at it, and a spot beside the
+/// camera.
 pub(super) fn model() -> Value {
     let corners = [[-2.0_f32, -2.0, -3.0], [2.0, -2.0, -3.0], [2.0, 2.0, -3.0], [-2.0, 2.0, -3.0]];
     let mut bytes: Vec<u8> = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();

@@ -70,8 +70,8 @@ fn has_no_effect(pointer: &str) -> bool {
 /// Values to try for each number: accepted ones.
 const ENOUGH: usize = 2;
 
-/// Tries other values for all numbers in `table`, none of which may change the frame without the hash; calls `visit` with
-/// the pointer to each and whether one of them changed the frame.
+/// Tries other values for all numbers in `table`, none of which may change the frame without the hash; calls `visit`
+/// with the pointer to each and whether one of them changed the frame.
 fn try_all(table: &str, mut visit: impl FnMut(&str, bool)) {
     let file = model();
     let base = loaded(&file).expect("a scene by itself");

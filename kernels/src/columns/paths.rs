@@ -1,9 +1,9 @@
 //! The state of every path in flight: one lane of each table here.
 //!
-//! A path keeps its lane from birth to death. Vertices and rays are rings over the bounce clock: at clock `t` every live
-//! path, whatever its depth, has its current vertex and the ray that leaves it in the slot of `t`, its previous vertex
-//! in the slot of `t - 1`, its next one in that of `t + 1`. The depth of a path is the clock minus its birth. What lies
-//! farther back stands in the [`TrailTable`](super::trail::TrailTable).
+//! A path keeps its lane from birth to death. Vertices and rays are rings over the bounce clock: at clock `t` every
+//! live path, whatever its depth, has its current vertex and the ray that leaves it in the slot of `t`, its previous
+//! vertex in the slot of `t - 1`, its next one in that of `t + 1`. The depth of a path is the clock minus its birth.
+//! What lies farther back stands in the [`TrailTable`](super::trail::TrailTable).
 
 use bumpalo::Bump;
 
@@ -22,8 +22,8 @@ columns! {
 }
 
 columns! {
-    /// The last vertex on a surface of every path. Between it and the current vertex all vertices lie in the medium: starts
-    /// before it are not eligible, because connections insert medium vertices only.
+    /// The last vertex on a surface of every path. Between it and the current vertex all vertices lie in the medium:
+    /// starts before it are not eligible, because connections insert medium vertices only.
     table LastSurfaceColumns of LastSurface {
         /// Its depth, 0 if there is none.
         depth: u32,
@@ -53,11 +53,12 @@ columns! {
 columns! {
     /// What the current vertex of every path knows of the lights.
     table OutlookColumns of Outlook {
-        /// Normalisation of the light selection at the vertex, sum over lights of share / distance [1/m]; undefined where the
-        /// selection does not depend on the vertex.
+        /// Normalisation of the light selection at the vertex, sum over lights of share / distance [1/m]; undefined
+        /// where the selection does not depend on the vertex.
         light_sum: f32,
-        /// Depth of the first vertex of the path from which a light is within the distance limit of a technique that has one;
-        /// `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited technique.
+        /// Depth of the first vertex of the path from which a light is within the distance limit of a technique that
+        /// has one; `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited
+        /// technique.
         first_near: u32,
     }
 }

@@ -96,8 +96,8 @@ columns! {
 /// `weight factor Le T` per channel, with the throughput T of the path up to the start.
 pub struct WorthTable<'q> {
     /// One over the sum of the densities with which all techniques make the path, relative to path tracing's, times the
-    /// profile of the emitter, >= 0; 0 once it is found faint or occluded; of an emitter that the camera sees, transmittance
-    /// times profile.
+    /// profile of the emitter, >= 0; 0 once it is found faint or occluded; of an emitter that the camera sees,
+    /// transmittance times profile.
     pub weight: Column<'q, f32>,
     /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices.
     pub factor: Spectrum<'q>,
@@ -182,8 +182,8 @@ impl Bucket {
         (0..self.len.div_ceil(LANES)).map(move |b| (first + b, lanes::first(self.len - b * LANES)))
     }
 
-    /// Drops the rows that weigh nothing: the others, with the vertices that they insert, move to the front in their sequence.
-    /// A bucket's batches are full again.
+    /// Drops the rows that weigh nothing: the others, with the vertices that they insert, move to the front in their
+    /// sequence. A bucket's batches are full again.
     pub fn pack(
         self,
         candidates: &mut CandidateQueue<'_>,

@@ -43,13 +43,14 @@ pub struct Techniques {
 }
 
 impl Techniques {
-    /// The same where no vertex can be inserted, because nothing scatters: what inserts any is next event estimation there.
+    /// The same where no vertex can be inserted, because nothing scatters: what inserts any is next event estimation
+    /// there.
     pub fn without_vertices(self) -> Self {
         Self { nee: self.any(), ..Self::default() }
     }
 
-    /// The straight connections that keep light importance sampling company: none where next event estimation makes them
-    /// all.
+    /// The straight connections that keep light importance sampling company: none where next event estimation makes
+    /// them all.
     pub fn companion(&self) -> Option<Reach> {
         self.lis.as_ref().filter(|_| !self.nee).map(Lis::companion)
     }

@@ -19,7 +19,8 @@ pub struct SuffixVertex {
     pub spread: f32x8,
     /// Unit direction in which the path leaves.
     pub leaving: Vec3x8,
-    /// Normalisation of the light selection from here [1/m]; where it depends on the vertex, and only from the start on.
+    /// Normalisation of the light selection from here [1/m]; where it depends on the vertex, and only from the start
+    /// on.
     pub light_sum: f32x8,
     /// Probability that a walk gets here and selects the candidate's light.
     pub attempt: f32x8,

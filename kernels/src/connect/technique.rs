@@ -32,8 +32,8 @@ pub enum Densities {
 /// What others must know of a technique.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Which pairs of start and light point it connects, and the random dimension of its light points. Paths of limited length
-    /// may restrict it further.
+    /// Which pairs of start and light point it connects, and the random dimension of its light points. Paths of limited
+    /// length may restrict it further.
     pub reach: Reach,
     /// Most vertices that it inserts; `u32::MAX` for no limit but that of the path.
     pub most_inserted: u32,
@@ -43,7 +43,8 @@ pub struct Row {
     pub farthest_start: usize,
     /// Where its ratios ask for phase functions.
     pub densities: Densities,
-    /// Distance from a light within which it uses all starts, if that is why starts are remembered `[m]`; else infinite.
+    /// Distance from a light within which it uses all starts, if that is why starts are remembered `[m]`; else
+    /// infinite.
     pub near: f32,
 }
 

@@ -16,13 +16,14 @@ use glam::DVec3;
 use crate::phase::reference::frame;
 use crate::tables::lights::{Emitter, Shape};
 
-/// Cosine between the normal of an emitter at `point`, on the side that shines, and the way back of a ray that arrives there in
-/// `direction`; negative where it is dark, 0 if there is no direction.
+/// Cosine between the normal of an emitter at `point`, on the side that shines, and the way back of a ray that arrives
+/// there in `direction`; negative where it is dark, 0 if there is no direction.
 pub fn cosine(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
     -direction.normalize_or_zero().dot(normal(emitter, point, direction))
 }
 
-/// Unit normal of an emitter at `point`, on the side that shines; where both do, on the one where a ray in `direction` arrives.
+/// Unit normal of an emitter at `point`, on the side that shines; where both do, on the one where a ray in `direction`
+/// arrives.
 pub fn normal(emitter: &Emitter, point: DVec3, direction: DVec3) -> DVec3 {
     let [origin, flat] = [emitter.origin, emitter.normal].map(|v| DVec3::from(v.map(f64::from)));
     match emitter.shape {
@@ -32,7 +33,8 @@ pub fn normal(emitter: &Emitter, point: DVec3, direction: DVec3) -> DVec3 {
     }
 }
 
-/// Radiance of an emitter from `point` towards where a ray in `direction` comes from, over its `radiance`; 0 from its back.
+/// Radiance of an emitter from `point` towards where a ray in `direction` comes from, over its `radiance`; 0 from its
+/// back.
 pub fn profile(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
     let cosine = cosine(emitter, point, direction);
     if cosine <= 0.0 {
@@ -56,8 +58,8 @@ pub fn direction_density(emitter: &Emitter, point: DVec3, w: DVec3) -> f64 {
     side * (exponent + 2.0) / TAU * cosine.powf(exponent + 1.0)
 }
 
-/// The unit direction in which `point` of an emitter sends a ray, for uniform numbers that decide on cosine, azimuth, nothing, and
-/// side.
+/// The unit direction in which `point` of an emitter sends a ray, for uniform numbers that decide on cosine, azimuth,
+/// nothing, and side.
 pub fn emit(emitter: &Emitter, point: DVec3, u: [f64; 4]) -> DVec3 {
     let front = normal(emitter, point, DVec3::ZERO).normalize();
     let normal = if emitter.double_sided && u[3] < 0.5 { -front } else { front };

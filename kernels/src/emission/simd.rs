@@ -6,8 +6,8 @@
 //! ```
 //!
 //! 1. What no light of the scene has is passed by: powers, cones, spheres, sides.
-//! 2. With `a = -2 ln u / (k + 2)` the cosine is `e^{-a / 2}` and `sin^2 = 1 - e^{-a}`, by its series where a is small: narrow
-//!    beams keep the digits of their angle.
+//! 2. With `a = -2 ln u / (k + 2)` the cosine is `e^{-a / 2}` and `sin^2 = 1 - e^{-a}`, by its series where a is small:
+//!    narrow beams keep the digits of their angle.
 
 use core::f32::consts::TAU;
 
@@ -30,8 +30,8 @@ impl Lights {
         from_center.mul_add(self.gather(emitters, |emitter| emitter.curvature), flat)
     }
 
-    /// Cosine to the normal, at `point`, on the side that shines, of rays that arrive there in `direction`; negative where it
-    /// is dark.
+    /// Cosine to the normal, at `point`, on the side that shines, of rays that arrive there in `direction`; negative
+    /// where it is dark.
     #[inline(always)]
     pub fn cosine(&self, emitters: &[u32; LANES], point: Vec3x8, direction: Vec3x8) -> f32x8 {
         let cosine = -direction.dot(self.normal(emitters, point));

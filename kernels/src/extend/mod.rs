@@ -40,6 +40,6 @@ pub struct Columns<'a, 'q> {
 /// Camera rays (depth 0) are not bounded by their flight, because [`light_hit`](crate::light_hit) takes directly seen
 /// light by expectation. A ray that lies in a disk's plane, or starts there, does not meet that disk.
 ///
-/// Then finds the closest triangle, front or back, in front of that. It hides what is behind it; the path ends on it if the
-/// flight does not end before. If it shines, it is a hit of its own.
+/// Then finds the closest triangle, front or back, in front of that. It hides what is behind it; the path ends on it if
+/// the flight does not end before. If it shines, it is a hit of its own.
 pub type Kernel = fn(Step, Columns<'_, '_>);

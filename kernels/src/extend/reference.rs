@@ -42,8 +42,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// What a ray meets: the emitter that it sees within `bound`, unless something is in front of it, and the surface on which it
-/// ends, unless `flight` or a disk or sphere ends it before. The surface's lane is left open.
+/// What a ray meets: the emitter that it sees within `bound`, unless something is in front of it, and the surface on
+/// which it ends, unless `flight` or a disk or sphere ends it before. The surface's lane is left open.
 pub fn meet_first(
     lights: &Lights,
     surfaces: &Surfaces,

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number.
-//! 2. Triangles are traced one ray at a time, of those that are near any, up to the light or the end of the flight: as far as
-//!    anything may matter. Where triangles shine, the camera looks at all distances.
+//! 2. Triangles are traced one ray at a time, of those that are near any, up to the light or the end of the flight: as
+//!    far as anything may matter. Where triangles shine, the camera looks at all distances.
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
@@ -74,8 +74,8 @@ struct Beams {
 }
 
 impl Beams {
-    /// Lists the surfaces at which flights end, and gives their rays. What is `found` behind a surface is forgotten, and
-    /// replaced by the surface itself if that shines.
+    /// Lists the surfaces at which flights end, and gives their rays. What is `found` behind a surface is forgotten,
+    /// and replaced by the surface itself if that shines.
     #[inline(always)]
     fn trace(
         &self,

@@ -74,8 +74,8 @@ fn aimed_flight(light: &Light, origin: DVec3, direction: DVec3, v: f64) -> f64 {
     delta.hypot(offset) * (v * span).sin() / ((1.0 - v) * span).sin()
 }
 
-/// How far along the ray it is closest to the centre of the light, and D, how far it then passes, widened by the light's
-/// radius `[m]`.
+/// How far along the ray it is closest to the centre of the light, and D, how far it then passes, widened by the
+/// light's radius `[m]`.
 fn approach(light: &Light, origin: DVec3, direction: DVec3) -> (f64, f64) {
     let center = DVec3::from(light.center.map(f64::from));
     let delta = (center - origin).dot(direction);

@@ -19,6 +19,6 @@ pub struct Columns<'a, 'q> {
     pub throughput: &'a mut Spectrum<'q>,
 }
 
-/// Multiplies the throughput by the weight of the [first flight](crate::first_flight). Lights that the camera sees directly
-/// were counted before: they do not depend on the flight.
+/// Multiplies the throughput by the weight of the [first flight](crate::first_flight). Lights that the camera sees
+/// directly were counted before: they do not depend on the flight.
 pub type Kernel = fn(Step, Columns<'_, '_>);

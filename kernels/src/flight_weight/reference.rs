@@ -26,8 +26,8 @@ mod tests {
     use crate::lanes::LaneSet;
     use bumpalo::Bump;
 
-    /// The throughputs of two lanes that are neither requested nor live, of two that are requested, of two that are live,
-    /// and of two that are both.
+    /// The throughputs of two lanes that are neither requested nor live, of two that are requested, of two that are
+    /// live, and of two that are both.
     fn after(channels: usize) -> [[f32; 3]; 8] {
         let arena = Bump::new();
         let [mut requested, mut live] = [(); 2].map(|()| LaneSet::new_in(&arena, 8));

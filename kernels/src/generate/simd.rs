@@ -4,8 +4,8 @@
 //! position = pinhole + near v,   direction = v / |v|
 //! ```
 //!
-//! 1. Requests stand in the lanes that they fill: mostly whole batches die together, and a batch with one vacant lane is
-//!    computed as a whole and blended in.
+//! 1. Requests stand in the lanes that they fill: mostly whole batches die together, and a batch with one vacant lane
+//!    is computed as a whole and blended in.
 
 use wide::{f32x8, i32x8, u32x8};
 

@@ -3,7 +3,8 @@
 //! end the path if v >= survival, unless its vertex is the camera
 //! ```
 //!
-//! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is small.
+//! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
+//!    small.
 //! 2. Uniform numbers are inside (0, 1), so that the endless mean free path of a vacuum makes endless flights.
 //! 3. Flights are drawn for whole batches, dying paths included.
 

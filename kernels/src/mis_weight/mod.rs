@@ -6,10 +6,10 @@
 //! weight = 1 / (reach(n) + sum over starts i of reach(i) r_i)
 //! ```
 //!
-//! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing doing
-//! so, and `reach(i) = survival^(i - 1)` the probability that a walk gets to vertex `i` if it does not stop by itself;
-//! `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible vertex, over at
-//! most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
+//! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing
+//! doing so, and `reach(i) = survival^(i - 1)` the probability that a walk gets to vertex `i` if it does not stop by
+//! itself; `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible
+//! vertex, over at most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
 //! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
@@ -63,9 +63,9 @@ pub struct Columns<'a, 'q> {
     pub worth: &'a mut WorthTable<'q>,
 }
 
-/// Weighs candidates of two segments or more; one that arrives at the back of its light, or leaves a surface towards its
-/// inside, weighs nothing. Visibility plays no other part.
+/// Weighs candidates of two segments or more; one that arrives at the back of its light, or leaves a surface towards
+/// its inside, weighs nothing. Visibility plays no other part.
 ///
-/// p_w of a start on a surface is the density of its reflection, `cos theta / pi`. The weight is multiplied by the light's
-/// profile, its radiance in the direction of the path over its `radiance`.
+/// p_w of a start on a surface is the density of its reflection, `cos theta / pi`. The weight is multiplied by the
+/// light's profile, its radiance in the direction of the path over its `radiance`.
 pub type Kernel = fn(Step, Columns<'_, '_>);

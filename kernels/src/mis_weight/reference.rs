@@ -73,8 +73,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 /// Where a path was `back` >= 1 vertices before the current one, if it remembers.
 ///
 /// Without a trail no active technique starts earlier than at the current vertex. Of the vertex before it, only the
-/// direction then matters in which the path left, which the candidate knows; NaN in the place of the others does not reach
-/// the weight.
+/// direction then matters in which the path left, which the candidate knows; NaN in the place of the others does not
+/// reach the weight.
 pub fn position_before(trail: &TrailTable<'_>, step: Step, lane: usize, back: u32) -> Option<[f64; 3]> {
     let remembered = (back as usize) < trail.slots();
     remembered.then(|| trail.row(lane, step.clock - back).position.map(f64::from))

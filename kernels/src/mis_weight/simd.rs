@@ -5,9 +5,10 @@
 //!
 //! 1. A bucket's rows have the same number of inserted vertices, so the walk meets the start at the same index in all
 //!    lanes; what differs is only which starts are eligible.
-//! 2. Inserted vertices and start are read as batches, history as rows of the trail, which knows directions and lengths.
-//! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase functions
-//!    only for the techniques that ask for them: bridges do not.
+//! 2. Inserted vertices and start are read as batches, history as rows of the trail, which knows directions and
+//!    lengths.
+//! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase
+//!    functions only for the techniques that ask for them: bridges do not.
 //! 4. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
 use core::ops::RangeInclusive;
@@ -102,8 +103,8 @@ fn fill_factor(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
     }
 }
 
-/// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth `i` of
-/// a path of `n` segments is start `n - i`.
+/// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth
+/// `i` of a path of `n` segments is start `n - i`.
 #[derive(Clone, Copy)]
 struct Starts {
     /// Segments of each path.
@@ -220,8 +221,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         vertex.spread = length_squared * vertex.inverse_density;
     }
 
-    /// Sum of the ratios of light importance sampling, and of its companion up to the distance `near`, over the starts that
-    /// `range` counts from the light.
+    /// Sum of the ratios of light importance sampling, and of its companion up to the distance `near`, over the starts
+    /// that `range` counts from the light.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "all that other techniques see without a call")]
     fn lis_ratios(
@@ -271,8 +272,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         Starts { segments, nearest, farthest, surface, live }
     }
 
-    /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their surface
-    /// outwards, or have none.
+    /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their
+    /// surface outwards, or have none.
     #[inline(always)]
     fn reflect(
         &self,
@@ -297,8 +298,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         outside
     }
 
-    /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted vertex,
-    /// or one of the walk from the first near one on.
+    /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted
+    /// vertex, or one of the walk from the first near one on.
     #[inline(always)]
     fn farthest_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
         if mvnee.max_distance.is_infinite() {
@@ -331,7 +332,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         exp(lanes::to_f32(depth.saturating_sub(u32x8::splat(1))) * f32x8::splat(self.log_survival))
     }
 
-    /// Extends the suffix beyond the start, along the history, to `farthest` segments, and notes how the path arrives there.
+    /// Extends the suffix beyond the start, along the history, to `farthest` segments, and notes how the path arrives
+    /// there.
     #[inline(always)]
     fn walk_history(
         &self,

@@ -24,10 +24,10 @@ pub struct Columns<'a, 'q> {
     pub worth: &'a mut WorthTable<'q>,
 }
 
-/// Tests every segment of every connection, over its true length, against every disk and sphere, front or back, and every
-/// triangle.
+/// Tests every segment of every connection, over its true length, against every disk and sphere, front or back, and
+/// every triangle.
 ///
-/// The last segment ends on its own emitter, and does not cross it elsewhere if it arrives where that shines, so it is not
-/// tested against it: no epsilon is needed. A segment that only touches a disk's plane is free. Starts on a surface were
-/// moved off it, so that their own surface does not block them.
+/// The last segment ends on its own emitter, and does not cross it elsewhere if it arrives where that shines, so it is
+/// not tested against it: no epsilon is needed. A segment that only touches a disk's plane is free. Starts on a surface
+/// were moved off it, so that their own surface does not block them.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! and the disk of radius R blocks it if that point is within R of the centre c. The test covers the segment as it is,
-//! from perturbed vertex to perturbed vertex, not its seed on the axis. A sphere blocks it if its closest point to the centre
-//! is within the radius.
+//! from perturbed vertex to perturbed vertex, not its seed on the axis. A sphere blocks it if its closest point to the
+//! centre is within the radius.
 
 use glam::DVec3;
 
@@ -37,8 +37,8 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// Whether a disk or sphere blocks the chain from a start to a point on the emitter `light`, which does not block the segment
-/// that ends on it.
+/// Whether a disk or sphere blocks the chain from a start to a point on the emitter `light`, which does not block the
+/// segment that ends on it.
 pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
     for (index, ends) in chain.windows(2).enumerate() {
@@ -67,7 +67,8 @@ pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, emitter: usize, chain: &[
     })
 }
 
-/// Whether the segment from `a` to `b` crosses a disk, or enters a sphere; one that only touches a disk's plane does not.
+/// Whether the segment from `a` to `b` crosses a disk, or enters a sphere; one that only touches a disk's plane does
+/// not.
 pub fn blocks(solid: &Emitter, a: DVec3, b: DVec3) -> bool {
     let center = DVec3::from(solid.origin.map(f64::from));
     let normal = DVec3::from(solid.normal.map(f64::from));

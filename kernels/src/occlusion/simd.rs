@@ -8,8 +8,8 @@
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
-//! 3. Triangles are traced for what no disk or sphere blocks, one segment at a time, of those that are near any; a row is done
-//!    with at the first that is blocked.
+//! 3. Triangles are traced for what no disk or sphere blocks, one segment at a time, of those that are near any; a row
+//!    is done with at the first that is blocked.
 
 use wide::{f32x8, u32x8};
 

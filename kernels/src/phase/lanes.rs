@@ -37,14 +37,14 @@ impl Deflection {
 
 /// A phase function, prepared for eight lanes.
 ///
-/// All directions are unit propagation directions. What bridges ask for, [`Self::lobe`] and all that follows it, has a default
-/// for phase functions of any kind.
+/// All directions are unit propagation directions. What bridges ask for, [`Self::lobe`] and all that follows it, has a
+/// default for phase functions of any kind.
 pub trait PhaseX8: Copy {
     /// Draws a turn from a uniform number in (0, 1).
     fn sample(&self, u: f32x8) -> Deflection;
 
-    /// The same for a number u of which `above = 1 - u` is known apart, each relative to itself: what is left of a number that
-    /// selected something else before.
+    /// The same for a number u of which `above = 1 - u` is known apart, each relative to itself: what is left of a
+    /// number that selected something else before.
     #[inline(always)]
     fn sample_at(&self, u: f32x8, _above: f32x8) -> Deflection {
         self.sample(u)
@@ -80,8 +80,8 @@ pub trait PhaseX8: Copy {
     /// The Henyey-Greenstein lobe of the same mean cosine: the axis of the bridges' table of counts.
     fn lobe(&self) -> HenyeyGreensteinX8;
 
-    /// Draws the `(sine, cosine)` of the roll psi of a bridge, of which arriving and leaving direction have these angles to the
-    /// axis.
+    /// Draws the `(sine, cosine)` of the roll psi of a bridge, of which arriving and leaving direction have these
+    /// angles to the axis.
     #[inline(always)]
     fn roll(&self, arriving: PlaneAngle, leaving: PlaneAngle, u: f32x8) -> (f32x8, f32x8) {
         self.lobe().roll(arriving, leaving, u)

@@ -11,8 +11,8 @@ pub trait Phase {
     /// Its value, which is also its density: per solid angle, at a turn by `cosine` [1/sr].
     fn density(&self, cosine: f64) -> f64;
 
-    /// The cosine of a turn for a uniform number `u`: the cosine below which a share `u` of all events falls, or, of a mixture,
-    /// of the part that `u` selects.
+    /// The cosine of a turn for a uniform number `u`: the cosine below which a share `u` of all events falls, or, of a
+    /// mixture, of the part that `u` selects.
     fn sample_cosine(&self, u: f64) -> f64;
 
     /// Share of the forward hemisphere, (0, 1).

@@ -21,6 +21,6 @@ pub struct Columns<'a, 'q> {
     pub live: &'a mut LaneSet<'q>,
 }
 
-/// Ends the paths whose current segment, number `depth + 1`, is the last one that is asked for, and those that would scatter
-/// where nothing does.
+/// Ends the paths whose current segment, number `depth + 1`, is the last one that is asked for, and those that would
+/// scatter where nothing does.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! 1. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
-//! 2. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was filled.
+//! 2. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
+//!    filled.
 
 use wide::{f32x8, u32x8};
 

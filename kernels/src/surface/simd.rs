@@ -5,8 +5,8 @@
 //! T   = T * albedo
 //! ```
 //!
-//! 1. Triangles differ from row to row: their points and normals are fetched one by one, the directions drawn eight at a
-//!    time.
+//! 1. Triangles differ from row to row: their points and normals are fetched one by one, the directions drawn eight at
+//!    a time.
 
 use wide::{f32x8, u32x8};
 

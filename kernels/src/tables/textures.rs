@@ -119,8 +119,8 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
 });
 
 impl Texture {
-    /// The linear value of `image`, which must be this texture's, at `uv`, in [0, 1]: (0, 0) is the upper left corner of the
-    /// image, (1, 1) the lower right one. Coordinates that are not finite count as 0.
+    /// The linear value of `image`, which must be this texture's, at `uv`, in [0, 1]: (0, 0) is the upper left corner
+    /// of the image, (1, 1) the lower right one. Coordinates that are not finite count as 0.
     pub fn sample(&self, image: &Image, uv: [f32; 2]) -> [f32; 3] {
         let size = [image.width, image.height];
         let texel =

@@ -5,8 +5,8 @@
 //! a ray may meet something if near <= far for any of the boxes
 //! ```
 //!
-//! 1. Things in fog are few and far between: most flights and shadow segments are near none of them. Here they are full lanes,
-//!    and only the others are traced one by one.
+//! 1. Things in fog are few and far between: most flights and shadow segments are near none of them. Here they are full
+//!    lanes, and only the others are traced one by one.
 //! 2. Boxes are wider by the same bound as for single rays ([`ray`](super::ray)): `b r + c` with the origin moved
 //!    against the box. No ray is left out that would hit.
 

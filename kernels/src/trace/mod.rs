@@ -1,15 +1,15 @@
 //! Rays against triangles: the closest hit, and whether there is any.
 //!
 //! One ray at a time, eight boxes or eight triangles at a time. Rays of a scattering medium are short and point
-//! everywhere, so neighbours in a batch would share few nodes. They share the root: eight rays at a time meet its boxes first
-//! ([`cull`]), and those that enter none are done.
+//! everywhere, so neighbours in a batch would share few nodes. They share the root: eight rays at a time meet its boxes
+//! first ([`cull`]), and those that enter none are done.
 //!
 //! What is promised:
 //!
-//! - **Closed meshes do not leak.** Two triangles that share an edge decide about it in the same arithmetic, so that no ray
-//!   passes between them, and boxes are as much wider as triangles may be misplaced by rounding ([`ray`]).
-//! - **The tree does not show.** A hit is a function of ray and triangle alone, on equal distances the smaller index wins,
-//!   and no box that contains a winner is passed by. `any` is `closest(..).is_some()`.
+//! - **Closed meshes do not leak.** Two triangles that share an edge decide about it in the same arithmetic, so that no
+//!   ray passes between them, and boxes are as much wider as triangles may be misplaced by rounding ([`ray`]).
+//! - **The tree does not show.** A hit is a function of ray and triangle alone, on equal distances the smaller index
+//!   wins, and no box that contains a winner is passed by. `any` is `closest(..).is_some()`.
 //! - **No length is built in.** There is no epsilon: rays start beyond the surface they leave by the bound of the
 //!   position's rounding ([`surface`]).
 //!

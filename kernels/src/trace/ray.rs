@@ -1,27 +1,28 @@
 //! A ray made ready: what the tests of boxes and of triangles need, once per ray.
 //!
-//! **Triangles** are seen along the ray (Woop, Benthin and Wald, Watertight Ray/Triangle Intersection, JCGT 2013). With z
-//! the axis along which the direction d is longest, and A a corner less the origin,
+//! **Triangles** are seen along the ray (Woop, Benthin and Wald, Watertight Ray/Triangle Intersection, JCGT 2013). With
+//! z the axis along which the direction d is longest, and A a corner less the origin,
 //!
 //! ```text
 //! x = A_x - (d_x / d_z) A_z,    y = A_y - (d_y / d_z) A_z,    t = A_z / d_z
 //! ```
 //!
-//! puts the ray on the t axis. A corner's x and y depend on the corner and on the ray alone, so that triangles which share
-//! it place it alike.
+//! puts the ray on the t axis. A corner's x and y depend on the corner and on the ray alone, so that triangles which
+//! share it place it alike.
 //!
-//! **Boxes.** The ray is within two planes b of an axis for t between the two values of `(b - o) / d`, computed as
-//! `b r + c` with `r = 1 / d`, `c = -o r`, and in the box where the three intervals overlap. A box must not be missed whose
-//! triangle is hit. Let u = 2^-24 and L be the largest size of a coordinate of any box and of the origin together, so that
-//! no `b - o` exceeds it. To first order in u
+//! **Boxes.** The ray is within two planes b of an axis for t between the two values of `(b - o) / d`, computed as `b r
+//! + c` with `r = 1 / d`, `c = -o r`, and in the box where the three intervals overlap. A box must not be missed whose
+//! triangle is hit. Let u = 2^-24 and L be the largest size of a coordinate of any box and of the origin together, so
+//! that no `b - o` exceeds it. To first order in u
 //!
-//! - a corner's x and y are off by at most 7 u L: A_x and A_z round once, the quotient twice, the product where it is not
-//!   fused and the difference once each, and neither `|d_x / d_z|` nor `|d_y / d_z|` exceeds 1;
+//! - a corner's x and y are off by at most 7 u L: A_x and A_z round once, the quotient twice, the product where it is
+//!   not fused and the difference once each, and neither `|d_x / d_z|` nor `|d_y / d_z|` exceeds 1;
 //! - `b r + c` is off by what 4 u L in b makes of it: r and c and their product and sum round once each.
 //!
-//! So the origin is moved by 12 u L against the box, once backwards for the near planes and once for the far ones, in c: in
-//! the loop it costs nothing. A component of the direction that is less than 2^-40 of the longest is raised to that, which
-//! moves the ray by less than 2^-40 L; so r is finite, no NaN can arise, and a ray that runs in a box's plane is in the box.
+//! So the origin is moved by 12 u L against the box, once backwards for the near planes and once for the far ones, in
+//! c: in the loop it costs nothing. A component of the direction that is less than 2^-40 of the longest is raised to
+//! that, which moves the ray by less than 2^-40 L; so r is finite, no NaN can arise, and a ray that runs in a box's
+//! plane is in the box.
 //!
 //! `b r + c` does not decrease when b r does not: a box's near value is never beyond that of a box within it.
 

@@ -50,8 +50,8 @@ pub fn meet(corners: [[f32; 3]; 3], ray: &Ray) -> Option<(f64, [f64; 2])> {
     (inside && distance > 0.0 && distance < f64::from(ray.max)).then_some((distance, [u, v]))
 }
 
-/// Parameter and barycentrics of the ray's meeting with a triangle's plane, inside the triangle or not. `None` where the
-/// ray runs along it, or the triangle has no area.
+/// Parameter and barycentrics of the ray's meeting with a triangle's plane, inside the triangle or not. `None` where
+/// the ray runs along it, or the triangle has no area.
 pub fn plane(corners: [[f32; 3]; 3], ray: &Ray) -> Option<[f64; 3]> {
     let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
     let (origin, direction) = (DVec3::from(ray.origin.map(f64::from)), DVec3::from(ray.direction.map(f64::from)));

@@ -6,11 +6,12 @@
 //! ```
 //!
 //! 1. Eight boxes and eight triangles at a time ([`ray`](super::ray), [`triangles`](super::triangles)).
-//! 2. The nearest box is entered at once and does not go over the stack. An entry is one number, distance before child, so
-//!    that sorting compares distances: they are not negative, so their bits are in their order.
-//! 3. A node leaves at most 7 of its children on the stack while the eighth is visited, and no leaf lies below more than
-//!    [`DEPTH`] nodes, so `7 DEPTH` entries suffice.
-//! 4. A box as far as the best hit is entered, because it may hold a triangle at the same distance with a smaller index.
+//! 2. The nearest box is entered at once and does not go over the stack. An entry is one number, distance before child,
+//!    so that sorting compares distances: they are not negative, so their bits are in their order.
+//! 3. A node leaves at most 7 of its children on the stack while the eighth is visited, and no leaf lies below more
+//!    than [`DEPTH`] nodes, so `7 DEPTH` entries suffice.
+//! 4. A box as far as the best hit is entered, because it may hold a triangle at the same distance with a smaller
+//!    index.
 
 use arrayvec::ArrayVec;
 use wide::f32x8;
@@ -119,8 +120,8 @@ pub fn any_but(geometry: &Geometry, ray: &Ray, spared: u32) -> bool {
     }
 }
 
-/// Where the ray enters the boxes of a node, not before its start, and which it enters before it leaves them and no later
-/// than `max`.
+/// Where the ray enters the boxes of a node, not before its start, and which it enters before it leaves them and no
+/// later than `max`.
 #[inline(always)]
 fn enter(node: &Node, ray: &Ready, max: f32) -> ([f32; LANES], u32) {
     let near = |axis: usize| node.planes[ray.near_planes[axis]].mul_add(ray.inverse[axis], ray.near[axis]);

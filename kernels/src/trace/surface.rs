@@ -2,26 +2,26 @@
 //!
 //! A ray that starts on the computed point may start on the wrong side, and hit the surface it leaves, or miss what it
 //! should hit. So the point comes with a bound of its error, and rays start beyond it (Pharr, Jakob and Humphreys,
-//! Physically Based Rendering, 4th ed., 6.8). With u = 2^-24 and `gamma(n) = n u / (1 - n u)`, n roundings in a row are a
-//! factor within `1 +- gamma(n)`.
+//! Physically Based Rendering, 4th ed., 6.8). With u = 2^-24 and `gamma(n) = n u / (1 - n u)`, n roundings in a row are
+//! a factor within `1 +- gamma(n)`.
 //!
-//! **The point.** With weights b1, b2 and `b0 = max(0, (1 - b1) - b2)` the point is `p = b0 A + b1 B + b2 C`. Every term
-//! rounds at most three times, a product and two sums: p is off by at most `gamma(3) (|b0 A| + |b1 B| + |b2 C|)` from the
-//! sum with these very weights. Their sum S is off 1 by less than 4 u, so that the sum is off by less than
-//! `4 u (|b0 A| + ..)` from the same over S, which is a point of the triangle. Together, and with two u for the bound's own
-//! rounding,
+//! **The point.** With weights b1, b2 and `b0 = max(0, (1 - b1) - b2)` the point is `p = b0 A + b1 B + b2 C`. Every
+//! term rounds at most three times, a product and two sums: p is off by at most `gamma(3) (|b0 A| + |b1 B| + |b2 C|)`
+//! from the sum with these very weights. Their sum S is off 1 by less than 4 u, so that the sum is off by less than `4
+//! u (|b0 A| + ..)` from the same over S, which is a point of the triangle. Together, and with two u for the bound's
+//! own rounding,
 //!
 //! ```text
 //! error = gamma(9) (|b0 A| + |b1 B| + |b2 C|)        per component
 //! ```
 //!
-//! Moving p into the triangle's box moves it towards every point of the triangle, so the bound stands; and a point of an
-//! upright wall is in that wall exactly.
+//! Moving p into the triangle's box moves it towards every point of the triangle, so the bound stands; and a point of
+//! an upright wall is in that wall exactly.
 //!
-//! **The start.** The point is within `D = |n_x| e_x + |n_y| e_y + |n_z| e_z` of the plane with unit normal n. A start at
-//! `p + D n` is on n's side or on the plane. D is taken 16 u larger, for the roundings of n, of D and of their product, and
-//! every component is then moved to the next number in its direction, which makes up for the last sum and leaves the plane
-//! where all errors are 0. All of it goes the way of n, so nothing takes the start back.
+//! **The start.** The point is within `D = |n_x| e_x + |n_y| e_y + |n_z| e_z` of the plane with unit normal n. A start
+//! at `p + D n` is on n's side or on the plane. D is taken 16 u larger, for the roundings of n, of D and of their
+//! product, and every component is then moved to the next number in its direction, which makes up for the last sum and
+//! leaves the plane where all errors are 0. All of it goes the way of n, so nothing takes the start back.
 //!
 //! The tracer settles in f64 on which side of its plane the start is, where that is close. What this cannot do: a start
 //! within D of a second surface, in the corner that it makes with the first, may lie beyond that. D is a few u of the
@@ -46,7 +46,8 @@ pub struct Point {
     pub error: [f32; 3],
 }
 
-/// The point with the weights `barycentric` of the second and third corner, `[0, 1]` and of sum up to 1 but for rounding.
+/// The point with the weights `barycentric` of the second and third corner, `[0, 1]` and of sum up to 1 but for
+/// rounding.
 #[inline]
 pub fn point(corners: [[f32; 3]; 3], barycentric: [f32; 2]) -> Point {
     let [b1, b2] = barycentric;
@@ -71,8 +72,8 @@ pub fn normal(corners: [[f32; 3]; 3]) -> [f32; 3] {
     (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
 }
 
-/// The start of a ray in `direction` from a point of a plane with unit `normal`: beyond the point's error, on the side that
-/// the direction goes to.
+/// The start of a ray in `direction` from a point of a plane with unit `normal`: beyond the point's error, on the side
+/// that the direction goes to.
 ///
 /// Which side that is follows from the sign of `direction . normal`; directions within a few units in the last place of
 /// the plane may be taken for either.

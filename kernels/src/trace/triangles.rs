@@ -8,12 +8,12 @@
 //!     hit if 0 < t < bound
 //! ```
 //!
-//! 1. Edge functions are differences of two rounded products, not fused. Rounding is monotonic, so that their sign is right
-//!    or they are 0; and the neighbour across the edge, which goes along it the other way, gets the same number with the
-//!    other sign. At 0 the lane is settled in f64, where products of f32 are exact, and so is the sign.
+//! 1. Edge functions are differences of two rounded products, not fused. Rounding is monotonic, so that their sign is
+//!    right or they are 0; and the neighbour across the edge, which goes along it the other way, gets the same number
+//!    with the other sign. At 0 the lane is settled in f64, where products of f32 are exact, and so is the sign.
 //! 2. U, V and W have one sign, so t is a mean of the corners' t. Its sign is certain where these are all positive. A
-//!    triangle with corners before and behind the origin is settled in f64, with t from its plane: this tells a ray that
-//!    leaves a surface from one that meets it.
+//!    triangle with corners before and behind the origin is settled in f64, with t from its plane: this tells a ray
+//!    that leaves a surface from one that meets it.
 //! 3. The nearest plane of the triangle's own box bounds t from below, in the arithmetic of boxes. A mean of rounded
 //!    numbers may be less; then t is that bound, so that no box around the triangle is ever beyond its t.
 //! 4. Few rays get past the signs, so that everything after is done for those alone.

@@ -36,8 +36,8 @@ const RIM: [[[i32; 2]; 3]; 8] = [
     [[10, 10], [6, 8], [8, 6]],
 ];
 
-/// A quarter of the octagon around a small hole, from the hole's middle. Turned about it, four of them make the octagon;
-/// its slanted sides are those of the four large holes around it.
+/// A quarter of the octagon around a small hole, from the hole's middle. Turned about it, four of them make the
+/// octagon; its slanted sides are those of the four large holes around it.
 const OCTAGON: [[[i32; 2]; 3]; 3] = [[[1, 0], [3, -1], [3, 1]], [[1, 0], [3, 1], [1, 3]], [[1, 0], [1, 3], [0, 1]]];
 
 /// The model.
@@ -97,8 +97,8 @@ impl Lattice {
     }
 }
 
-/// Where a point of the lattice is: x stays, the other coordinate t descends towards the viewer. The normal x cross t is
-/// (0, -1, -1) / sqrt 2, away from the light.
+/// Where a point of the lattice is: x stays, the other coordinate t descends towards the viewer. The normal x cross t
+/// is (0, -1, -1) / sqrt 2, away from the light.
 fn on_plate(point: IVec2) -> DVec3 {
     let [x, t] = [UNIT * f64::from(point.x), MIDDLE + UNIT * f64::from(point.y)];
     DVec3::new(x, 0.5 * PLANE - FRAC_1_SQRT_2 * t, 0.5 * PLANE + FRAC_1_SQRT_2 * t)

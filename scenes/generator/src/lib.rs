@@ -1,8 +1,8 @@
 //! The geometry of fogbow's scenes, from a few numbers each.
 //!
-//! A scene is a function that composes shapes into a [`Model`]; [`glb::encode`] makes a binary glTF file of it. The same
-//! program writes the same bytes every time. Cameras and lights stand in the scene's `scene.toml`, not here,
-//! but for what shines as a surface.
+//! A scene is a function that composes shapes into a [`Model`]; [`glb::encode`] makes a binary glTF file of it. The
+//! same program writes the same bytes every time. Cameras and lights stand in the scene's `scene.toml`, not here, but
+//! for what shines as a surface.
 //!
 //! Lengths are in metres, y is up. Triangles are counter-clockwise seen from their front, so that the normal by the
 //! right-hand rule points out of solids and towards the side of a sheet that is not black.

@@ -10,8 +10,8 @@ use crate::{Material, Mesh, Model, Object, shapes};
 pub const SPHERE_CENTER: DVec3 = DVec3::new(0.8, 0.8, 4.0);
 /// Radius of the sphere, on which all its vertices lie `[m]`.
 pub const SPHERE_RADIUS: f64 = 0.38;
-/// Bands of the sphere between its poles. With [`SPHERE_SIDES`] the sphere has 2 * 30 * (13 - 1) = 720 triangles, and of
-/// all pairs with that number this one makes them most alike: 13.8 by 12 degrees at the equator.
+/// Bands of the sphere between its poles. With [`SPHERE_SIDES`] the sphere has 2 * 30 * (13 - 1) = 720 triangles, and
+/// of all pairs with that number this one makes them most alike: 13.8 by 12 degrees at the equator.
 pub const SPHERE_BANDS: u32 = 13;
 /// Sides of the sphere around its vertical axis.
 pub const SPHERE_SIDES: u32 = 30;

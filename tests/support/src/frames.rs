@@ -146,8 +146,8 @@ pub fn fog_facing(near: f64, g: f32, size: [u32; 2]) -> Frame {
     fog(near, g, DVec3::NEG_Z, size)
 }
 
-/// Two lights of different shapes, sizes and colours in a coloured, absorbing medium: one more than the only one, and so few
-/// that the first and the last are all.
+/// Two lights of different shapes, sizes and colours in a coloured, absorbing medium: one more than the only one, and
+/// so few that the first and the last are all.
 pub fn two_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let medium = Medium { extinction: 1.1, albedo: [0.6, 0.95, 0.8], phase: PhaseFunction::henyey_greenstein(g) };
     let lights = vec![
@@ -200,8 +200,8 @@ pub fn surfaces(groups: &[(Material, Vec<[[f32; 3]; 3]>)]) -> Arc<Surfaces> {
     Arc::new(Surfaces::new(Geometry::new(triangles, corners), materials, material_of))
 }
 
-/// The walls of a box from -1 to 1, 0 to 2 and 0 to 3, seen from inside, without the one at z = 0: floor, ceiling, left, right,
-/// back.
+/// The walls of a box from -1 to 1, 0 to 2 and 0 to 3, seen from inside, without the one at z = 0: floor, ceiling,
+/// left, right, back.
 pub fn walls() -> [Vec<[[f32; 3]; 3]>; 5] {
     let wall = |corners: [[f32; 3]; 4]| quad(corners).to_vec();
     [
@@ -213,8 +213,8 @@ pub fn walls() -> [Vec<[[f32; 3]; 3]>; 5] {
     ]
 }
 
-/// A room of coloured walls in a coloured medium, with a lamp, a spotlight, and two panels in between: one that is the same
-/// from both sides, and one with a black back.
+/// A room of coloured walls in a coloured medium, with a lamp, a spotlight, and two panels in between: one that is the
+/// same from both sides, and one with a black back.
 pub fn room(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let [floor, ceiling, left, right, back] = walls();
     let matte = Material::plain;
@@ -263,8 +263,8 @@ pub fn shining(surfaces: &Surfaces, triangles: core::ops::Range<u32>, radiance: 
     triangles.map(emitter).collect()
 }
 
-/// A room with a floor in a coloured medium, and what else shines: a sphere, a closed mesh that also reflects, and a panel that
-/// shines to both sides; and a disk. `unit` stands for a metre everywhere, in the mean free path too.
+/// A room with a floor in a coloured medium, and what else shines: a sphere, a closed mesh that also reflects, and a
+/// panel that shines to both sides; and a disk. `unit` stands for a metre everywhere, in the mean free path too.
 pub fn lamps(unit: f64, g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let [floor, _, left, ..] = walls();
     let panel = quad([[0.2, 0.5, 1.9], [0.8, 0.6, 1.7], [0.8, 1.2, 1.8], [0.2, 1.1, 2.0]]).to_vec();
@@ -329,8 +329,8 @@ pub fn shipped(name: &str, size: [u32; 2], active: Active) -> Frame {
     with_techniques(&Frame { seed: 3 + active as u32, ..frame }, active, 4.0)
 }
 
-/// A frame for every branch: each set of techniques on the fog scene, several lights with every selection rule, backward,
-/// isotropic and needle-sharp scattering, surfaces, vacuum, short and long limits.
+/// A frame for every branch: each set of techniques on the fog scene, several lights with every selection rule,
+/// backward, isotropic and needle-sharp scattering, surfaces, vacuum, short and long limits.
 pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     let mut frames = Vec::new();
     let mut add = |name: String, frame: Frame| frames.push((name, frame));

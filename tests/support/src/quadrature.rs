@@ -57,8 +57,8 @@ pub struct LitFog {
 }
 
 impl LitFog {
-    /// What is scattered once into a ray from the origin along +z that starts at `near` `[m]` and passes the disk by, over
-    /// the radiance of the disk.
+    /// What is scattered once into a ray from the origin along +z that starts at `near` `[m]` and passes the disk by,
+    /// over the radiance of the disk.
     pub fn scattered_once(&self, near: f64) -> f64 {
         self.scattered_once_by(near, 1500, [12, 24])
     }
@@ -111,8 +111,8 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     (0..count).map(node).collect()
 }
 
-/// Fog that fills the space on one side of a shining plane: radiance depends on the optical distance from the plane and on the
-/// cosine of the direction one looks to, 1 straight to the plane, and on nothing else.
+/// Fog that fills the space on one side of a shining plane: radiance depends on the optical distance from the plane and
+/// on the cosine of the direction one looks to, 1 straight to the plane, and on nothing else.
 ///
 /// With p the phase function averaged over azimuths, and L_0 = Le exp(-t / mu) for mu > 0,
 ///
@@ -121,8 +121,8 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
 /// L_n(t, mu) = integral J_n(t - s mu, mu) exp(-s) ds,      s from 0 to the plane, or without end
 /// ```
 ///
-/// is the light that was scattered n times. Directions are the nodes of Gauss and Legendre; between distances from the plane J
-/// is linear, and the exponential function is integrated as it is.
+/// is the light that was scattered n times. Directions are the nodes of Gauss and Legendre; between distances from the
+/// plane J is linear, and the exponential function is integrated as it is.
 pub struct HalfSpace {
     emission: Emission,
     /// Cosines and weights, those towards the plane first.
@@ -153,8 +153,8 @@ impl HalfSpace {
         self.depths[index]
     }
 
-    /// Radiance, over that of the plane, of the light that was scattered 0 .. `orders` times in a medium of albedo 1, at the end
-    /// of step `index`, in the direction of cosine `mu`.
+    /// Radiance, over that of the plane, of the light that was scattered 0 .. `orders` times in a medium of albedo 1,
+    /// at the end of step `index`, in the direction of cosine `mu`.
     pub fn radiance(&self, index: usize, mu: f64, orders: usize) -> Vec<f64> {
         let unscattered = |mu: f64| self.depths.iter().map(move |t| if mu > 0.0 { (-t / mu).exp() } else { 0.0 });
         let straight = |mu: f64| unscattered(mu).map(|left| left * self.emission.radiance(mu)).collect::<Vec<_>>();

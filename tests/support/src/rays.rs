@@ -105,8 +105,8 @@ fn disputed(found: Option<TriangleHit>, expected: Option<reference::Hit>) -> usi
     }
 }
 
-/// Whether rounding decides about the triangle: the ray passes its outline, or meets it at the start or at the end of the
-/// ray or of the hit that was found, within tolerance.
+/// Whether rounding decides about the triangle: the ray passes its outline, or meets it at the start or at the end of
+/// the ray or of the hit that was found, within tolerance.
 fn close(geometry: &Geometry, triangle: usize, ray: &Ray, found: Option<TriangleHit>) -> bool {
     let (corners, reach) = (geometry.corners(triangle), reach(geometry, ray));
     if distance_from_outline(corners, ray) <= EDGE.relative * reach {
@@ -118,8 +118,8 @@ fn close(geometry: &Geometry, triangle: usize, ray: &Ray, found: Option<Triangle
     [0.0, ray.max, end].iter().any(|bound| (distance - f64::from(*bound)).abs() <= 2.0 * tolerance)
 }
 
-/// How many of `count` rays leave a closed mesh, from anywhere within `radius` of the middle: a third of them anywhere, a
-/// third to corners and a third to the middles of edges.
+/// How many of `count` rays leave a closed mesh, from anywhere within `radius` of the middle: a third of them anywhere,
+/// a third to corners and a third to the middles of edges.
 pub fn leaks(mesh: &Mesh, radius: f64, count: usize, seed: u32) -> usize {
     let geometry = mesh.geometry();
     let mut random = Random::new(seed);

@@ -10,8 +10,8 @@ use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::pipeline::SIMD;
 
-/// A wavefront of `lanes` paths of `frame` after `bounces` segments, at the moment when its next vertices have been made
-/// and every queue is filled. Image: 256 x 256.
+/// A wavefront of `lanes` paths of `frame` after `bounces` segments, at the moment when its next vertices have been
+/// made and every queue is filled. Image: 256 x 256.
 pub fn wavefront<'q>(arena: &'q Bump, frame: &'q Frame, lanes: usize, bounces: u32) -> Wavefront<'q> {
     let mut wavefront = Wavefront::new_in(arena, frame, &SIMD, lanes);
     let mut tile = Tile::new(&layers(frame), Region::whole(256, 256));

@@ -1,6 +1,7 @@
 //! How far a kernel may be from its twin, and why.
 //!
-//! A kernel computes in f32 (24 bits, half a unit in the last place is 6e-8), the twin in f64 from the same f32 columns.
+//! A kernel computes in f32 (24 bits, half a unit in the last place is 6e-8), the twin in f64 from the same f32
+//! columns.
 
 use core::f64::consts::TAU;
 
@@ -37,8 +38,9 @@ pub const POSITION: Tolerance = tolerance(1e-6, 3e-7);
 /// Directions: the turn's cosine is good to five roundings of a number up to 2, sine and azimuth to about as much.
 pub const DIRECTION: Tolerance = tolerance(2e-6, 0.0);
 
-/// What the angle of a turn by this cosine may be off by where the distribution of cosines is inverted by a search or a table:
-/// that is good to 5e-7 of all events, as the phase functions' own tests claim. 0 for Henyey-Greenstein, which has a formula.
+/// What the angle of a turn by this cosine may be off by where the distribution of cosines is inverted by a search or a
+/// table: that is good to 5e-7 of all events, as the phase functions' own tests claim. 0 for Henyey-Greenstein, which
+/// has a formula.
 pub fn turn(phase: &PhaseFunction, cosine: f64) -> f64 {
     if matches!(phase, PhaseFunction::HenyeyGreenstein(_)) {
         return 0.0;
@@ -67,8 +69,8 @@ pub const SURFACE_POSITION: Tolerance = tolerance(2e-6, 1e-6);
 /// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
 pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
 
-/// Vertices of a bridge over `distance` whose farthest vertex is `extent` from its start: rounding of the free walk grows
-/// with every turn and is scaled with it.
+/// Vertices of a bridge over `distance` whose farthest vertex is `extent` from its start: rounding of the free walk
+/// grows with every turn and is scaled with it.
 pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
     tolerance(2e-6 + 2e-5 * extent.max(distance), 4e-6)
 }
@@ -76,8 +78,8 @@ pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
 /// Transmittances of views: `exp` of an f32 whose rounding counts with its size, up to about 20.
 pub const TRANSMITTANCE: Tolerance = tolerance(1e-12, 4e-6);
 
-/// Lights seen directly: transmittance, and the profile of a spotlight at a cosine that is good to a few roundings, over what
-/// its steepest cone here leaves of them.
+/// Lights seen directly: transmittance, and the profile of a spotlight at a cosine that is good to a few roundings,
+/// over what its steepest cone here leaves of them.
 pub const VIEW: f64 = 2e-5;
 
 /// Contributions and products of albedos: a handful of factors.
@@ -89,16 +91,16 @@ pub const CONTRIBUTION: Tolerance = tolerance(1e-12, 2e-6);
 pub const WEIGHT: Tolerance = tolerance(1e-30, 1e-4);
 
 /// Relative error of a weight that follows from positions being f32. Rounding turns a segment of length `shortest`, at
-/// `distance` from the origin, by `6e-8 distance / shortest`. A lobe of width 1 - |g| turns that into a relative error of
-/// the phase function three times as large over the width, light that arrives at `cos_light` into one over that cosine; a
-/// candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the directions
-/// that were sampled, the twin from the positions, so nothing cancels.
+/// `distance` from the origin, by `6e-8 distance / shortest`. A lobe of width 1 - |g| turns that into a relative error
+/// of the phase function three times as large over the width, light that arrives at `cos_light` into one over that
+/// cosine; a candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the
+/// directions that were sampled, the twin from the positions, so nothing cancels.
 pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64) -> f64 {
     3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))
 }
 
-/// The same of the profile of a light with the `window` of a cone, `clamp(a cos_light + b, 0, 1)^2`: rounding of positions and
-/// of the cosine counts with its slope over what is left at the edge.
+/// The same of the profile of a light with the `window` of a cone, `clamp(a cos_light + b, 0, 1)^2`: rounding of
+/// positions and of the cosine counts with its slope over what is left at the edge.
 pub fn cone_conditioning([a, b]: [f32; 2], distance: f64, shortest: f64, cos_light: f64) -> f64 {
     let fall = f64::from(a) * cos_light + f64::from(b);
     if a == 0.0 || fall >= 1.01 {
@@ -112,8 +114,8 @@ pub fn cone_conditioning([a, b]: [f32; 2], distance: f64, shortest: f64, cos_lig
 /// `trace::ray`, along each of two axes.
 pub const EDGE: Tolerance = tolerance(0.0, 2.0 * 12.0 * 6e-8);
 
-/// Distances along rays over the largest coordinates and over the cosine at which triangles are met: a corner is misplaced
-/// by 7 units of rounding along each of two axes, and a mean of three numbers adds a few.
+/// Distances along rays over the largest coordinates and over the cosine at which triangles are met: a corner is
+/// misplaced by 7 units of rounding along each of two axes, and a mean of three numbers adds a few.
 pub const RAY_DISTANCE: Tolerance = tolerance(0.0, 20.0 * 6e-8);
 
 /// Share of random rays in which kernel and twin may decide differently: those that pass an edge within rounding.
@@ -130,11 +132,12 @@ pub const DIFFERENT_PATHS: f64 = 2e-3;
 /// Whole paths that took the same decisions: what is left of f32 after a few dozen operations per segment.
 pub const RADIANCE: Tolerance = tolerance(1e-9, 2e-3);
 
-/// Bytes of a PNG: half a step of rounding, and a little for radiances that were rounded to single precision before they
-/// were written elsewhere.
+/// Bytes of a PNG: half a step of rounding, and a little for radiances that were rounded to single precision before
+/// they were written elsewhere.
 pub const SRGB_BYTE: f64 = 0.51;
 
-/// Radiance under a shining plane: error of the quadrature, measured by a finer one, and what a disk leaves out of a plane.
+/// Radiance under a shining plane: error of the quadrature, measured by a finer one, and what a disk leaves out of a
+/// plane.
 pub const HALF_SPACE: f64 = 1e-3;
 
 /// Light that was scattered once on its way from a disk: what finer steps along the ray and over the disk change.

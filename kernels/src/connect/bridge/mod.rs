@@ -2,15 +2,15 @@
 //! phase function of their start.
 //!
 //! From a start x toward a light point at distance s along the axis w: draw the number of edges N, then a free walk of
-//! N edges with unit-rate exponential lengths and a phase-function turn at each inner vertex. Rotate and scale the walk so
-//! that it runs from x to the light point, and roll it about the axis. With L the length of the bridge,
+//! N edges with unit-rate exponential lengths and a phase-function turn at each inner vertex. Rotate and scale the walk
+//! so that it runs from x to the light point, and roll it about the axis. With L the length of the bridge,
 //!
 //! ```text
 //! p = p_A P_l P(N) s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)
 //! ```
 //!
-//! in vertex-volume and vertex-area measure, where `2 pi p(psi)` is 1 for a uniform roll. Path tracing's own densities of
-//! the same suffix hold the same phase functions and the same `1 / l^2`, so that the ratio is one line for every N:
+//! in vertex-volume and vertex-area measure, where `2 pi p(psi)` is 1 for a uniform roll. Path tracing's own densities
+//! of the same suffix hold the same phase functions and the same `1 / l^2`, so that the ratio is one line for every N:
 //!
 //! ```text
 //! r_i = p_A P_l P(N) (N-1)! mu_t s^3 e^{mu_t L} / ((mu_t L)^N p_w(i) cos_light) * 2 pi p(psi)
@@ -24,26 +24,26 @@
 //! P(N) = (1 - eps) P_table(N; mu_t s, gamma) + eps / room,    N in 1 .. room
 //! ```
 //!
-//! with eps = [`Bridge::defensive`] and gamma the angle between axis and arriving direction. The [table](counts) says how much
-//! of the light comes by N edges. It is a mean, and rare paths have many more edges: found by nobody else, they would become
-//! fireflies; the uniform part finds them. Counts beyond the room are dropped, not redrawn.
+//! with eps = [`Bridge::defensive`] and gamma the angle between axis and arriving direction. The [table](counts) says
+//! how much of the light comes by N edges. It is a mean, and rare paths have many more edges: found by nobody else,
+//! they would become fireflies; the uniform part finds them. Counts beyond the room are dropped, not redrawn.
 //!
 //! **Roll.** With d_in the direction in which the path arrives at the start and d_0 that of the first edge, at angles
 //! gamma and beta to the axis, and psi the dihedral angle between them, `d_in . d_0 = cos beta cos gamma + sin beta sin
-//! gamma cos psi`. One over h is then a wrapped Cauchy density in psi, which can be drawn exactly; the Henyey-Greenstein
-//! function, `h^{-3/2}`, is nearly followed, and what is left of it is a bounded factor:
+//! gamma cos psi`. One over h is then a wrapped Cauchy density in psi, which can be drawn exactly; the
+//! Henyey-Greenstein function, `h^{-3/2}`, is nearly followed, and what is left of it is a bounded factor:
 //!
 //! ```text
 //! h_- = h(cos(beta - gamma)),   h_+ = h(cos(beta + gamma)),   h = h(d_in . d_0)
 //! tan(psi / 2) = sqrt(h_- / h_+) tan(pi (u - 1/2)),     2 pi p(psi) = sqrt(h_- h_+) / h
 //! ```
 //!
-//! (h_- h_+ is the Q of the derivation in the documentation.) A uniform roll, `tan(psi / 2) = tan(pi (u - 1/2))`, serves
-//! any phase function that can be sampled; another phase function gets an aligned roll by a density in psi of its own,
-//! which replaces these two lines, and a turn of its own by which its [counts] are tabulated.
+//! (h_- h_+ is the Q of the derivation in the documentation.) A uniform roll, `tan(psi / 2) = tan(pi (u - 1/2))`,
+//! serves any phase function that can be sampled; another phase function gets an aligned roll by a density in psi of
+//! its own, which replaces these two lines, and a turn of its own by which its [counts] are tabulated.
 //!
-//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the reflection,
-//! and the table has a row of its own for it.
+//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the
+//! reflection, and the table has a row of its own for it.
 
 pub mod counts;
 pub mod reference;

@@ -7,8 +7,8 @@
 //! P(N) = (1 - e) P_table(N; mu_t s, gamma) + e / room,      1 <= N <= room
 //! ```
 //!
-//! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first edge,
-//! at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of wrapped Cauchy
+//! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first
+//! edge, at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of wrapped Cauchy
 //! distributions, one per lobe by which the phase function rolls, of its g and its share w,
 //!
 //! ```text
@@ -60,8 +60,8 @@ pub fn cell(
     counts::reference::cell(&bridge.counts, phase.lobe(), extinction * way.length(), turn)
 }
 
-/// P(N): the probability of `edges` edges from `start` to a light point `way` from there `[m]`, where paths have at most
-/// `longest` segments; extinction [1/m] and phase function are those of the medium.
+/// P(N): the probability of `edges` edges from `start` to a light point `way` from there `[m]`, where paths have at
+/// most `longest` segments; extinction [1/m] and phase function are those of the medium.
 pub fn count_probability(
     bridge: &Bridge,
     medium: (f64, &dyn Phase),
@@ -91,8 +91,8 @@ pub fn roll_coefficients(g: f64, arriving: DVec3, axis: DVec3, first: DVec3) -> 
     (1.0 + g * g - 2.0 * g * cos_beta * cos_gamma, 2.0 * g * sin_beta * sin_gamma)
 }
 
-/// 2 pi p(psi) of the aligned roll that takes the first edge to `first`; all three are unit vectors. 1 if one of the two
-/// directions lies on the axis.
+/// 2 pi p(psi) of the aligned roll that takes the first edge to `first`; all three are unit vectors. 1 if one of the
+/// two directions lies on the axis.
 pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec3) -> f64 {
     let across = |v: DVec3| (v - v.dot(axis) * axis).try_normalize();
     let (Some(arriving_side), Some(first_side)) = (across(arriving), across(first)) else {
@@ -107,8 +107,8 @@ pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec
 
 /// Density of making `chain`, the vertices from the start to the point on the light.
 ///
-/// Paths have at most `longest` segments; `light_density` is p_A P_l at the start. Zero if the chain is longer than the reach or
-/// has an edge without length.
+/// Paths have at most `longest` segments; `light_density` is p_A P_l at the start. Zero if the chain is longer than the
+/// reach or has an edge without length.
 pub fn density(
     bridge: &Bridge,
     medium: (f64, &dyn Phase),
@@ -179,7 +179,8 @@ mod tests {
             let few = sum(4, way);
             assert!((DEFENSIVE..=1.0 + 1e-6).contains(&few), "{way}: {few}");
         }
-        // Four edges are far below what 60 mean free paths take: the defensive part is left, and the counts beyond are dropped.
+        // Four edges are far below what 60 mean free paths take: the defensive part is left, and the counts beyond are
+        // dropped.
         assert!((sum(4, 60.0) - DEFENSIVE).abs() < 1e-6);
     }
 

@@ -5,10 +5,10 @@
 //!     turn = 1 / phase  (uniform roll),   2 pi p(psi) / phase  (aligned roll),   1 / p_w  (start on a surface)
 //! ```
 //!
-//! 1. One start costs a logarithm, an exponential and four entries of the table, whatever lies between it and the light. All
-//!    lanes have the same N at a time, so what depends on N alone is a scalar.
-//! 2. `(N - 1)! e^x / x^N = exp(N (y - 1 - ln y) + c_N)` with `y = x / N` and `c_N = N - N ln N + ln (N - 1)!`: the exponent
-//!    is small where the bridge is likely, and nothing of the size of N ln N cancels.
+//! 1. One start costs a logarithm, an exponential and four entries of the table, whatever lies between it and the
+//!    light. All lanes have the same N at a time, so what depends on N alone is a scalar.
+//! 2. `(N - 1)! e^x / x^N = exp(N (y - 1 - ln y) + c_N)` with `y = x / N` and `c_N = N - N ln N + ln (N - 1)!`: the
+//!    exponent is small where the bridge is likely, and nothing of the size of N ln N cancels.
 //! 3. Sines of the angles to the axis come from what is left of a direction across it; `1 - cos^2` would lose the small
 //!    angles on which a forward peak depends.
 

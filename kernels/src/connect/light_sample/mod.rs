@@ -61,11 +61,11 @@ pub struct Columns<'a, 'q> {
 }
 
 /// Draws a light for the current vertex of every live path that may start a connection and a point on it, uniform in
-/// area. A vertex may if `depth <= max_depth` and `depth - first < starts`, where `first` is the depth of the last surface
-/// vertex, or 1.
+/// area. A vertex may if `depth <= max_depth` and `depth - first < starts`, where `first` is the depth of the last
+/// surface vertex, or 1.
 ///
-/// The first word of the block picks the light, the first of the emitter's block one of its emitters. The second and third of
-/// the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the tangent
-/// towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a triangle
-/// the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`.
+/// The first word of the block picks the light, the first of the emitter's block one of its emitters. The second and
+/// third of the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the
+/// tangent towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a
+/// triangle the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -6,8 +6,8 @@
 //! 1 / lights,      I_l / sum I,      (I_l / D_l) / sum (I / D)
 //! ```
 //!
-//! the last being Weber et al. 2017, Eq. 8, with I and D those of a light as a whole. Of a mesh it then chooses a triangle in
-//! proportion to `A L`, area times radiance. The point is uniform on the emitter (area measure):
+//! the last being Weber et al. 2017, Eq. 8, with I and D those of a light as a whole. Of a mesh it then chooses a
+//! triangle in proportion to `A L`, area times radiance. The point is uniform on the emitter (area measure):
 //!
 //! ```text
 //! disk:      r = R sqrt(u),                              p_A = 1 / (pi R^2)

@@ -12,7 +12,8 @@ use crate::tables::lights::Lights;
 pub struct Columns<'a, 'q> {
     /// The lights, and how connections choose among them.
     pub lights: &'a Lights,
-    /// Longest distance between start and light point that the techniques look back for `[m]`; infinite if there is none.
+    /// Longest distance between start and light point that the techniques look back for `[m]`; infinite if there is
+    /// none.
     pub near: f32,
     /// Vertices that connect, counted from the camera or the last surface, >= 1; `u32::MAX` for all.
     pub starts: u32,
@@ -24,13 +25,13 @@ pub struct Columns<'a, 'q> {
     pub last_surface: &'a LastSurfaceColumns<'q>,
     /// Read: position.
     pub vertex: &'a VertexColumns<'q>,
-    /// Filled where the selection depends on the vertex: the light sum. Lowered to the depth of the vertex where `near` is
-    /// finite and a light may be within it: the first near vertex.
+    /// Filled where the selection depends on the vertex: the light sum. Lowered to the depth of the vertex where `near`
+    /// is finite and a light may be within it: the first near vertex.
     pub outlook: &'a mut OutlookColumns<'q>,
 }
 
-/// Surveys the lights from every vertex that may start a connection: `depth - first < starts`, where `first` is the depth of
-/// the last surface vertex, or 1.
+/// Surveys the lights from every vertex that may start a connection: `depth - first < starts`, where `first` is the
+/// depth of the last surface vertex, or 1.
 ///
 /// A light may be near if its centre is within `1.0001 (near + radius)`: rounding never hides a light.
 pub type Kernel = fn(Step, Columns<'_, '_>);

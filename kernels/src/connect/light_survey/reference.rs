@@ -63,8 +63,8 @@ mod tests {
         Lights::new(vec![disk(2.0, 1.0), disk(4.0, 3.0)], selection)
     }
 
-    /// What the stage leaves of eight paths at the origin, with these depths of vertex and last surface; the last path is
-    /// dead.
+    /// What the stage leaves of eight paths at the origin, with these depths of vertex and last surface; the last path
+    /// is dead.
     fn after(lights: &Lights, near: f32, starts: u32, depths: [[u32; 2]; 8]) -> [Outlook; 8] {
         let arena = Bump::new();
         let mut live = LaneSet::new_in(&arena, 8);

@@ -1,10 +1,11 @@
 //! Light importance sampling: connections that end at a vertex made from the light (after MVNEE-LIS of Weber, Hanika,
 //! Dachsbacher 2017).
 //!
-//! A focused light sends what it has into a narrow beam, and a connection to a point on it mostly arrives from outside. So
-//! one vertex y is made from the light point x_n first, in a direction w that follows the emission and at a free flight t,
-//! and the start is connected with y, by a bridge (ours) or by MVNEE (the paper's). With theta the angle between w and the
-//! light's normal and k the light's exponent, 0 for one that is alike in all directions, y has the density
+//! A focused light sends what it has into a narrow beam, and a connection to a point on it mostly arrives from outside.
+//! So one vertex y is made from the light point x_n first, in a direction w that follows the emission and at a free
+//! flight t, and the start is connected with y, by a bridge (ours) or by MVNEE (the paper's). With theta the angle
+//! between w and the light's normal and k the light's exponent, 0 for one that is alike in all directions, y has the
+//! density
 //!
 //! ```text
 //! p_dir(w) = (k + 2) / (2 pi) cos^{k+1} theta                   (solid angle: emitted flux)
@@ -12,9 +13,9 @@
 //! p        = p_A P_l p(y) q(x_i -> y)
 //! ```
 //!
-//! (half of p_dir where both sides shine), where q is the shape's density of its own inserted vertices, given both ends.
-//! Path tracing has the density of the way to y times `phase(c_y) exp(-mu_t t) cos theta / t^2`, and that of the way
-//! has mu_t where one to a light has its cosine, so that
+//! (half of p_dir where both sides shine), where q is the shape's density of its own inserted vertices, given both
+//! ends. Path tracing has the density of the way to y times `phase(c_y) exp(-mu_t t) cos theta / t^2`, and that of the
+//! way has mu_t where one to a light has its cosine, so that
 //!
 //! ```text
 //! r_i = p_A P_l p_dir(w) / (phase(c_y) cos theta) * [ r_i of a connection to y, without p_A P_l / cos_light ]
@@ -25,9 +26,9 @@
 //!
 //! **Counts.** `depth + N' + 1 <= K`: the shape has one edge less to spend. What is longer is dropped, not redrawn.
 //!
-//! **Companion.** Paths of a single edge cannot be made so. Starts within [`Lis::near`] of the light point, four mean free
-//! paths as in the paper, also connect by next event estimation, at whose ratio these paths are weighed; beyond, path
-//! tracing alone makes them. Where `nee` itself is active the companion would say the same twice and is left out.
+//! **Companion.** Paths of a single edge cannot be made so. Starts within [`Lis::near`] of the light point, four mean
+//! free paths as in the paper, also connect by next event estimation, at whose ratio these paths are weighed; beyond,
+//! path tracing alone makes them. Where `nee` itself is active the companion would say the same twice and is left out.
 
 pub mod reference;
 pub mod sample;

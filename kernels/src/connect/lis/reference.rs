@@ -1,8 +1,8 @@
 //! The full density of light importance sampling, in f64 (after Weber, Hanika, Dachsbacher 2017).
 //!
-//! The last inner vertex y of a chain x_i .. y, x_n is made from the point x_n on the light, the others by a connection from
-//! x_i to y as if y were on a light. With w and t the direction and distance from x_n to y, theta the angle between w and
-//! the normal, and k the exponent of the light,
+//! The last inner vertex y of a chain x_i .. y, x_n is made from the point x_n on the light, the others by a connection
+//! from x_i to y as if y were on a light. With w and t the direction and distance from x_n to y, theta the angle
+//! between w and the normal, and k the exponent of the light,
 //!
 //! ```text
 //! p = p_A P_l * p_dir(w) mu_t exp(-mu_t t) / t^2 * q(x_i .. y)      (volume and area measure)

@@ -4,8 +4,8 @@
 //! r     = scale * ratios of the shape on the suffix that ends at y, arcs less t
 //! ```
 //!
-//! 1. The shape's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place of p_A,
-//!    and 1 in that of cos_light.
+//! 1. The shape's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place of
+//!    p_A, and 1 in that of cos_light.
 //! 2. p_dir / cos theta is one power, so that grazing light needs no division.
 
 use core::ops::RangeInclusive;

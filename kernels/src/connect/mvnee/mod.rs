@@ -1,9 +1,9 @@
 //! Multiple-vertex next event estimation (Weber, Hanika, Dachsbacher 2017).
 //!
 //! From a start x toward a light point at distance s along the axis w: free flights along the axis until s is exceeded
-//! give the seeds, m of them; the last of the m + 1 segments d is cut at the light. Each seed j is then moved within the
-//! plane perpendicular to w by an isotropic offset whose width follows from the segments on either side,
-//! `sigma_j^2 = slope^2 L_j R_j / (L_j + R_j)`, `L_j = sum_{k <= j} d_k^2`, `R_j = sum_{k > j} d_k^2` (Eqs. 5-7).
+//! give the seeds, m of them; the last of the m + 1 segments d is cut at the light. Each seed j is then moved within
+//! the plane perpendicular to w by an isotropic offset whose width follows from the segments on either side, `sigma_j^2
+//! = slope^2 L_j R_j / (L_j + R_j)`, `L_j = sum_{k <= j} d_k^2`, `R_j = sum_{k > j} d_k^2` (Eqs. 5-7).
 //!
 //! The ratio to path tracing for a given suffix, reprojected on the axis from its start, is
 //!

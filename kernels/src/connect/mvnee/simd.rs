@@ -9,11 +9,11 @@
 //!
 //! 1. `spread_v = l^2 / phase` is the same for all starts and is computed once per vertex.
 //! 2. Two passes: from the start to the light for projections and L, back again for R and the product. L + R is known
-//!    only after the first; R as a difference would cancel, and sums of outer products of the edges, which give R without
-//!    a pass, cost more loads and cancel too when edges stand across the axis.
+//!    only after the first; R as a difference would cancel, and sums of outer products of the edges, which give R
+//!    without a pass, cost more loads and cancel too when edges stand across the axis.
 //! 3. rho comes from the component across the axis, not from a difference of squares.
-//! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows nor
-//!    vanishes; all mu_t^m cancel.
+//! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows
+//!    nor vanishes; all mu_t^m cancel.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
 //! 6. Starts that no lane has in reach cost only the test; starts that every lane refuses, the projections up to there.
 
@@ -44,9 +44,9 @@ pub fn ratios(
     }
 }
 
-/// The ratios of all starts. `factor` is what an inserted vertex contributes, pi times the density of its offset times its
-/// spread, as a function of squared width, squared offset and spread: quotients of areas, which no scale of the scene can
-/// make overflow.
+/// The ratios of all starts. `factor` is what an inserted vertex contributes, pi times the density of its offset times
+/// its spread, as a function of squared width, squared offset and spread: quotients of areas, which no scale of the
+/// scene can make overflow.
 #[inline(always)]
 fn sum(
     mvnee: &Mvnee,

@@ -1,8 +1,9 @@
-//! Once-more next event estimation: a connection through exactly one inserted vertex (Hanika, Weidlich, Droske, EGSR 2022).
+//! Once-more next event estimation: a connection through exactly one inserted vertex (Hanika, Weidlich, Droske, EGSR
+//! 2022).
 //!
-//! From a start x toward a light point at distance s along the axis w: the turn theta at the inserted vertex is drawn from
-//! the phase function restricted to the forward hemisphere and renormalised, the angle alpha between axis and first edge
-//! uniformly in (0, theta), the azimuth uniformly. By the law of sines
+//! From a start x toward a light point at distance s along the axis w: the turn theta at the inserted vertex is drawn
+//! from the phase function restricted to the forward hemisphere and renormalised, the angle alpha between axis and
+//! first edge uniformly in (0, theta), the azimuth uniformly. By the law of sines
 //!
 //! ```text
 //! d_1 = s sin(theta - alpha) / sin theta,    d_2 = s sin alpha / sin theta

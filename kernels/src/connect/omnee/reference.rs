@@ -7,8 +7,9 @@
 //! p = p_A P_l * phase(cos theta) / F * s (sin theta / theta) / (d_1^2 d_2^2)      (volume and area measure)
 //! ```
 //!
-//! with F the phase function's share of the forward hemisphere: the density 2 pi sin theta phase / F of theta, 1 / theta of
-//! the angle at the start and 1 / (2 pi) of the azimuth, over the volume `d_1^2 d_2^2 / s` that the three angles span.
+//! with F the phase function's share of the forward hemisphere: the density 2 pi sin theta phase / F of theta, 1 /
+//! theta of the angle at the start and 1 / (2 pi) of the azimuth, over the volume `d_1^2 d_2^2 / s` that the three
+//! angles span.
 
 use glam::DVec3;
 

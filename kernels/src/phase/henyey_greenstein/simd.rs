@@ -12,8 +12,8 @@
 //!    `sine = 2 (1-g^2) sqrt(u (1-u) (1+gu) (1-g+gu)) / d^2`, which are the same functions factored. Nothing cancels
 //!    and nothing is divided by g, so one branch-free line serves isotropic and needle-sharp lobes.
 //! 3. The density of a sampled direction needs no power: h = q^2.
-//! 4. Between two given directions h comes from the chord, `h = (1-|g|)^2 + |g| |out -+ in|^2`: a dot product would lose
-//!    the small angles on which a forward peak depends.
+//! 4. Between two given directions h comes from the chord, `h = (1-|g|)^2 + |g| |out -+ in|^2`: a dot product would
+//!    lose the small angles on which a forward peak depends.
 
 use core::f64::consts::PI;
 
@@ -73,8 +73,8 @@ impl HenyeyGreensteinX8 {
         self.g.mul_add(chord.length_squared(), self.smallest_h)
     }
 
-    /// `h` of the turns between a direction and two others: those in one plane with it and the axis from which all angles
-    /// are counted, at the same angle to the axis on either side, h_- and h_+.
+    /// `h` of the turns between a direction and two others: those in one plane with it and the axis from which all
+    /// angles are counted, at the same angle to the axis on either side, h_- and h_+.
     #[inline(always)]
     pub fn h_in_plane(&self, incoming: PlaneAngle, outgoing: PlaneAngle) -> (f32x8, f32x8) {
         let along = self.sign.mul_neg_add(incoming.cosine, outgoing.cosine);
@@ -165,8 +165,9 @@ impl PhaseX8 for HenyeyGreensteinX8 {
     }
 }
 
-/// `(sin, cos)` of the roll psi with `tan(psi / 2) = sqrt(near / far) tan(pi (u - 1/2))` for the uniform number `u`: with s and c
-/// of `pi (u - 1/2)`, `cos psi = (far c^2 - near s^2) / n` and `sin psi = 2 sqrt(near far) s c / n`, `n = far c^2 + near s^2`.
+/// `(sin, cos)` of the roll psi with `tan(psi / 2) = sqrt(near / far) tan(pi (u - 1/2))` for the uniform number `u`:
+/// with s and c of `pi (u - 1/2)`, `cos psi = (far c^2 - near s^2) / n` and `sin psi = 2 sqrt(near far) s c / n`, `n =
+/// far c^2 + near s^2`.
 #[inline(always)]
 pub fn roll_by(near: f32x8, far: f32x8, u: f32x8) -> (f32x8, f32x8) {
     let (s, c) = sin_cos_half_turn(u);

@@ -7,8 +7,8 @@
 //!
 //! Departures from the textbook:
 //! 1. Both parts are asked, and the answer is selected.
-//! 2. What remains of 1 - u is computed apart from what remains of u: both ends of a part keep their digits, and with them turns
-//!    towards a pole where there is little.
+//! 2. What remains of 1 - u is computed apart from what remains of u: both ends of a part keep their digits, and with
+//!    them turns towards a pole where there is little.
 //! 3. What remains is kept in [2^-24, 1 - 2^-24], the range of uniform numbers, whatever the division rounds to. A
 //!    part without a share is never selected, though it divides by zero.
 //! 4. With the inverse densities A and B of the parts, which are finite, the inverse density is `A B / (w B + (1 - w)

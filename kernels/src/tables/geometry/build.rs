@@ -1,8 +1,8 @@
 //! From triangles to the tree: a good binary tree by surface area (obvhs), of which the best nodes of eight are made
 //! ([`collapse`](super::collapse)).
 //!
-//! **Depth.** Rays keep a stack of fixed size, so the tree must not be deeper than [`DEPTH`]. A pathological binary tree
-//! is: below [`OPENED`] levels a subtree is cut into eight equal parts until they fit in leaves, which takes
+//! **Depth.** Rays keep a stack of fixed size, so the tree must not be deeper than [`DEPTH`]. A pathological binary
+//! tree is: below [`OPENED`] levels a subtree is cut into eight equal parts until they fit in leaves, which takes
 //! `log8(2^31 / 8) < 10` levels at most, and `OPENED + 10 = DEPTH`.
 
 use core::ops::Range;
@@ -24,9 +24,9 @@ use crate::lanes::LANES;
 /// Levels in which nodes of the binary tree are opened.
 const OPENED: usize = DEPTH - 10;
 
-/// How to build where no boxes are equal: in the least time, with twice as many boxes moved to better places afterwards as in
-/// the preset. Presets that take longer make no cheaper trees of eight. A leaf of the preset is entered half again as often
-/// as one of these, and on the way to it a ray sees hardly fewer boxes.
+/// How to build where no boxes are equal: in the least time, with twice as many boxes moved to better places afterwards
+/// as in the preset. Presets that take longer make no cheaper trees of eight. A leaf of the preset is entered half
+/// again as often as one of these, and on the way to it a ray sees hardly fewer boxes.
 const APART: BvhBuildParams =
     BvhBuildParams { collapse_traversal_cost: 1.5, reinsertion_batch_ratio: 0.02, ..BvhBuildParams::very_fast_build() };
 /// How to build over groups of more than one triangle: each has a leaf of its own.

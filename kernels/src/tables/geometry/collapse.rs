@@ -1,9 +1,9 @@
 //! Which descendants of a binary node become the children of a node of eight, and which subtrees become leaves, so that
-//! rays have the least to do (Ylitie, Karras and Laine, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
-//! BVHs, HPG 2017, Eq. 1 to 3).
+//! rays have the least to do (Ylitie, Karras and Laine, Efficient Incoherent Ray Traversal on GPUs Through Compressed
+//! Wide BVHs, HPG 2017, Eq. 1 to 3).
 //!
-//! A ray that meets a box meets one inside it with the quotient of their surface areas A. So a node costs `A NODE` and a
-//! leaf, whatever is in it, `A LEAF`; and the least cost of what lies below n, as a forest of up to j trees, is
+//! A ray that meets a box meets one inside it with the quotient of their surface areas A. So a node costs `A NODE` and
+//! a leaf, whatever is in it, `A LEAF`; and the least cost of what lies below n, as a forest of up to j trees, is
 //!
 //! ```text
 //! forest(n, 1) = min(A(n) LEAF if n has up to 8 triangles, A(n) NODE + parts(n, 8))

@@ -7,8 +7,8 @@
 //! | leaves | 320 per 8 triangles and fewer: 40 where full, 60 to 80 as a rule |
 //! | nodes | 256 per 8 boxes and fewer, of which 7 are taken as a rule: about 9 |
 //!
-//! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many). The corners in the leaves repeat the positions, so
-//! that a ray meets eight triangles without a gather; the indexed ones serve shading.
+//! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many). The corners in the leaves repeat the positions,
+//! so that a ray meets eight triangles without a gather; the indexed ones serve shading.
 
 mod build;
 mod collapse;

@@ -74,7 +74,8 @@ impl Child {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. A vacant lane has lower +inf and upper -inf: no ray is in it.
+    /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. A vacant lane has lower +inf and upper -inf: no ray is in
+    /// it.
     pub planes: [f32x8; 6],
     /// [Bits](Child::bits) of the children.
     pub children: [u32; LANES],

@@ -1,8 +1,8 @@
 //! Rows that are read in no order, in large pages of memory.
 //!
 //! Rays of a scattering medium jump about in a table of a hundred megabytes, and with pages of 4 KiB nearly every jump
-//! also misses the processor's table of pages. Linux gives pages of 2 MiB to whoever asks; elsewhere, and for tables that
-//! would not fill one, the rows stay where they are.
+//! also misses the processor's table of pages. Linux gives pages of 2 MiB to whoever asks; elsewhere, and for tables
+//! that would not fill one, the rows stay where they are.
 
 use std::sync::Arc;
 

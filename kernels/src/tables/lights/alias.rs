@@ -1,5 +1,5 @@
-//! A choice in constant time: Walker's alias table, filled by Vose's method (Vose, A Linear Algorithm for Generating Random
-//! Numbers with a Given Distribution, 1991).
+//! A choice in constant time: Walker's alias table, filled by Vose's method (Vose, A Linear Algorithm for Generating
+//! Random Numbers with a Given Distribution, 1991).
 
 /// A table over the entries `0 .. n`.
 #[derive(Clone, Debug, Default, PartialEq)]

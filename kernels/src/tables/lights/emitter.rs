@@ -11,8 +11,8 @@ pub enum Shape {
     Disk,
     /// Shines outwards; black inside. `origin` is the centre, tangent and bitangent are the x and y axes.
     Sphere,
-    /// Flat, part of a surface: `origin` is the first corner, tangent and bitangent are the edges from there to the second
-    /// and third corner.
+    /// Flat, part of a surface: `origin` is the first corner, tangent and bitangent are the edges from there to the
+    /// second and third corner.
     Triangle,
 }
 
@@ -37,20 +37,21 @@ pub struct Emitter {
     /// Emitted radiance per channel [W/(m^2 sr)], >= 0; the same over the area, and over all angles where there is no
     /// exponent.
     pub radiance: [f32; 3],
-    /// n of a spotlight, whose radiance at the angle theta to the normal is `scale cos^n theta` times `radiance`; 0 if it is
-    /// the same in all directions.
+    /// n of a spotlight, whose radiance at the angle theta to the normal is `scale cos^n theta` times `radiance`; 0 if
+    /// it is the same in all directions.
     pub exponent: f32,
     /// `(n + 1) / (2 pi)` of a spotlight, otherwise 1.
     pub scale: f32,
     /// Whether it is a spotlight.
     pub focused: bool,
-    /// a and b of a spotlight with a cone, whose radiance at the cosine c to the normal is `clamp(a c + b, 0, 1)^2 / c` times
-    /// `radiance`, so that its intensity is the square; its exponent only says where light is likely. `[0, 0]` without a cone.
+    /// a and b of a spotlight with a cone, whose radiance at the cosine c to the normal is `clamp(a c + b, 0, 1)^2 / c`
+    /// times `radiance`, so that its intensity is the square; its exponent only says where light is likely. `[0, 0]`
+    /// without a cone.
     pub window: [f32; 2],
     /// Whether the back shines as the front does.
     pub double_sided: bool,
-    /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2]; 0 for what is dark in a mesh that
-    /// shines.
+    /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2]; 0 for what is dark in a
+    /// mesh that shines.
     pub density: f32,
     /// Index of the light that it is part of.
     pub light: u32,
@@ -130,9 +131,9 @@ impl Emitter {
         Self { exponent: exponent as f32, scale, focused: true, ..self }
     }
 
-    /// The same disk as a spotlight with a cone: its intensity is the same up to the angle `inner` from the normal and falls to
-    /// 0 at `outer`, as `KHR_lights_punctual` recommends; `0 <= inner <= outer <= pi / 2` `[rad]`. Light importance sampling
-    /// samples it like one of `exponent`.
+    /// The same disk as a spotlight with a cone: its intensity is the same up to the angle `inner` from the normal and
+    /// falls to 0 at `outer`, as `KHR_lights_punctual` recommends; `0 <= inner <= outer <= pi / 2` `[rad]`. Light
+    /// importance sampling samples it like one of `exponent`.
     pub fn with_cone(self, [inner, outer]: [f64; 2], exponent: f64) -> Self {
         let slope = 1.0 / (inner.cos() - outer.cos()).max(SHARPEST_EDGE);
         let window = [slope as f32, (-outer.cos() * slope) as f32];

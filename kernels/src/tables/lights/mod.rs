@@ -1,8 +1,8 @@
 //! Lights: what shines, and the rule by which a connection picks one.
 //!
 //! A connection first chooses a light, by the rule, and then an emitter of it. Disks and spheres are lights with one
-//! emitter; a mesh has as many as it has triangles that shine, and chooses among them by area times radiance in constant
-//! time, so that their number does not matter.
+//! emitter; a mesh has as many as it has triangles that shine, and chooses among them by area times radiance in
+//! constant time, so that their number does not matter.
 
 mod alias;
 mod emitter;
@@ -38,8 +38,8 @@ pub struct Light {
     pub center: [f32; 3],
     /// Radius of that ball `[m]`.
     pub radius: f32,
-    /// What its probability is proportional to; the sum over all lights is one. Probabilities are the shares themselves, or
-    /// share over distance, normalised, under [`Selection::IntensityDistance`].
+    /// What its probability is proportional to; the sum over all lights is one. Probabilities are the shares
+    /// themselves, or share over distance, normalised, under [`Selection::IntensityDistance`].
     pub share: f32,
     /// What it has of the intensity of all; the sum over all lights is one.
     pub intensity: f32,

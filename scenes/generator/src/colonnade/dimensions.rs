@@ -1,8 +1,8 @@
 //! The numbers of the colonnade, in metres, and why they are what they are.
 //!
-//! Camera and lights are given: the camera is 10 m up and looks 14 degrees further up, two lights stand 7 m to the sides,
-//! 11 m up, at z = -4 and z = 3, and one is far behind. All else follows: the upper storey is where the camera looks, its
-//! arches stand in front of the lights at the sides, and the tall window stands in front of the one behind.
+//! Camera and lights are given: the camera is 10 m up and looks 14 degrees further up, two lights stand 7 m to the
+//! sides, 11 m up, at z = -4 and z = 3, and one is far behind. All else follows: the upper storey is where the camera
+//! looks, its arches stand in front of the lights at the sides, and the tall window stands in front of the one behind.
 
 /// Bays along each side.
 pub const BAYS: u32 = 8;
@@ -14,8 +14,8 @@ pub const HALF_LENGTH: f64 = 0.5 * BAYS as f64 * PITCH;
 /// and 24.75 m before the window.
 pub const MIDDLE: f64 = -2.25;
 
-/// From the court's axis to that of the columns: leaves a court of 7 m, so that arches come into view 6 m before the camera,
-/// little more than a mean free path of the fog, and stand 3 m before the lights at the sides.
+/// From the court's axis to that of the columns: leaves a court of 7 m, so that arches come into view 6 m before the
+/// camera, little more than a mean free path of the fog, and stand 3 m before the lights at the sides.
 pub const ARCADE: f64 = 3.85;
 /// Thickness of the walls on the columns.
 pub const ARCADE_THICKNESS: f64 = 0.7;

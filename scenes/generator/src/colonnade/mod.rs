@@ -1,5 +1,5 @@
-//! A court between two-storey arcades, open to the sky, with a tall window at either end: the proportions of the atrium of
-//! the Sponza palace, from blocks, arches and columns of our own.
+//! A court between two-storey arcades, open to the sky, with a tall window at either end: the proportions of the atrium
+//! of the Sponza palace, from blocks, arches and columns of our own.
 
 mod column;
 mod cornice;

@@ -1,8 +1,8 @@
 //! The numbers of the chapel, in metres, and why they are what they are.
 //!
-//! Everything stands around the middle of the nave and is moved by [`MIDDLE`] in the end. The camera is in the west, at the
-//! left, and looks east and a little to the right; the sun is in front of it on the right, so that it looks along the shafts
-//! rather than across them, and sees the dark between.
+//! Everything stands around the middle of the nave and is moved by [`MIDDLE`] in the end. The camera is in the west, at
+//! the left, and looks east and a little to the right; the sun is in front of it on the right, so that it looks along
+//! the shafts rather than across them, and sees the dark between.
 
 use glam::DVec3;
 

@@ -1,4 +1,5 @@
-//! A black hood around the sun, open towards the windows: its light falls nowhere else, and nothing scatters close to it.
+//! A black hood around the sun, open towards the windows: its light falls nowhere else, and nothing scatters close to
+//! it.
 
 use glam::{DVec2, DVec3};
 

@@ -67,7 +67,8 @@ fn diagonal(side: f64) -> Mesh {
     shapes::wall(&chain(-hang), &chain(JOINT), thickness).turned(-side * half().y.atan2(half().x))
 }
 
-/// The solid between the underside over one bay and a flat top. Cells are cut along the diagonals, where the barrels meet.
+/// The solid between the underside over one bay and a flat top. Cells are cut along the diagonals, where the barrels
+/// meet.
 fn bay() -> Mesh {
     let count = 2 * PIECES;
     let share = |i: u32| 2.0 * f64::from(i) / f64::from(count) - 1.0;

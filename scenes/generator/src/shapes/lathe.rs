@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 
 use crate::Mesh;
 
-/// The solid that a profile sweeps about the y axis, with `sides` flat sides. The profile runs from the lower end to the
-/// upper; x is the radius, y the height. An end on the axis is a pole, any other a flat cap.
+/// The solid that a profile sweeps about the y axis, with `sides` flat sides. The profile runs from the lower end to
+/// the upper; x is the radius, y the height. An end on the axis is a pole, any other a flat cap.
 ///
 /// # Panics
 /// If the profile is shorter than two points or touches the axis between its ends.

@@ -1,5 +1,5 @@
-//! A pipeline in which every stage checks itself: it runs its kernel and its twin on the same queues of a real frame and
-//! compares what they filled. The frame goes on with what the kernel found.
+//! A pipeline in which every stage checks itself: it runs its kernel and its twin on the same queues of a real frame
+//! and compares what they filled. The frame goes on with what the kernel found.
 //!
 //! Stages are function pointers without state, so what they find is collected per thread; see [`take_log`].
 
@@ -91,8 +91,8 @@ pub const CHECKED: Pipeline = Pipeline {
 /// What kernel and twin left or are.
 type Both<T> = (T, T);
 
-/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables. The columns go on with what
-/// the kernel left.
+/// Runs kernel and twin of a stage on the same columns; gives what each left in the named tables. The columns go on
+/// with what the kernel left.
 macro_rules! run_both {
     ($stage:ident($step:expr), $tables:tt, $columns:expr) => {
         run_both!((SIMD.$stage, REFERENCE.$stage)($step), $tables, $columns)

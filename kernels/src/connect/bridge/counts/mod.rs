@@ -1,17 +1,17 @@
 //! Numbers of edges of bridges: probabilities from a table.
 //!
-//! Were a start to see all the light that comes from a light point, how much of it would have come by N edges? Up to factors
-//! that do not depend on N, it is the mean contribution of bridges of N edges,
+//! Were a start to see all the light that comes from a light point, how much of it would have come by N edges? Up to
+//! factors that do not depend on N, it is the mean contribution of bridges of N edges,
 //!
 //! ```text
 //! I(N) = albedo^(N-1) E[ x^N e^-x / (N-1)! * p_w(c) / p(psi) ],      x = mu_t s L / |y_N|
 //! P(N) = I(N) / sum of all I,                                    N = 1 .. edges
 //! ```
 //!
-//! where the mean is over free walks 0, y_1 .. y_N of length L and their rolls psi, the fraction with the factorial is one
-//! over that of the [ratio](super), and c is the turn at the start. It is the same for both rolls. Besides phase function
-//! and albedo it depends on two numbers of the start only: mu_t s, the optical distance, and gamma, the angle between the
-//! axis and the direction in which the path arrives. The table knows P(N) at *knots*,
+//! where the mean is over free walks 0, y_1 .. y_N of length L and their rolls psi, the fraction with the factorial is
+//! one over that of the [ratio](super), and c is the turn at the start. It is the same for both rolls. Besides phase
+//! function and albedo it depends on two numbers of the start only: mu_t s, the optical distance, and gamma, the angle
+//! between the axis and the direction in which the path arrives. The table knows P(N) at *knots*,
 //!
 //! ```text
 //! mu_t s   = 2^k, 1.5 * 2^k        (least 2^-8, largest 1.5 * 2^7)
@@ -19,11 +19,12 @@
 //! ```
 //!
 //! and is bilinear in mu_t s and h in between, constant beyond. A bilinear mixture is drawn by choosing one of the four
-//! knots around at random, and probabilities are the steps of the rounded distribution: what is drawn is what is weighed, as
-//! far as uniform numbers of 23 bits can tell. Rarer counts than that are left to the uniform part of the counts.
+//! knots around at random, and probabilities are the steps of the rounded distribution: what is drawn is what is
+//! weighed, as far as uniform numbers of 23 bits can tell. Rarer counts than that are left to the uniform part of the
+//! counts.
 //!
-//! The coordinate of turns is the `h` of a Henyey-Greenstein lobe: of the phase function itself, or of the one that has its mean
-//! cosine. An error of the table costs efficiency, and nothing else.
+//! The coordinate of turns is the `h` of a Henyey-Greenstein lobe: of the phase function itself, or of the one that has
+//! its mean cosine. An error of the table costs efficiency, and nothing else.
 
 pub mod moments;
 pub mod reference;
@@ -78,8 +79,8 @@ impl core::fmt::Debug for CountTable {
 }
 
 impl CountTable {
-    /// The table whose probabilities are, knot by knot, in proportion to `weights(knot)[N - 1]`, >= 0, N = 1 .. `edges`;
-    /// `edges >= 1`. Where all are 0 all numbers are alike.
+    /// The table whose probabilities are, knot by knot, in proportion to `weights(knot)[N - 1]`, >= 0, N = 1 ..
+    /// `edges`; `edges >= 1`. Where all are 0 all numbers are alike.
     pub fn from_weights(lobe: HenyeyGreenstein, edges: usize, mut weights: impl FnMut(Knot) -> Vec<f64>) -> Self {
         let least = 1.0 - f64::from(lobe.g).abs();
         let stride = edges.next_multiple_of(crate::lanes::LANES);
@@ -94,8 +95,8 @@ impl CountTable {
         table
     }
 
-    /// About the counts of the paper: one more than a Poisson number of mean mu_t s, between knots a mixture of two, and no more
-    /// than [`MOST_EDGES`].
+    /// About the counts of the paper: one more than a Poisson number of mean mu_t s, between knots a mixture of two,
+    /// and no more than [`MOST_EDGES`].
     pub fn poisson(lobe: HenyeyGreenstein) -> Self {
         let edges = MOST_EDGES as usize;
         Self::from_weights(lobe, edges, |knot| {

@@ -64,8 +64,8 @@ fn means(medium: &Medium, edges: usize) -> Vec<Vec<f64>> {
     means
 }
 
-/// The free walk of number `walk`, edge by edge: its length over the distance from its origin, and the cosine between its
-/// first edge and its end.
+/// The free walk of number `walk`, edge by edge: its length over the distance from its origin, and the cosine between
+/// its first edge and its end.
 fn shapes(phase: &dyn Phase, edges: usize, walk: u32) -> impl Iterator<Item = (f64, f64)> {
     let (mut position, mut direction, mut length) = (DVec3::ZERO, DVec3::Z, 0.0);
     (0..edges).map(move |edge| {
@@ -79,8 +79,8 @@ fn shapes(phase: &dyn Phase, edges: usize, walk: u32) -> impl Iterator<Item = (f
     })
 }
 
-/// `4 pi p_w / (2 pi p(psi))` of a roll by the lobes `rolls`, shares and mean cosines, for a path that arrives at an angle of cosine `arriving` to the
-/// axis, from which the first edge has an angle of cosine `first`; 1 at a surface.
+/// `4 pi p_w / (2 pi p(psi))` of a roll by the lobes `rolls`, shares and mean cosines, for a path that arrives at an
+/// angle of cosine `arriving` to the axis, from which the first edge has an angle of cosine `first`; 1 at a surface.
 fn turn_factor(phase: &dyn Phase, rolls: &[(f64, f64)], arriving: Option<f64>, first: f64, roll: f64) -> f64 {
     let Some(arriving) = arriving else {
         return 1.0;

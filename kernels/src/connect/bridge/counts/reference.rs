@@ -10,8 +10,8 @@ use crate::phase::HenyeyGreenstein;
 /// The place of a start in the table: knots with their weights, which add up to one.
 pub type Cell = [(usize, f64); 4];
 
-/// The cell of an optical distance mu_t s and of a turn to the axis of the given cosine, None at a surface, in the table of a
-/// phase function with this lobe.
+/// The cell of an optical distance mu_t s and of a turn to the axis of the given cosine, None at a surface, in the
+/// table of a phase function with this lobe.
 pub fn cell(table: &CountTable, lobe: HenyeyGreenstein, distance: f64, cosine: Option<f64>) -> Cell {
     let distances: Vec<f64> = (0..super::DISTANCES).map(distance_of).collect();
     let g = f64::from(lobe.g);
@@ -132,8 +132,8 @@ mod tests {
         }
     }
 
-    /// The integral over the inserted vertex of `phase phase exp(-L) / (l1^2 l2^2)`, for ends `distance` apart, in bipolar
-    /// coordinates: dV = l1^2 l2^2 / distance dalpha dbeta dphi.
+    /// The integral over the inserted vertex of `phase phase exp(-L) / (l1^2 l2^2)`, for ends `distance` apart, in
+    /// bipolar coordinates: dV = l1^2 l2^2 / distance dalpha dbeta dphi.
     fn two_edges(phase: &dyn Phase, distance: f64, turn: f64) -> f64 {
         use core::f64::consts::{PI, TAU};
         let (turns, shares, azimuths) = (400, 200, 32);

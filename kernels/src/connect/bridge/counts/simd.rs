@@ -4,10 +4,10 @@
 //! draw: i + [a < u], j + [b < v], then N - 1 = the number of cumulative probabilities that c is not below
 //! ```
 //!
-//! 1. Knots are powers of two, or the middles between them: exponent and first bits of a float's mantissa are the cell, the
-//!    others the place in it. No logarithm is taken.
-//! 2. All lanes of a weight have the same N, so the table for one N is a slab that stays close. A draw reads one row per
-//!    lane, eight entries at a time.
+//! 1. Knots are powers of two, or the middles between them: exponent and first bits of a float's mantissa are the cell,
+//!    the others the place in it. No logarithm is taken.
+//! 2. All lanes of a weight have the same N, so the table for one N is a slab that stays close. A draw reads one row
+//!    per lane, eight entries at a time.
 
 use wide::{f32x8, u32x8};
 
@@ -26,8 +26,8 @@ pub struct CellX8 {
     v: f32x8,
 }
 
-/// Among `knots` knots, `2^SPLIT` per octave from 1 on: the last that is not above `value`, except the very last, and the place
-/// of `value` between it and the next, [0, 1).
+/// Among `knots` knots, `2^SPLIT` per octave from 1 on: the last that is not above `value`, except the very last, and
+/// the place of `value` between it and the next, [0, 1).
 #[inline(always)]
 fn locate<const SPLIT: u32>(value: f32x8, knots: u32) -> (u32x8, f32x8) {
     const MANTISSA: u32 = f32::MANTISSA_DIGITS - 1;
@@ -39,7 +39,8 @@ fn locate<const SPLIT: u32>(value: f32x8, knots: u32) -> (u32x8, f32x8) {
 }
 
 impl CountTable {
-    /// The cells of optical distances `distance`, mu_t s, and of turns to the axis by `h`; those `on_surface` have none.
+    /// The cells of optical distances `distance`, mu_t s, and of turns to the axis by `h`; those `on_surface` have
+    /// none.
     #[inline(always)]
     pub fn cell(&self, distance: f32x8, h: f32x8, on_surface: f32x8) -> CellX8 {
         let (i, u) = locate::<1>(distance * f32x8::splat(1.0 / NEAREST), DISTANCES as u32);

@@ -9,22 +9,23 @@ pub use crate::connect::buckets::{BuildColumns, CountColumns};
 
 /// Draws the number of edges N of every bridge.
 ///
-/// With u, v, w the first, second and fourth uniform of block `BRIDGE_COUNT` at the depth of the start, and `room` as in
-/// [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`. Else the [table's](super::counts) farther knot in mu_t s is
-/// chosen if w is less than the place between the knots, the farther one in gamma if `(u - defensive) / (1 - defensive)`
-/// is, and N is the smallest number whose cumulative probability there exceeds v. A bridge of more than `room` edges is
-/// marked as dropped.
+/// With u, v, w the first, second and fourth uniform of block `BRIDGE_COUNT` at the depth of the start, and `room` as
+/// in [`bridge`](super): if `u < defensive`, `N = 1 + floor(v room)`. Else the [table's](super::counts) farther knot in
+/// mu_t s is chosen if w is less than the place between the knots, the farther one in gamma if `(u - defensive) / (1 -
+/// defensive)` is, and N is the smallest number whose cumulative probability there exceeds v. A bridge of more than
+/// `room` edges is marked as dropped.
 pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 
 /// Places the inserted vertices of every bridge.
 ///
 /// The free walk starts at its own origin along z. Edge `k` (0 .. N) takes block k of `BRIDGE_WALK` at the depth of the
-/// start: its length is `-ln(1 - u)` of the first word; unless it is the last, the next two words are cosine (the inverse
-/// of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted in the
-/// [frame](crate::vec3x8::Vec3x8::frame) of its direction.
+/// start: its length is `-ln(1 - u)` of the first word; unless it is the last, the next two words are cosine (the
+/// inverse of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted
+/// in the [frame](crate::vec3x8::Vec3x8::frame) of its direction.
 ///
-/// With e the unit vector to the end of the walk, p the unit part of z perpendicular to e, and q = e x p, a walk vertex v
-/// becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit vectors
-/// across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the azimuth of the arriving direction (0 if
-/// that lies on the axis), and psi the roll of [`bridge`](super) for u, the third word of block `BRIDGE_COUNT`.
+/// With e the unit vector to the end of the walk, p the unit part of z perpendicular to e, and q = e x p, a walk vertex
+/// v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit
+/// vectors across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the azimuth of the arriving
+/// direction (0 if that lies on the axis), and psi the roll of [`bridge`](super) for u, the third word of block
+/// `BRIDGE_COUNT`.
 pub type BuildKernel = fn(Step, BuildColumns<'_, '_, Bridge>);

@@ -8,8 +8,9 @@
 //!                                                                         b = 2 g sin beta sin gamma
 //! ```
 //!
-//! where e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p. Of several lobes
-//! by which the phase function rolls, u first selects the one of g in proportion to their shares, and is stretched to (0, 1).
+//! where e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p. Of several
+//! lobes by which the phase function rolls, u first selects the one of g in proportion to their shares, and is
+//! stretched to (0, 1).
 
 use core::f64::consts::{PI, TAU};
 
@@ -91,8 +92,8 @@ impl Draws {
     }
 }
 
-/// Number of vertices to insert, one less than edges, from `start` to a light point `way` from there `[m]`; None if that
-/// exceeds the room. `medium`: extinction and phase function.
+/// Number of vertices to insert, one less than edges, from `start` to a light point `way` from there `[m]`; None if
+/// that exceeds the room. `medium`: extinction and phase function.
 pub fn count_edges(
     bridge: &Bridge,
     medium: (f64, &dyn Phase),
@@ -115,8 +116,8 @@ pub fn count_edges(
     (inserted < room).then_some(inserted)
 }
 
-/// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`, to
-/// `point` `[m]`.
+/// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`,
+/// to `point` `[m]`.
 pub fn place(
     roll: Roll,
     phase: &dyn Phase,
@@ -173,8 +174,8 @@ pub fn psi(roll: Roll, phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: D
     }
 }
 
-/// The mean cosine of the lobe in whose interval `u` falls, when intervals as long as the shares are laid end to end, and the place in there,
-/// (0, 1).
+/// The mean cosine of the lobe in whose interval `u` falls, when intervals as long as the shares are laid end to end,
+/// and the place in there, (0, 1).
 ///
 /// Where rounding keeps the shares from adding up to one, the last lobe gets what is left.
 fn select(lobes: &[(f64, f64)], u: f64) -> (f64, f64) {

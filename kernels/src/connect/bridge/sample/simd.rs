@@ -121,8 +121,8 @@ struct Placement {
 }
 
 impl Placement {
-    /// The one that takes a walk to `end` along z from the candidate's start to its light point; starts `on_surface` roll
-    /// uniformly.
+    /// The one that takes a walk to `end` along z from the candidate's start to its light point; starts `on_surface`
+    /// roll uniformly.
     #[inline(always)]
     fn new(
         phase: &impl PhaseX8,

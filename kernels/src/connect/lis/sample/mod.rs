@@ -1,5 +1,5 @@
-//! Making the connections: a vertex from the light for each, then, once the shape has joined start and vertex, the light
-//! point behind it.
+//! Making the connections: a vertex from the light for each, then, once the shape has joined start and vertex, the
+//! light point behind it.
 
 pub mod reference;
 pub mod simd;
@@ -30,9 +30,9 @@ pub struct VertexColumns<'a, 'q> {
 
 /// Makes a vertex from every light point.
 ///
-/// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a light
-/// of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the third the
-/// flight `-ln(1 - u) / mu_t`; where both sides of a light shine, it is the back if the fourth is below 1/2.
+/// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a
+/// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the
+/// third the flight `-ln(1 - u) / mu_t`; where both sides of a light shine, it is the back if the fourth is below 1/2.
 pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);
 
 /// What completing the connections may touch.

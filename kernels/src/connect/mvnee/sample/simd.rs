@@ -4,8 +4,8 @@
 //!        r = width sqrt(u / (1 - u))  or  width sqrt(-2 ln(1 - u)),   width^2 = c^2 slope^2 L R / (L + R)
 //! ```
 //!
-//! 1. Counting keeps nothing but the count; building draws the flights again. A hash and a logarithm per seed are cheaper
-//!    than storing seeds by row and reading them back in bucket order.
+//! 1. Counting keeps nothing but the count; building draws the flights again. A hash and a logarithm per seed are
+//!    cheaper than storing seeds by row and reading them back in bucket order.
 //! 2. Building works on one bucket at a time: eight rows insert the same number of vertices, no lane waits.
 //! 3. The first pass leaves step, L and place of each seed in the chain's own columns, the second walks back from the
 //!    light, where R grows without a difference, and overwrites them with the vertex.
