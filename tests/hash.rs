@@ -71,11 +71,12 @@ seed = 7
 
 /// Keys that change no sample.
 const WITHOUT_EFFECT: [&str; 3] = ["render.samples", "film.exposure", "punctual_radius"];
-/// Keys with nothing else to say: there is one phase function, and what a light is follows from its normal and its
-/// exponent.
+/// Keys with nothing else to say here: phase functions have a test of their own, and what a light is follows from its
+/// normal and its exponent.
 const WITHOUT_CHOICE: [&str; 2] = ["medium.phase.type", "light.type"];
-/// Keys that need a file of their own: see the tests of models.
-const ELSEWHERE: [&str; 1] = ["geometry"];
+/// Keys of other phase functions, and those that need a file of their own: see below, and the tests of models.
+const ELSEWHERE: [&str; 5] =
+    ["geometry", "medium.phase.alpha", "medium.phase.diameter_um", "medium.phase.file", "medium.phase.weight"];
 
 /// The scene in a file, and what can be said about its keys.
 struct Keys {
@@ -203,6 +204,38 @@ fn every_key_that_samples_depend_on_changes_the_hash_and_no_other_does() {
         assert!(accepted > 0 || key == "medium.absorption", "{path}: no other value is accepted");
     });
     assert_eq!(seen, keys.all(), "keys of a scene, on the left those that were tried");
+}
+
+#[test]
+fn every_phase_function_and_every_parameter_of_it_has_a_hash_of_its_own() {
+    let keys = Keys::new();
+    std::fs::write(keys.folder.path().join("a.csv"), "-1, 1\n1, 2\n").expect("a file");
+    std::fs::write(keys.folder.path().join("b.csv"), "-1, 1\n1, 3\n").expect("a file");
+    let phases = [
+        "{ type = 'henyey_greenstein', g = 0.5 }",
+        "{ type = 'isotropic' }",
+        "{ type = 'rayleigh' }",
+        "{ type = 'two_lobe', g = [0.5, -0.5], weight = 0.5 }",
+        "{ type = 'two_lobe', g = [0.25, -0.5], weight = 0.5 }",
+        "{ type = 'two_lobe', g = [0.5, -0.25], weight = 0.5 }",
+        "{ type = 'two_lobe', g = [0.5, -0.5], weight = 0.25 }",
+        "{ type = 'draine', g = 0.5, alpha = 1 }",
+        "{ type = 'draine', g = 0.25, alpha = 1 }",
+        "{ type = 'draine', g = 0.5, alpha = 2 }",
+        "{ type = 'droplets', diameter_um = 10 }",
+        "{ type = 'droplets', diameter_um = 20 }",
+        "{ type = 'tabulated', file = 'a.csv' }",
+        "{ type = 'tabulated', file = 'b.csv' }",
+    ];
+    let hash = |phase: &str| {
+        let value = toml::from_str::<Value>(&format!("phase = {phase}")).expect("TOML")["phase"].clone();
+        keys.with(&[("medium.phase".into(), value)]).unwrap_or_else(|| panic!("{phase} is refused")).hash()
+    };
+    let hashes: BTreeSet<_> = phases.map(hash).into();
+    assert_eq!(hashes.len(), phases.len());
+    // Not only the name of a table's file matters, but also what it says.
+    std::fs::write(keys.folder.path().join("a.csv"), "-1, 1\n1, 4\n").expect("a file");
+    assert!(!hashes.contains(&hash("{ type = 'tabulated', file = 'a.csv' }")));
 }
 
 #[test]
