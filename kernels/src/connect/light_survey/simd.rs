@@ -3,7 +3,8 @@
 //! first near = min(first near, depth) if |x - c_l| <= (near + R_l) 1.0001 for any light l
 //! ```
 //!
-//! 1. Batches in which no vertex may connect are left alone.
+//! 1. Batches in which no vertex may connect are left alone; in others all light sums are filled, as nobody reads those of
+//!    vertices that may not.
 
 use wide::u32x8;
 
@@ -20,7 +21,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     for (b, live) in live.each_batch() {
         let depth = u32x8::splat(step.clock) - birth[b];
         let nth = depth - last_surface[b].max(u32x8::splat(1));
-        if lanes::bits(lanes::as_mask(nth.simd_lt(u32x8::splat(starts)))) & live == 0 {
+        let may = lanes::as_mask(nth.simd_lt(u32x8::splat(starts)));
+        if lanes::bits(may) & live == 0 {
             continue;
         }
         let position = position.at(b);
@@ -28,7 +30,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             light_sum[b] = selection::light_sum(lights, position);
         }
         if near.is_finite() {
-            let near = lanes::as_integer_mask(selection::may_be_within(lights, near, position));
+            let near = lanes::as_integer_mask(selection::may_be_within(lights, near, position) & may);
             first_near[b] = near.select(first_near[b].min(depth), first_near[b]);
         }
     }

@@ -10,21 +10,19 @@ pub(super) fn check_light_survey(step: Step, columns: light_survey::Columns<'_, 
         light_survey::Columns { lights, near, starts, live, paths, last_surface, vertex, outlook: &mut *outlook }
     );
     for lane in live.each() {
-        // The kernel fills whole batches, vertices that may not connect included.
-        if paths.depth_of(step.clock, lane) - last_surface.first_start(lane) >= starts {
-            continue;
-        }
         let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.row(0, lane)["first_near"].clone());
         count_rows(1);
         if kernel != twin {
             count_decisions(1);
         }
-        if lights.selection_depends_on_start() {
-            let mut both = both.clone();
-            both.0.forget("first_near");
-            both.1.forget("first_near");
-            check_row("light_survey", (0, lane), &both, &[("light_sum", tolerances::LIGHT_SUM)]);
-        }
+    }
+    let mut sums = both;
+    sums.0.forget("first_near");
+    sums.1.forget("first_near");
+    // The kernel fills whole batches, vertices that may not connect included.
+    let may = |lane: &usize| paths.depth_of(step.clock, *lane) - last_surface.first_start(*lane) < starts;
+    for lane in live.each().filter(may) {
+        check_row("light_survey", (0, lane), &sums, &[("light_sum", tolerances::LIGHT_SUM)]);
     }
 }
 
