@@ -1,6 +1,5 @@
 //! One row per connection technique: what the rest of the program must know of it.
 
-use super::light_sample::Reach;
 use super::{Techniques, nee, omnee};
 
 /// The connection techniques.
@@ -32,9 +31,6 @@ pub enum Densities {
 /// What others must know of a technique.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Which pairs of start and light point it connects, and the random dimension of its light points. Paths of limited
-    /// length may restrict it further.
-    pub reach: Reach,
     /// Most vertices that it inserts; `u32::MAX` for no limit but that of the path.
     pub most_inserted: u32,
     /// Whether its ratios look at the vertices before a start.

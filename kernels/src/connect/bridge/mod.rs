@@ -115,7 +115,6 @@ impl Bridge {
     /// What others must know of it.
     pub fn row(&self) -> Row {
         Row {
-            reach: self.reach(),
             most_inserted: self.max_inserted,
             looks_back: true,
             farthest_start: usize::MAX,

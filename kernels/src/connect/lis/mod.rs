@@ -91,7 +91,6 @@ impl Lis {
             Shape::Mvnee(_) => (u32::MAX, Densities::All),
         };
         Row {
-            reach: Reach::new(random::LIS_LIGHT),
             most_inserted: inserted.saturating_add(1),
             looks_back: true,
             farthest_start: usize::MAX,

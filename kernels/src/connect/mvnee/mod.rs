@@ -61,7 +61,6 @@ impl Mvnee {
     /// What others must know of it.
     pub fn row(&self) -> Row {
         Row {
-            reach: self.reach(),
             most_inserted: u32::MAX,
             looks_back: true,
             farthest_start: 1,

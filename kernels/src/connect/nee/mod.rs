@@ -19,11 +19,5 @@ use crate::random;
 pub const REACH: Reach = Reach { facing: true, ..Reach::new(random::NEE_LIGHT) };
 
 /// What others must know of it.
-pub const ROW: Row = Row {
-    reach: REACH,
-    most_inserted: 0,
-    looks_back: false,
-    farthest_start: 1,
-    densities: Densities::All,
-    near: f32::INFINITY,
-};
+pub const ROW: Row =
+    Row { most_inserted: 0, looks_back: false, farthest_start: 1, densities: Densities::All, near: f32::INFINITY };

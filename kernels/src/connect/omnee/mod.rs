@@ -29,16 +29,10 @@ use crate::PathLengths;
 use crate::random;
 
 /// What others must know of it.
-pub const ROW: Row = Row {
-    reach: Reach::new(random::OMNEE_LIGHT),
-    most_inserted: 1,
-    looks_back: true,
-    farthest_start: 2,
-    densities: Densities::All,
-    near: f32::INFINITY,
-};
+pub const ROW: Row =
+    Row { most_inserted: 1, looks_back: true, farthest_start: 2, densities: Densities::All, near: f32::INFINITY };
 
 /// Every start connects that has two segments left, whichever way the light faces.
 pub fn reach(lengths: PathLengths) -> Reach {
-    Reach { max_depth: lengths.max.saturating_sub(2), ..ROW.reach }
+    Reach { max_depth: lengths.max.saturating_sub(2), ..Reach::new(random::OMNEE_LIGHT) }
 }
