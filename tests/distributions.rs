@@ -3,7 +3,7 @@
 use bumpalo::Bump;
 use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
-use fogbow_kernels::accumulate::reference::added;
+use fogbow_kernels::accumulate::reference::contribution;
 use fogbow_kernels::columns::queues::Candidate;
 use fogbow_kernels::connect::light_sample::Reach;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
@@ -254,7 +254,7 @@ fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
             wavefront.roulette(Source::Bridged, bucket, random::BRIDGE_LIGHT);
             for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {
                 let Candidate { lane, emitter, .. } = wavefront.candidates.bridged.row(row);
-                let channels = added(
+                let channels = contribution(
                     f64::from(before),
                     wavefront.worth.factor.row(row).map(f64::from),
                     frame.lights.emitters()[emitter as usize].radiance.map(f64::from),

@@ -30,8 +30,8 @@ use fogbow_kernels::mis_weight::reference::{Competition, CompletePath};
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, occlusion, random, roulette,
-    scatter,
+    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
+    roulette, scatter,
 };
 use glam::DVec3;
 
@@ -363,8 +363,8 @@ impl Walk<'_> {
     fn contribution(&self, emitter: usize, weight: f64, inserted: usize) -> [f64; 3] {
         let Frame { medium, lights, .. } = self.frame;
         let emitted = lights.emitters()[emitter].radiance.map(f64::from);
-        let albedo = medium.albedo.map(f64::from);
-        accumulate::reference::contribution(weight, emitted, self.throughput, albedo, inserted)
+        let factor = mis_weight::reference::factor(medium.albedo.map(f64::from), inserted);
+        accumulate::reference::contribution(weight, factor, emitted, self.throughput)
     }
 
     /// Adds a candidate with `inserted` vertices after the last one.

@@ -1,6 +1,6 @@
 //! What becomes of complete candidates.
 
-use fogbow_kernels::accumulate::reference::{added, counts};
+use fogbow_kernels::accumulate::reference::{contribution, counts};
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::random::Purpose;
@@ -83,7 +83,7 @@ impl Wavefront<'_> {
             let throughput = self.throughput.row(lane).map(f64::from);
             let factor = self.worth.factor.row(row).map(f64::from);
             if let Some(light) = &mut self.stats.light_by_length {
-                light.add(depth as usize + bucket.inserted + 1, added(weight, factor, radiance, throughput));
+                light.add(depth as usize + bucket.inserted + 1, contribution(weight, factor, radiance, throughput));
             }
         }
     }

@@ -5,7 +5,6 @@
 //! ```
 
 use super::Columns;
-use crate::mis_weight::reference::factor;
 use crate::{PathLengths, Step};
 
 /// The twin; see [`Kernel`](super::Kernel).
@@ -16,13 +15,13 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         if !counts(lengths, paths.depth_of(step.clock, lane), bucket.inserted) {
             continue;
         }
-        let added = added(
+        let contribution = contribution(
             f64::from(worth.weight.rows()[row]),
             worth.factor.row(row).map(f64::from),
             lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
             throughput.row(lane).map(f64::from),
         );
-        let used = &added[..radiance.channels().len()];
+        let used = &contribution[..radiance.channels().len()];
         if used.iter().any(|channel| !(*channel as f32).is_finite()) {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             continue;
@@ -40,31 +39,20 @@ pub fn counts(lengths: PathLengths, depth: u32, inserted: usize) -> bool {
     (lengths.min as usize..=lengths.max as usize).contains(&segments)
 }
 
-/// What a candidate adds to its pixel, per channel [W/(m^2 sr)].
-pub fn contribution(
-    weight: f64,
-    radiance: [f64; 3],
-    throughput: [f64; 3],
-    albedo: [f64; 3],
-    inserted: usize,
-) -> [f64; 3] {
-    added(weight, factor(albedo, inserted), radiance, throughput)
-}
-
 /// What a candidate of this weight and factor adds to its pixel, per channel [W/(m^2 sr)].
-pub fn added(weight: f64, factor: [f64; 3], radiance: [f64; 3], throughput: [f64; 3]) -> [f64; 3] {
+pub fn contribution(weight: f64, factor: [f64; 3], radiance: [f64; 3], throughput: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|channel| weight * factor[channel] * radiance[channel] * throughput[channel])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mis_weight::reference::factor;
 
     #[test]
     fn a_contribution_carries_one_albedo_per_inserted_vertex() {
-        let c = contribution(0.5, [2.0, 4.0, 8.0], [1.0, 0.5, 0.25], [0.5, 1.0, 0.0], 3);
-        assert_eq!(c, [0.125, 1.0, 0.0]);
-        assert_eq!(contribution(1.0, [1.0; 3], [1.0; 3], [0.0; 3], 0), [1.0; 3]);
+        assert_eq!(contribution(0.5, factor([0.5, 1.0, 0.0], 3), [2.0, 4.0, 8.0], [1.0, 0.5, 0.25]), [0.125, 1.0, 0.0]);
+        assert_eq!(factor([0.0; 3], 0), [1.0; 3]);
     }
 
     #[test]

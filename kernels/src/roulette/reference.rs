@@ -8,7 +8,7 @@
 //! so that the expectation of what is added stays C.
 
 use super::Columns;
-use crate::accumulate::reference::added;
+use crate::accumulate::reference::contribution;
 use crate::random::Purpose;
 use crate::{Step, random};
 
@@ -18,7 +18,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
         let weight = f64::from(worth.weight.rows()[row]);
-        let channels = added(
+        let channels = contribution(
             weight,
             worth.factor.row(row).map(f64::from),
             lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
