@@ -3,7 +3,8 @@
 use wide::f32x8;
 
 use super::{HenyeyGreenstein, HenyeyGreensteinX8, reference};
-use crate::phase::PhaseX8;
+use crate::phase::reference::Phase;
+use crate::phase::{PhaseX8, checks};
 use crate::vec3x8::Vec3x8;
 
 const ASYMMETRIES: [f32; 12] = [-0.99, -0.9, -0.3, -1e-3, -1e-6, 0.0, 1e-6, 1e-3, 0.5, 0.9, 0.97, 0.999];
@@ -40,5 +41,18 @@ fn densities_between_directions_keep_small_angles() {
             // A forward lobe resolves an angle of 1 - g; a backward one the distance to pi, which cos stores to 1e-7.
             assert!((found / expected - 1.0).abs() < 3e-5, "g {g}, angle {angle}: {found} {expected}");
         }
+    }
+}
+
+#[test]
+fn a_lobe_passes_what_every_phase_function_has_to_pass() {
+    for g in ASYMMETRIES {
+        let (phase, name) = (HenyeyGreenstein { g }, format!("g {g}"));
+        let lanes = HenyeyGreensteinX8::new(phase);
+        checks::the_twin_agrees_with_its_density(&phase, 1e-5, &name);
+        checks::the_twin_inverts_its_distribution(&phase, 1e-5, &name);
+        checks::samples_follow_the_density(lanes, &phase, &name);
+        let [share, mirrored] = [g, -g].map(|g| HenyeyGreenstein { g }.forward_share());
+        assert!((share + mirrored - 1.0).abs() < 1e-12, "{name}");
     }
 }
