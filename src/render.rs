@@ -80,23 +80,11 @@ impl Renderer {
         samples: Range<u32>,
         monitor: &Monitor,
     ) -> Stats {
-        self.render_into(Stats::new(self.workers.detailed_stats), frame, pipeline, film, samples, monitor)
+        self.render_counting(Stats::new(self.workers.detailed_stats), frame, pipeline, film, samples, monitor)
     }
 
-    /// The same, with [`Stats::light_by_length`].
-    pub fn render_by_length(
-        &self,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        film: &Film,
-        samples: Range<u32>,
-        monitor: &Monitor,
-    ) -> Stats {
-        self.render_into(Stats::new(false).by_length(frame), frame, pipeline, film, samples, monitor)
-    }
-
-    /// Renders, and gives what is counted besides `empty`, which says what is.
-    fn render_into(
+    /// The same, and gives what `empty` says is to be counted.
+    pub fn render_counting(
         &self,
         empty: Stats,
         frame: &Frame,

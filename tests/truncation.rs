@@ -41,6 +41,11 @@ fn fog_loses_what_long_paths_bring() {
         assert!((share - truth).abs() < 3.0 * error && error < 0.02, "{share} +- {error}, should be {truth}");
         let found = found.expect("a share");
         assert!(found.matters() && found.sufficient.is_none_or(|limit| limit > 250), "{found:?}");
+        let limit = found.likely.expect("a limit");
+        // What is left falls with the root of the length: an estimate that is wrong by two thirds names three times 300.
+        assert!((100..=900).contains(&limit), "{found:?}");
+        let enough = left_out("fog-facing", &[&format!("render.max_segments={limit}")]).expect("a share");
+        assert!(!enough.matters(), "{found:?}, then {enough:?}");
     }
 }
 
@@ -82,7 +87,7 @@ fn light_that_needs_hundreds_of_scatterings_is_missed_aloud() {
         let settings = [format!("medium.phase.g={g}"), format!("render.max_segments={limit}")];
         let settings = ["medium.scattering=20", "film.size=[64, 64]", &settings[0], &settings[1]];
         let found = left_out("cornell-fog", &settings).expect("a share");
-        assert!(found.matters() && found.sufficient.is_none(), "{found:?}");
+        assert!(found.matters() && found.sufficient.or(found.likely).is_none(), "{found:?}");
         let is_honest = match found.share {
             Share::AtLeast(share) => share > 0.9,
             Share::About { .. } => false,

@@ -134,7 +134,7 @@ fn trial(trial: &Trial) -> Value {
 }
 
 /// Of a share of which a lower bound is known, only that; of an unknown one, nothing.
-fn left_out(Truncation { max_segments, share, sufficient }: Truncation) -> Value {
+fn left_out(Truncation { max_segments, share, sufficient, likely }: Truncation) -> Value {
     let (share, error, least) = match share {
         Share::About { share, error } => (Some(share), Some(error), None),
         Share::AtLeast(least) => (None, None, Some(least)),
@@ -146,6 +146,7 @@ fn left_out(Truncation { max_segments, share, sufficient }: Truncation) -> Value
         "error": error,
         "at_least": least,
         "sufficient_max_segments": sufficient,
+        "likely_max_segments": likely,
     })
 }
 

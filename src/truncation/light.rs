@@ -48,16 +48,22 @@ impl Light {
     /// them alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
     pub fn sufficient(&self) -> Option<u32> {
         let half = |odd: usize| Self { looks: self.looks.iter().skip(odd).step_by(2).cloned().collect() };
-        let limits = [self.first_sufficient(), half(0).first_sufficient(), half(1).first_sufficient()];
+        let limits = [self.first(SURE), half(0).first(SURE), half(1).first(SURE)];
         limits.into_iter().try_fold(0, |largest, limit| Some(largest.max(limit?)))
     }
 
-    /// The first limit, in eighths of a power of two, that leaves out no more than is tolerated.
-    fn first_sufficient(&self) -> Option<u32> {
+    /// A round limit that leaves out no more than is tolerated if the estimate is right.
+    pub fn likely(&self) -> Option<u32> {
+        self.first(0.0)
+    }
+
+    /// The first limit, in eighths of a power of two, that leaves out no more than is tolerated, should the share be more
+    /// than estimated by so many standard `errors`.
+    fn first(&self, errors: f64) -> Option<u32> {
         let next = |n: &u32| Some(n + ((n + 1).next_power_of_two() / 16).max(1));
         let limits = core::iter::successors(Some(1), next).take_while(|n| *n <= LONGEST_PATH);
         let is_enough = |limit: &u32| match self.share(*limit) {
-            Share::About { share, error } => share + SURE * error <= TOLERATED,
+            Share::About { share, error } => share + errors * error <= TOLERATED,
             Share::AtLeast(_) | Share::Unknown => false,
         };
         limits.into_iter().find(is_enough)
@@ -227,6 +233,8 @@ mod tests {
         let light = algebraic(1.8, 256);
         let limits = [0.0, 0.5].map(|spread| looks(&light, spread).sufficient().expect("a limit"));
         assert!(limits[0] < limits[1], "{limits:?}");
+        let likely = looks(&light, 0.5).likely().expect("a limit");
+        assert!(likely < limits[1], "{likely} and {limits:?}");
         let Share::About { share, error } = looks(&light, 0.5).share(limits[1]) else { panic!("unknown") };
         assert!(error > 0.0 && share + 2.0 * error <= TOLERATED, "{share} +- {error}");
     }

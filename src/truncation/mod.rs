@@ -1,7 +1,7 @@
 //! What a limit on the length of paths leaves out.
 //!
 //! No error bar shows it, so it is estimated before a render begins: looks at the image, small, sum light by the length
-//! of its paths. They do not depend on the limit, so that a limit which is offered is found sufficient when it is used.
+//! of its paths. They do not depend on the limit, so that a limit which is offered is found to do when it is used.
 //!
 //! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are
 //! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
@@ -30,7 +30,7 @@ use crate::figures::number;
 use crate::film::{Film, tile_size};
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
-use crate::stats::LightByLength;
+use crate::stats::{LightByLength, Stats};
 use light::Light;
 
 /// Share of the light that may be left out without a word.
@@ -78,6 +78,8 @@ pub struct Truncation {
     /// A limit that leaves out no more than [`TOLERATED`], surely; none if there is none up to [`LONGEST_PATH`], or
     /// none is known.
     pub sufficient: Option<u32>,
+    /// A limit that leaves out about as much, as far as the estimate says; none likewise.
+    pub likely: Option<u32>,
 }
 
 /// A share of all light, as far as it is known.
@@ -99,7 +101,7 @@ pub enum Share {
 impl Truncation {
     /// What a limit leaves out of which nothing is known.
     pub fn unknown(max_segments: u32) -> Self {
-        Self { max_segments, share: Share::Unknown, sufficient: None }
+        Self { max_segments, share: Share::Unknown, sufficient: None, likely: None }
     }
 
     /// Whether it is worth a word: more than is tolerated, or perhaps so.
@@ -117,9 +119,10 @@ impl Truncation {
             Share::AtLeast(share) => format!("at least {}", number(share, 2)),
             Share::Unknown => "unknown".into(),
         };
-        let enough = match self.sufficient {
-            Some(limit) => format!("no more than {TOLERATED} beyond {limit}"),
-            None => "no sufficient limit known".into(),
+        let enough = match (self.sufficient, self.likely) {
+            (Some(limit), _) => format!("no more than {TOLERATED} beyond {limit}"),
+            (None, Some(limit)) => format!("about {TOLERATED} beyond {limit}"),
+            (None, None) => "no sufficient limit known".into(),
         };
         format!("{share} beyond {} segments, {enough}", self.max_segments)
     }
@@ -142,14 +145,17 @@ impl fmt::Display for Share {
 
 impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { max_segments, share, sufficient } = self;
+        let Self { max_segments, share, sufficient, likely } = self;
         write!(f, "paths of more than {max_segments} segments are left out, and with them {share}: ")?;
-        match (sufficient, share) {
-            (Some(limit), _) => write!(f, "--max-segments {limit} would leave out 1 % or less"),
-            (None, Share::About { .. }) => {
+        match (sufficient, likely, share) {
+            (Some(limit), ..) => write!(f, "--max-segments {limit} would leave out 1 % or less"),
+            (None, Some(limit), _) => write!(f, "--max-segments {limit} would leave out about 1 %"),
+            (None, None, Share::About { .. }) => {
                 write!(f, "even {LONGEST_PATH}, the largest possible limit, may leave out more than 1 %")
             }
-            (None, _) => write!(f, "most of it may need more than {LONGEST_PATH} segments, the largest possible limit"),
+            (None, None, _) => {
+                write!(f, "most of it may need more than {LONGEST_PATH} segments, the largest possible limit")
+            }
         }
     }
 }
@@ -166,7 +172,8 @@ pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
     if light.is_black() && frame.medium.never_scatters() {
         return None;
     }
-    Some(Truncation { max_segments: limit, share: light.share(limit), sufficient: light.sufficient() })
+    let (sufficient, likely) = (light.sufficient(), light.likely());
+    Some(Truncation { max_segments: limit, share: light.share(limit), sufficient, likely })
 }
 
 /// Looks at the light of a frame.
@@ -213,7 +220,8 @@ impl Looker<'_> {
         let look = |number: u32| {
             let film = Film::new(&frame, region, tile_size(region));
             let samples = number * samples..(number + 1) * samples;
-            let stats = self.renderer.render_by_length(&frame, &SIMD, &film, samples, self.monitor);
+            let counted = Stats::new(false).by_length(&frame);
+            let stats = self.renderer.render_counting(counted, &frame, &SIMD, &film, samples, self.monitor);
             let light = stats.light_by_length.as_ref().map_or_else(Vec::new, LightByLength::values);
             let is_whole = !self.monitor.stops();
             is_whole.then(|| light.into_iter().map(|light| light / stats.samples as f64).collect())
@@ -236,22 +244,25 @@ mod tests {
 
     #[test]
     fn what_is_told_is_as_exact_as_what_is_known() {
-        let told = |share, sufficient| {
-            let found = Truncation { max_segments: 15, share, sufficient };
+        let told = |share, sufficient, likely| {
+            let found = Truncation { max_segments: 15, share, sufficient, likely };
             (found.to_string(), found.entry())
         };
-        let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, Some(448));
+        let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, Some(448), Some(320));
         assert!(
             text.ends_with("about 9 +- 1 % of the light: --max-segments 448 would leave out 1 % or less"),
             "{text}"
         );
         assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, no more than 0.01 beyond 448");
-        let (text, _) = told(Share::About { share: 0.0893, error: 0.0042 }, None);
+        let (text, _) = told(Share::About { share: 0.0893, error: 0.0042 }, None, None);
         assert!(text.contains("about 8.9 +- 0.4 % of the light: even 1024, the largest possible"), "{text}");
-        let (text, entry) = told(Share::AtLeast(0.9999), None);
+        let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, None, Some(320));
+        assert!(text.ends_with("of the light: --max-segments 320 would leave out about 1 %"), "{text}");
+        assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, about 0.01 beyond 320");
+        let (text, entry) = told(Share::AtLeast(0.9999), None, None);
         assert!(text.contains("at least 99.9 % of the light: most of it may need more than 1024"), "{text}");
         assert_eq!(entry, "at least 1.00 beyond 15 segments, no sufficient limit known");
-        let (text, entry) = told(Share::Unknown, None);
+        let (text, entry) = told(Share::Unknown, None, None);
         assert!(text.contains("with them an unknown share of the light, perhaps nearly all of it: "), "{text}");
         assert!(entry.starts_with("unknown beyond 15 segments"), "{entry}");
     }
