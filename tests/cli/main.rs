@@ -21,3 +21,4 @@ mod stats;
 mod stop;
 mod streams;
 mod support;
+mod warnings;

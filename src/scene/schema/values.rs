@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Camera, LARGEST_FILM, Phase, PhaseKind, Technique};
+use super::{Camera, LARGEST_FILM, Technique};
 
 /// A table `[camera]`, or the name of a camera of the geometry.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -254,33 +254,6 @@ impl<'de> Deserialize<'de> for Spectrum {
         deserializer.deserialize_any(Channels)
     }
 }
-
-/// Reads a table of a phase function, or the name of one.
-pub fn phase<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Phase, D::Error> {
-    struct TableOrName;
-    impl<'de> Visitor<'de> for TableOrName {
-        type Value = Phase;
-
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a table with a type, or the name of a phase function")
-        }
-
-        fn visit_str<E: de::Error>(self, name: &str) -> Result<Phase, E> {
-            let kind = PhaseKind::ALL.into_iter().find(|kind| kind.name() == name);
-            let kind = kind.ok_or_else(|| E::unknown_variant(name, &PHASE_NAMES))?;
-            Ok(Phase { kind, ..Phase::default() })
-        }
-
-        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Phase, A::Error> {
-            Phase::deserialize(MapAccessDeserializer::new(map))
-        }
-    }
-    deserializer.deserialize_any(TableOrName)
-}
-
-/// Names of all phase functions.
-const PHASE_NAMES: [&str; PhaseKind::ALL.len()] =
-    ["henyey_greenstein", "isotropic", "rayleigh", "two_lobe", "draine", "droplets", "tabulated"];
 
 /// A number, or a list of two.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Serialize)]

@@ -1,5 +1,7 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
+mod variety;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,6 +19,8 @@ use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
+
+pub use variety::variety;
 
 /// Opening angle whose image plane is 1 x 1 at distance 1.
 pub const UNIT_FOV: f64 = 0.927_295_218_001_612_2;
@@ -327,80 +331,4 @@ pub fn shipped(name: &str, size: [u32; 2], active: Active) -> Frame {
     let size = Override::parse(&format!("film.size=[{}, {}]", size[0], size[1])).expect("has a =");
     let frame = scene::load(&folder, vec![size]).unwrap_or_else(|error| panic!("{error}")).frame;
     with_techniques(&Frame { seed: 3 + active as u32, ..frame }, active, 4.0)
-}
-
-/// A frame for every branch: each set of techniques on the fog scene, several lights with every selection rule,
-/// backward, isotropic and needle-sharp scattering, surfaces, vacuum, short and long limits.
-pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
-    let mut frames = Vec::new();
-    let mut add = |name: String, frame: Frame| frames.push((name, frame));
-    for active in Active::ALL {
-        add(format!("fog-facing, {active:?}"), with_techniques(&fog_facing(0.0, 0.9, size), active, 4.0));
-        let lights = three_lights(0.5, Selection::IntensityDistance, size);
-        add(format!("three lights, {active:?}"), with_techniques(&lights, active, f64::INFINITY));
-    }
-    for g in [-0.9, -0.3, 0.0, 1e-5, 0.3, 0.97] {
-        add(format!("three lights, g {g}"), three_lights(g, Selection::Intensity, size));
-    }
-    for (phase_name, phase) in phase_functions() {
-        let frame = with_phase(&three_lights(0.0, Selection::IntensityDistance, size), phase);
-        for active in [Active::Both, Active::Every] {
-            add(format!("three lights, {phase_name}, {active:?}"), with_techniques(&frame, active, 2.0));
-        }
-    }
-    for (starts, survival) in [(1, 1.0), (2, 0.5), (u32::MAX, 0.7)] {
-        for active in [Active::Bridge, Active::Every] {
-            let name = format!("three lights, {starts} starts, survival {survival}, {active:?}");
-            let lights = three_lights(0.7, Selection::IntensityDistance, size);
-            add(name, with_techniques(&lights, active, 2.0).with_walk(starts, survival));
-        }
-    }
-    let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
-    let bridge = Bridge::new(Roll::Aligned, &limited.medium, limited.lengths.max);
-    let bridge = Bridge { max_inserted: 3, ..bridge.with_mesc(&limited.medium, 2.5) };
-    let techniques = Techniques { bridge: Some(bridge.clone()), ..limited.techniques.clone() };
-    add("limited bridges".into(), Frame { techniques, ..limited.clone() });
-    let spots = focused(&three_lights(0.8, Selection::IntensityDistance, size), &[0.0, 3.0, 30.0]);
-    for active in [Active::Lis, Active::LisMvnee, Active::Every] {
-        add(format!("spotlights, {active:?}"), with_techniques(&spots, active, 2.0));
-    }
-    let cones = with_cones(&spots, &[[0.2, 0.7], [0.9, 0.9], [0.3, 1.5]]);
-    for active in [Active::Both, Active::Every] {
-        add(format!("cones, {active:?}"), with_techniques(&cones, active, 2.0));
-    }
-    let shape = Shape::Bridge(bridge);
-    let lis = Some(Lis { near: 0.7, ..Lis::new(&spots.medium, shape) });
-    let mvnee = Active::Mvnee.techniques(&spots.medium, spots.lengths.max, 1.0).mvnee;
-    let techniques = Techniques { lis, mvnee, ..Techniques::default() };
-    add("spotlights, limited".into(), Frame { techniques, ..spots.with_walk(3, 0.8) });
-    add(
-        "aimed, one light".into(),
-        Frame { aimed: 0.5, ..with_techniques(&fog_facing(0.0, 0.9, size), Active::Every, 4.0) },
-    );
-    add("aimed, three lights".into(), Frame { aimed: 0.3, ..with_techniques(&limited, Active::Bridge, 2.0) });
-    add("roulette".into(), Frame { roulette: 0.3, ..with_techniques(&limited, Active::Every, 2.0) });
-    add("three lights, uniform".into(), three_lights(0.7, Selection::Uniform, size));
-    for active in Active::ALL {
-        add(format!("room, {active:?}"), with_techniques(&room(0.6, Selection::IntensityDistance, size), active, 3.0));
-    }
-    let few = room(0.8, Selection::Intensity, size).with_walk(1, 0.7);
-    add("room, 1 start, survival 0.7".into(), few);
-    for (selection, active) in [
-        (Selection::Uniform, Active::Nee),
-        (Selection::Intensity, Active::Bridge),
-        (Selection::IntensityDistance, Active::Every),
-    ] {
-        add(
-            format!("lamps, {selection:?}, {active:?}"),
-            with_techniques(&lamps(1.0, 0.5, selection, size), active, 3.0),
-        );
-    }
-    let empty = Medium { extinction: 0.0, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
-    let vacuum = room(0.0, Selection::Uniform, size);
-    add("room in vacuum".into(), Frame { medium: empty, techniques: vacuum.techniques.without_vertices(), ..vacuum });
-    let short = PathLengths { min: 1, max: 2 };
-    add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });
-    let only = PathLengths { min: 3, max: 5 };
-    add("3 to 5 segments".into(), Frame { lengths: only, ..three_lights(0.6, Selection::IntensityDistance, size) });
-    frames
 }
