@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 
@@ -16,8 +16,8 @@ use crate::film::Region;
 pub struct Frame {
     /// The camera, its film included.
     pub camera: Camera,
-    /// The medium around everything.
-    pub medium: Medium,
+    /// What fills space.
+    pub media: Media,
     /// The lights, and how connections choose among them.
     pub lights: Lights,
     /// What is solid.
@@ -47,6 +47,11 @@ impl Frame {
         (Self { camera, ..self.clone() }, Region::whole(size[0], size[1]))
     }
 
+    /// The medium around everything.
+    pub fn medium(&self) -> &Medium {
+        &self.media[Media::AROUND]
+    }
+
     /// Longest walk, in segments: 1 where light is never scattered or reflected.
     pub fn walk_segments(&self) -> u32 {
         if self.stays_straight() { 1 } else { self.walk.segments.min(self.lengths.max) }
@@ -59,7 +64,7 @@ impl Frame {
 
     /// Whether nothing turns light.
     pub fn stays_straight(&self) -> bool {
-        self.medium.never_scatters() && self.surfaces.is_empty()
+        self.medium().never_scatters() && self.surfaces.is_empty()
     }
 
     /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
@@ -77,13 +82,15 @@ impl Frame {
 
     /// Whether first flights are drawn towards the lights.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium.never_scatters()
+        self.aimed > 0.0 && !self.medium().never_scatters()
     }
 
     /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.
     pub fn channels(&self) -> usize {
         let grey = |channels: [f32; 3]| channels == [channels[0]; 3];
         let radiances = self.lights.emitters().iter().map(|emitter| emitter.radiance);
-        if grey(self.medium.albedo) && radiances.into_iter().all(grey) && self.surfaces.are_grey() { 1 } else { 3 }
+        let medium = self.medium();
+        let grey_medium = grey(medium.albedo) && !medium.is_coloured();
+        if grey_medium && radiances.into_iter().all(grey) && self.surfaces.are_grey() { 1 } else { 3 }
     }
 }

@@ -12,6 +12,7 @@ use fogbow_kernels::connect::bridge::reference::{Start, count_probability, densi
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::buckets::DROPPED;
 use fogbow_kernels::connect::omnee;
+use fogbow_kernels::media::reference::Homogeneous;
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_testing::frames;
 use fogbow_testing::recorded;
@@ -33,10 +34,9 @@ fn frame(g: f32, roll: Roll) -> Frame {
 
 /// The same for another extinction and other lengths.
 fn thicker(g: f32, roll: Roll, extinction: f32, longest: u32) -> Frame {
-    let mut frame = frames::fog_facing(0.0, g, [64, 64]);
-    frame.medium.extinction = extinction;
+    let mut frame = frames::with_extinction(&frames::fog_facing(0.0, g, [64, 64]), extinction);
     frame.lengths = PathLengths { min: 1, max: longest };
-    let bridge = Some(Bridge::new(roll, &frame.medium, longest));
+    let bridge = Some(Bridge::new(roll, frame.medium(), longest));
     Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
 }
 
@@ -46,14 +46,14 @@ fn with(frame: Frame, change: impl FnOnce(Bridge) -> Bridge) -> Frame {
     Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
 }
 
-/// Extinction and phase function.
-fn constants(frame: &Frame) -> (f64, &dyn Phase) {
-    (f64::from(frame.medium.extinction), frame.medium.phase.twin())
+/// The medium of `frame`, as the twins ask it.
+fn medium(frame: &Frame) -> Homogeneous<'_> {
+    frame.medium().twin(0)
 }
 
 /// A start in the medium.
-fn start(depth: usize, arriving: DVec3) -> Start {
-    Start { depth: depth as u32, arriving, on_surface: false }
+fn start(depth: usize, position: DVec3, arriving: DVec3) -> Start {
+    Start { depth: depth as u32, position, arriving, on_surface: false }
 }
 
 /// The settings of the bridges of `frame`.
@@ -90,11 +90,11 @@ fn edges(frame: &Frame, events: usize) -> (Vec<f64>, Vec<f64>) {
             let inserted = wavefront.buckets.count.rows()[row];
             found[if inserted == DROPPED { 0 } else { inserted as usize + 1 }] += 1.0;
             let connection = wavefront.candidates.connections.row(row);
-            let way = vector(connection.point) - vector(connection.start);
-            let start = start(events, vector(connection.arriving));
+            let point = vector(connection.point);
+            let start = start(events, vector(connection.start), vector(connection.arriving));
             let mut rest = 1.0;
             for edges in 1..=longest - events as u32 {
-                let p = count_probability(&bridge, constants(frame), longest, &start, way, edges);
+                let p = count_probability(&bridge, &medium(frame), longest, &start, point, edges);
                 expected[edges as usize] += p;
                 rest -= p;
             }
@@ -110,7 +110,7 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
     let mixed = |frame: Frame, defensive: f32| with(frame, |bridge| Bridge { defensive, ..bridge });
     let few = |frame: Frame, max_inserted: u32| with(frame, |bridge| Bridge { max_inserted, ..bridge });
     let poisson = |frame: Frame| {
-        let counts = Arc::new(CountTable::poisson(frame.medium.phase.twin().lobe()));
+        let counts = Arc::new(CountTable::poisson(frame.medium().phase.twin().lobe()));
         with(frame, |bridge| Bridge { defensive: 0.0, counts, ..bridge })
     };
     for (name, frame, events) in [
@@ -153,13 +153,13 @@ fn any_density_over_that_of_bridges_has_mean_one() {
     for (roll, g) in [(Roll::Aligned, 0.5), (Roll::Uniform, 0.4), (Roll::Aligned, -0.3)] {
         // All counts from 1 to 8 alike: h / p is conditional on the count.
         let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
-        let (bridge, phase, longest) = (settings(&frame), frame.medium.phase.twin(), frame.lengths.max);
+        let (bridge, phase, longest) = (settings(&frame), frame.medium().phase.twin(), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
         bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
             let edges = chain.len() - 1;
-            let (start, way) = (start(2, arriving), chain[edges] - chain[0]);
-            let made = density(&bridge, constants(&frame), longest, &start, chain, 1.0).value();
-            let count = count_probability(&bridge, constants(&frame), longest, &start, way, edges as u32);
+            let start = start(2, chain[0], arriving);
+            let made = density(&bridge, &medium(&frame), longest, &start, chain, 1.0).value();
+            let count = count_probability(&bridge, &medium(&frame), longest, &start, chain[edges], edges as u32);
             // A very short edge may be rounded to nothing.
             degenerate += u32::from(made == 0.0);
             quotients[edges].add(if made > 0.0 { walk_density(phase, chain, 0.3) * count / made } else { 0.0 });
@@ -249,9 +249,9 @@ fn one_vertex_of_a_bridge_matches_its_density() {
                 let along = 0.5 * (1.0 + l1 * l1 - l2 * l2);
                 let across = (l1 * l1 - along * along).max(0.0).sqrt();
                 let chain = [DVec3::ZERO, DVec3::new(across, 0.0, along), DVec3::Z];
-                let start = start(1, DVec3::Z);
-                let made = density(&bridge, constants(&frame), 60, &start, &chain, 1.0).value();
-                let count = count_probability(&bridge, constants(&frame), 60, &start, DVec3::Z, 2);
+                let start = start(1, DVec3::ZERO, DVec3::Z);
+                let made = density(&bridge, &medium(&frame), 60, &start, &chain, 1.0).value();
+                let count = count_probability(&bridge, &medium(&frame), 60, &start, DVec3::Z, 2);
                 expected[cell(x, y)] += total * made / count * volume;
             }
         }
@@ -281,7 +281,7 @@ fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
     const ACROSS: usize = 10;
     for g in [-0.5_f32, 0.0, 0.5, 0.9] {
         let frame = frame(g, Roll::Aligned);
-        let phase = frame.medium.phase.twin();
+        let phase = frame.medium().phase.twin();
         // All vertices lie in the ball over the chain, where the turn is less than a right angle. Place along the axis,
         // (1 - cos(pi x)) / 2, and distance from it, a share y^2 of the widest there: finer where vertices are dense.
         let widest = |along: f64| (along * (1.0 - along)).max(0.0).sqrt();

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
+use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk};
 use fogbow_testing::frames::{self, Active};
@@ -23,8 +23,7 @@ fn ray_camera(near: f64) -> Camera {
 #[test]
 fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
     for (distance, absorption, near) in [(5.0, 0.3, 0.0), (5.0, 0.3, 1.0), (40.0, 0.5, 0.5), (1.0, 0.0, 0.0)] {
-        let medium =
-            Medium { extinction: absorption as f32, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.3) };
+        let medium = Medium::homogeneous(absorption as f32, [0.0; 3], PhaseFunction::henyey_greenstein(0.3));
         let disk = Emitter::disk(DVec3::new(0.0, 0.0, distance), -DVec3::Z, 1.0, [2.0, 3.0, 4.0]);
         let base = frames::plain(ray_camera(near), medium, Lights::new(vec![disk], Selection::Uniform), 10, 3);
         for active in Active::ALL {
@@ -43,7 +42,7 @@ fn an_absorbing_medium_dims_a_light_by_beer_lambert() {
 /// The published single-scattering scene with the given camera.
 fn single_scatter(camera: Camera, active: Active) -> Frame {
     let extinction = 1.1;
-    let medium = Medium { extinction, albedo: [0.8 / 1.1; 3], phase: PhaseFunction::henyey_greenstein(0.7) };
+    let medium = Medium::homogeneous(extinction, [0.8 / 1.1; 3], PhaseFunction::henyey_greenstein(0.7));
     let disk = Emitter::disk(DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.3, 0.2, -1.0), 0.5, [10.0, 5.0, 2.5]);
     let base = frames::plain(camera, medium, Lights::new(vec![disk], Selection::Uniform), 2, 5);
     frames::with_techniques(&base, active, f64::INFINITY)
@@ -100,12 +99,13 @@ fn lengths_can_be_counted_in_mean_free_paths() {
     let base = frames::fog_facing(0.5, 0.7, [8, 8]);
     let (mean, error) = green(&render(&base, [8, 8], 0..4000).0);
     for scale in [1e-4, 1e4] {
-        let medium = Medium { extinction: (1.7 / scale) as f32, ..base.medium.clone() };
+        let Medium { albedo, phase, .. } = base.medium().clone();
+        let medium = Medium::homogeneous((1.7 / scale) as f32, albedo, phase);
         let disk = Emitter::disk(DVec3::new(0.0, 0.0, 5.0 * scale), -DVec3::Z, 0.5 * scale, [80.0; 3]);
         let frame = Frame {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.5 * scale, [8, 8]),
             techniques: Active::Mvnee.techniques(&medium, 5, 4.0),
-            medium,
+            media: Media::everywhere(medium),
             lights: Lights::new(vec![disk], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
             ..base.clone()
@@ -137,11 +137,11 @@ fn the_back_of_a_light_is_black_and_opaque() {
     let toward = |normal: DVec3| {
         let front = Emitter::disk(DVec3::new(0.0, 0.0, 2.0), normal, 1.0, [5.0; 3]);
         let behind = Emitter::disk(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [7.0; 3]);
-        let medium = Medium { extinction: 0.2, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
+        let medium = Medium::homogeneous(0.2, [0.0; 3], PhaseFunction::henyey_greenstein(0.0));
         let frame = Frame {
             camera: ray_camera(0.0),
             techniques: Active::Both.techniques(&medium, 5, 4.0),
-            medium,
+            media: Media::everywhere(medium),
             lights: Lights::new(vec![behind, front], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
             walk: Walk::ALL,

@@ -7,11 +7,12 @@ use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::media::reference::Homogeneous;
 use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction, henyey_greenstein};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::truths::{Case, Start, density_ratios};
 use fogbow_testing::weighing::{Made, Weigher};
 use glam::{DQuat, DVec3};
@@ -22,7 +23,7 @@ fn vertices(case: &Case) -> Vec<DVec3> {
 }
 
 fn medium(case: &Case) -> Medium {
-    Medium { extinction: case.mu_t as f32, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(case.g as f32) }
+    Medium::homogeneous(case.mu_t as f32, [1.0; 3], PhaseFunction::henyey_greenstein(case.g as f32))
 }
 
 /// The phase function of a case, whose mean cosine single precision does not hold.
@@ -60,20 +61,20 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
             mvnee::reference::Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: slope::of(case.g) };
         for start in &case.starts {
             let phase = Exact(case.g);
-            let traced =
-                path_tracing_density(case.mu_t, &phase, &path, start.start, None, normal).expect("has a density");
+            let medium = &Homogeneous::new(case.mu_t, &phase);
+            let traced = path_tracing_density(medium, &path, start.start, None, normal).expect("has a density");
             let chain = &path[start.start..];
             let light = 1.0 / case.light_area;
             let arriving = (path[start.start] - path[start.start - 1]).normalize();
-            let medium: (f64, &dyn Phase) = (case.mu_t, &phase);
-            let from = bridge::reference::Start { depth: start.start as u32, arriving, on_surface: false };
+            let (depth, position) = (start.start as u32, path[start.start]);
+            let from = bridge::reference::Start { depth, position, arriving, on_surface: false };
             let bridge = |roll: Roll| {
                 let density =
                     bridge::reference::density(&poisson_bridge(case, roll), medium, 1000, &from, chain, light);
                 density.times(1.0 / count_quotient(case, start.start))
             };
             let nee = nee::reference::density(chain, normal, light).over(traced);
-            let mvnee = mvnee::reference::density(&settings, case.mu_t, chain, light).over(traced);
+            let mvnee = mvnee::reference::density(&settings, medium, chain, light).over(traced);
             let [uniform, aligned] = [Roll::Uniform, Roll::Aligned].map(|roll| bridge(roll).over(traced));
             for (name, quotient, tolerance) in [
                 ("path tracing", traced.value() / start.path_tracing_density, 1e-9),
@@ -107,12 +108,12 @@ fn poisson_bridge(case: &Case, roll: Roll) -> Bridge {
 fn count_quotient(case: &Case, start: usize) -> f64 {
     let path = vertices(case);
     let arriving = (path[start] - path[start - 1]).normalize();
-    let (way, edges) = (path[path.len() - 1] - path[start], path.len() - 1 - start);
-    let from = bridge::reference::Start { depth: start as u32, arriving, on_surface: false };
+    let (point, edges) = (path[path.len() - 1], path.len() - 1 - start);
+    let from = bridge::reference::Start { depth: start as u32, position: path[start], arriving, on_surface: false };
     let (bridge, phase) = (poisson_bridge(case, Roll::Uniform), Exact(case.g));
-    let medium: (f64, &dyn Phase) = (case.mu_t, &phase);
-    let tabled = bridge::reference::count_probability(&bridge, medium, 1000, &from, way, edges as u32);
-    let mean = case.mu_t * way.length();
+    let medium = &Homogeneous::new(case.mu_t, &phase);
+    let tabled = bridge::reference::count_probability(&bridge, medium, 1000, &from, point, edges as u32);
+    let mean = case.mu_t * path[start].distance(point);
     let poisson = (1..edges).fold((-mean).exp(), |p, k| p * mean / k as f64);
     tabled / poisson
 }
@@ -247,7 +248,7 @@ proptest! {
     ) {
         // A technique's share of a path is its density over the sum of all; the weight is path tracing's share, and
         // each of the others has `weight * ratio`. That these add up to one is what makes ratios additive.
-        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
+        let medium = Medium::homogeneous(1.3, [1.0; 3], PhaseFunction::henyey_greenstein(g));
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let made = Made { vertices: &path, inserted: 0, first_start: 1, emitter: 0 };
@@ -272,7 +273,7 @@ proptest! {
     fn weights_do_not_depend_on_how_a_path_was_made(
         path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64,
     ) {
-        let medium = Medium { extinction: 1.3, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
+        let medium = Medium::homogeneous(1.3, [1.0; 3], PhaseFunction::henyey_greenstein(g));
         let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
         for bits in EVERY {
             let techniques = techniques(&medium, bits, mesc);
@@ -294,7 +295,7 @@ proptest! {
         for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
             let weight = |path: &[DVec3], turn: DQuat, scale: f64| {
                 let extinction = (1.3 / scale) as f32;
-                let medium = Medium { extinction, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
+                let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(g));
                 let lights = lights_around(path, turn, scale, selection);
                 let techniques = techniques(&medium, bits, mesc);
                 let weigher = Weigher::new(kernel, &medium, &lights, &techniques);

@@ -52,7 +52,7 @@ fn free_flights_are_exponential() {
     let mut cells = vec![0.0; 60];
     after_walks(&frame, SAMPLES, 1, |wavefront| {
         for lane in 0..LANES {
-            let depth = f64::from(wavefront.flights.flight.rows()[lane]) * f64::from(frame.medium.extinction);
+            let depth = f64::from(wavefront.flights.flight.rows()[lane]) * frame.medium().twin(0).extinction;
             cells[((depth / 0.2) as usize).min(59)] += 1.0;
         }
     });
@@ -69,7 +69,7 @@ fn scattered_directions_match_the_phase_function() {
     for g in [-0.95, -0.3, 0.0, 1e-4, 0.5, 0.9, 0.99] {
         let frame = frame(g);
         // Cells of equal probability in the cosine, from the twin's inversion, and of equal azimuth.
-        let edges: Vec<_> = (1..32).map(|i| frame.medium.phase.twin().sample_cosine(f64::from(i) / 32.0)).collect();
+        let edges: Vec<_> = (1..32).map(|i| frame.medium().phase.twin().sample_cosine(f64::from(i) / 32.0)).collect();
         let mut cells = vec![0.0; 32 * 8];
         after_walks(&frame, SAMPLES, 1, |wavefront| {
             let clock = wavefront.step.clock;
@@ -110,7 +110,7 @@ fn random_walks_have_the_moments_of_the_phase_function() {
                 squared.add(way.length_squared());
             }
         }
-        let (g, mu_t, n) = (f64::from(g), f64::from(frame.medium.extinction), f64::from(EVENTS));
+        let (g, mu_t, n) = (f64::from(g), frame.medium().twin(0).extinction, f64::from(EVENTS));
         let power = g.powi(EVENTS);
         let mean = (1.0 - power) / (mu_t * (1.0 - g));
         let mean_square = 2.0 / (mu_t * mu_t) * (n / (1.0 - g) - g * (1.0 - power) / ((1.0 - g) * (1.0 - g)));
@@ -203,8 +203,7 @@ fn lights_are_selected_with_their_probability() {
 
 #[test]
 fn isotropic_media_forget_where_light_came_from() {
-    let mut frame = frame(0.0);
-    frame.medium.phase = PhaseFunction::henyey_greenstein(0.0);
+    let frame = frames::with_phase(&frame(0.0), PhaseFunction::henyey_greenstein(0.0));
     let mut cosines = Moments::default();
     after_walks(&frame, SAMPLES, 2, |wavefront| {
         let clock = wavefront.step.clock;
@@ -235,8 +234,8 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
             let expected = [share, 1.0 - share].map(|share| share * SAMPLES as f64);
             let p = p_of_counts(&counts, &expected);
             assert!(p > SUSPICIOUS, "{alive} instead of {} walks survive {vertices} vertices, p = {p}", expected[0]);
-            let z = (flights.mean() * f64::from(frame.medium.extinction) - 1.0)
-                / (flights.standard_error() * f64::from(frame.medium.extinction));
+            let z = (flights.mean() * frame.medium().twin(0).extinction - 1.0)
+                / (flights.standard_error() * frame.medium().twin(0).extinction);
             assert!(z.abs() < 4.0, "flights of survivors of {vertices} vertices have a mean of {}", flights.mean());
         }
     }

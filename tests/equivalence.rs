@@ -8,7 +8,6 @@ use fogbow::stats::Stats;
 use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
 use fogbow_kernels::tables::lights::Selection;
-use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::checked::{CHECKED, Log, take_log};
 use fogbow_testing::frames;
 use fogbow_testing::render::{render, render_here};
@@ -93,10 +92,10 @@ fn media_of_any_density_leave_the_range_of_numbers_nowhere() {
     let size = [48, 48];
     for extinction in [1e-9, 1e-6, 1e6, 1e9] {
         let base = frames::three_lights(0.6, Selection::IntensityDistance, size);
-        let medium = Medium { extinction, ..base.medium.clone() };
+        let base = frames::with_extinction(&base, extinction);
         for active in frames::Active::ALL {
-            let techniques = active.techniques(&medium, base.lengths.max, f64::INFINITY);
-            let frame = Frame { medium: medium.clone(), techniques, ..base.clone() };
+            let techniques = active.techniques(base.medium(), base.lengths.max, f64::INFINITY);
+            let frame = Frame { techniques, ..base.clone() };
             let (film, stats) = render(&frame, size, 0..1);
             assert_eq!(stats.dropped.count, 0, "extinction {extinction}, {active:?}: {:?}", stats.dropped.first);
             for (pixel, found) in (0..).zip(film.pixels()) {

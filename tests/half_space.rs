@@ -3,10 +3,10 @@
 
 use fogbow::frame::Frame;
 use fogbow_kernels::PathLengths;
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::quadrature::{Emission, HalfSpace};
 use fogbow_testing::render::render;
@@ -32,7 +32,7 @@ fn plane(depth: f64, emission: Emission) -> Emitter {
 
 /// The fog, seen from `depth` mean free paths below the plane under the cosine `mu` to its direction.
 fn frame(depth: f64, mu: f64, emission: Emission, g: f64, active: Active) -> Frame {
-    let medium = Medium { extinction: 1.0, albedo: ALBEDO, phase: PhaseFunction::henyey_greenstein(g as f32) };
+    let medium = Medium::homogeneous(1.0, ALBEDO, PhaseFunction::henyey_greenstein(g as f32));
     let direction = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
     let camera = Camera::new(DVec3::ZERO, direction, DVec3::Y, 1e-6, 0.0, SIZE);
     let lights = Lights::new(vec![plane(depth, emission)], Selection::Uniform);

@@ -11,6 +11,7 @@ use fogbow_kernels::connect::lis::reference::{density, vertex_density};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::emission::reference::normal;
+use fogbow_kernels::media::reference::Homogeneous;
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_testing::frames;
@@ -35,12 +36,11 @@ fn frame(g: f32, exponent: Option<f64>, shape: impl Fn(&Frame) -> Shape) -> Fram
 
 /// The same with other lights.
 fn lit(g: f32, lights: Lights, shape: impl Fn(&Frame) -> Shape) -> Frame {
-    let mut frame = frames::fog_facing(0.0, g, [64, 64]);
-    frame.medium.extinction = EXTINCTION as f32;
+    let mut frame = frames::with_extinction(&frames::fog_facing(0.0, g, [64, 64]), EXTINCTION as f32);
     frame.lengths = PathLengths { min: 1, max: 60 };
     frame.lights = lights;
     frame.techniques = Techniques::default();
-    frame.techniques.lis = Some(Lis::new(&frame.medium, shape(&frame)));
+    frame.techniques.lis = Some(Lis::new(frame.medium(), shape(&frame)));
     frame
 }
 
@@ -70,7 +70,7 @@ fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(DVec3, &[DVe
 fn vertices_made_from_lights_follow_emission_and_flight() {
     // Cells of equal probability: side, and shares of the density's integrals over cosine, azimuth and flight.
     const CELLS: usize = 8;
-    let bridge = |frame: &Frame| Shape::Bridge(Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max));
+    let bridge = |frame: &Frame| Shape::Bridge(Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max));
     let disks = [None, Some(0.0), Some(3.0), Some(50.0), Some(5000.0)].map(|exponent| frame(0.6, exponent, bridge));
     let sphere = Emitter::sphere(DVec3::new(0.3, -0.2, 4.0), 0.6, [80.0; 3]);
     let sphere = lit(0.6, Lights::new(vec![sphere], Selection::Uniform), bridge);
@@ -105,7 +105,7 @@ fn vertices_made_from_lights_follow_emission_and_flight() {
 /// Another density of a vertex from the light: directions closer to the normal, shorter flights.
 fn other_vertex_density(disk: &Emitter, point: DVec3, vertex: DVec3) -> f64 {
     let narrow = Emitter { exponent: disk.exponent + 1.0, ..*disk };
-    vertex_density(&narrow, 1.5 * EXTINCTION, point, vertex).value()
+    vertex_density(&narrow, &Homogeneous::isotropic(1.5 * EXTINCTION), point, vertex).value()
 }
 
 /// Density of the inner vertices of `chain` as a free walk that sets out along the axis.
@@ -123,12 +123,12 @@ fn walk_density(phase: &dyn Phase, chain: &[DVec3]) -> f64 {
 /// Another density of the inner vertices between start and vertex, where the shape has any.
 fn other_shape_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
     match &settings(frame).shape {
-        Shape::Bridge(_) => walk_density(frame.medium.phase.twin(), to_vertex),
+        Shape::Bridge(_) => walk_density(frame.medium().phase.twin(), to_vertex),
         Shape::Mvnee(mvnee) => {
             let settings = mvnee::reference::Settings::from(mvnee);
             let other =
                 mvnee::reference::Settings { offset: Offset::Gaussian, slope: 0.8 * settings.slope, ..settings };
-            let made = mvnee::reference::density(&other, EXTINCTION, to_vertex, 1.0).value();
+            let made = mvnee::reference::density(&other, &frame.medium().twin(0), to_vertex, 1.0).value();
             // Given the number of edges: it is Poisson-distributed.
             let mean = EXTINCTION * to_vertex[0].distance(to_vertex[to_vertex.len() - 1]);
             let count: f64 = (1..to_vertex.len() - 1).map(|m| mean / m as f64).product();
@@ -142,10 +142,10 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
     // E[h / p] = 1 for every density h of a number of inserted vertices, where p is the twin's density of what the
     // kernels make, and connections with another number of vertices count as nothing.
     let bridge = |frame: &Frame| {
-        let bridge = Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max);
+        let bridge = Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max);
         Shape::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
     };
-    let mvnee = |frame: &Frame| Shape::Mvnee(Mvnee::new(&frame.medium, f64::INFINITY, Offset::Ggx));
+    let mvnee = |frame: &Frame| Shape::Mvnee(Mvnee::new(frame.medium(), f64::INFINITY, Offset::Ggx));
     let mut p_values = Vec::new();
     for frame in [
         frame(0.5, None, bridge),
@@ -153,12 +153,12 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
         frame(0.6, None, mvnee),
         frame(0.6, Some(20.0), mvnee),
     ] {
-        let (disk, medium) = (&frame.lights.emitters()[0], (EXTINCTION, frame.medium.phase.twin()));
+        let (disk, medium) = (&frame.lights.emitters()[0], frame.medium().twin(0));
         let mut quotients = [Moments::default(); 8];
         connections(&frame, 16 * SAMPLES, |arriving, chain| {
             let (to_vertex, edges) = (&chain[..chain.len() - 1], chain.len() - 1);
-            let from = Start { depth: 2, arriving, on_surface: false };
-            let made = density(&settings(&frame), medium, disk, frame.lengths.max, &from, chain, 1.0).value();
+            let from = Start { depth: 2, position: chain[0], arriving, on_surface: false };
+            let made = density(&settings(&frame), &medium, disk, frame.lengths.max, &from, chain, 1.0).value();
             let other = other_vertex_density(disk, chain[edges], chain[edges - 1]);
             for (count, quotient) in quotients.iter_mut().enumerate() {
                 // Very short edges may be rounded to nothing.

@@ -139,7 +139,8 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
     ];
     let frame = small_light(&near);
     let tabled = frame.techniques.bridge.clone().expect("a frame with bridges");
-    let poisson = Bridge { counts: Arc::new(CountTable::poisson(frame.medium.phase.twin().lobe())), ..tabled.clone() };
+    let poisson =
+        Bridge { counts: Arc::new(CountTable::poisson(frame.medium().phase.twin().lobe())), ..tabled.clone() };
     let [tabled, poisson] = [tabled, poisson].map(|bridge| {
         [bridge.defensive, 0.0].map(|defensive| {
             let bridge = Some(Bridge { defensive, ..bridge.clone() });

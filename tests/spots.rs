@@ -1,11 +1,11 @@
 //! Spotlights: what is seen of them directly and after one scattering event, in closed form and by quadrature.
 
 use fogbow::frame::Frame;
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::{REFERENCE, SIMD};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::quadrature::{Emission, LitFog};
 use fogbow_testing::render::{render, render_here};
@@ -41,7 +41,7 @@ fn shining(disk: Emitter, emission: Emission) -> Emitter {
 
 #[test]
 fn a_spot_is_as_bright_from_every_angle_as_its_emission_says() {
-    let medium = Medium { extinction: 0.3, albedo: [0.9; 3], phase: PhaseFunction::henyey_greenstein(-0.4) };
+    let medium = Medium::homogeneous(0.3, [0.9; 3], PhaseFunction::henyey_greenstein(-0.4));
     let radiance = [2.0, 3.0, 4.0];
     for emission in EMISSIONS {
         for angle in [0.0_f64, 0.15, 0.3, 0.5, 0.62, 0.68, 0.8, 1.2, 1.45, 1.7, 3.1] {
@@ -76,8 +76,7 @@ fn a_spot_lights_fog_as_the_quadrature_says() {
         let (center, normal) = (DVec3::new(0.8, 0.5, 4.0), DVec3::new(-0.5, -0.3, -1.0));
         let fog = LitFog { scattering: 0.8, extinction: 1.1, g, center, normal, radius: 0.5, emission };
         let disk = shining(Emitter::disk(center, normal, fog.radius, [10.0, 5.0, 2.5]), emission);
-        let medium =
-            Medium { extinction: 1.1, albedo: [0.8 / 1.1; 3], phase: PhaseFunction::henyey_greenstein(g as f32) };
+        let medium = Medium::homogeneous(1.1, [0.8 / 1.1; 3], PhaseFunction::henyey_greenstein(g as f32));
         let base = frames::plain(ray_camera(size), medium, Lights::new(vec![disk], Selection::Uniform), 2, case as u32);
         let expected = fog.scattered_once(0.0);
         for active in [Active::Nee, Active::Mvnee, Active::Bridge] {

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::render;
@@ -14,7 +14,7 @@ use fogbow_testing::statistics::p_of_counts;
 use fogbow_testing::walks::{LANES, after_walks, vector};
 use glam::DVec3;
 
-const VACUUM: Medium = Medium { extinction: 0.0, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
+const VACUUM: Medium = Medium::homogeneous(0.0, [0.0; 3], PhaseFunction::henyey_greenstein(0.0));
 
 /// A square of half side 50 around the origin, whose front is at z > 0.
 fn plane(albedo: [f32; 3], double_sided: bool) -> Arc<Surfaces> {

@@ -3,7 +3,7 @@
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
-    remember, roulette, scatter, surface,
+    remember, roulette, scatter, spectral_weight, surface,
 };
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
@@ -60,6 +60,8 @@ pipeline! {
     prune (Prune): prune::Kernel = prune::simd::run, prune::reference::run;
     /// What first flights count goes to the throughput.
     flight_weight (FlightWeight): flight_weight::Kernel = flight_weight::simd::run, flight_weight::reference::run;
+    /// What flights say of their channels goes to the throughput.
+    spectral_weight (SpectralWeight): spectral_weight::Kernel = spectral_weight::simd::run, spectral_weight::reference::run;
     /// Next vertex and direction.
     scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
     /// Reflection, for paths that met a surface.

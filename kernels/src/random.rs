@@ -103,6 +103,8 @@ purposes! {
     LIS_NEAR_LIGHT = Purpose::light_point(9);
     /// The vertex made from the light: cosine, azimuth, flight, side.
     LIS_VERTEX = Purpose::one(10);
+    /// The hero of a path: channel, -, -, -.
+    HERO = Purpose::one(11);
     /// The seeds' free flights: block k has those of seeds 4 k .. 4 k + 4.
     MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_PATH / 4);
     /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.

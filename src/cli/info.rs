@@ -10,7 +10,6 @@ use super::{InfoArgs, say, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, number, rate, starts};
 use crate::film::{self, Film, Region};
-use crate::frame::Frame;
 use crate::gltf::quoted;
 use crate::image::{self, Format};
 use crate::pilot;
@@ -63,9 +62,9 @@ fn indented(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The single-scattering albedo: one number if it is grey.
-fn albedo(frame: &Frame) -> String {
-    let channels = frame.medium.albedo.map(|channel| number(f64::from(channel), 4));
+/// A value per channel: one number if it is grey.
+fn spectrum(channels: [f32; 3]) -> String {
+    let channels = channels.map(|channel| number(f64::from(channel), 4));
     if channels.iter().all(|channel| *channel == channels[0]) { channels[0].clone() } else { channels.join(" | ") }
 }
 
@@ -75,10 +74,10 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
     match &scene.medium {
-        Some(medium) if frame.medium.extinction > 0.0 => {
-            let free_path = number(f64::from(1.0 / frame.medium.extinction), 4);
-            let g = number(frame.medium.phase.mean_cosine(), 4);
-            let (albedo, phase) = (albedo(frame), medium.phase.kind.name());
+        Some(medium) if frame.medium().largest_extinction() > 0.0 => {
+            let free_path = spectrum(frame.medium().extinctions().map(|extinction| 1.0 / extinction));
+            let g = number(frame.medium().phase.mean_cosine(), 4);
+            let (albedo, phase) = (spectrum(frame.medium().albedo), medium.phase.kind.name());
             say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}"))?;
         }
         _ if frame.surfaces.is_empty() => say("vacuum: only directly visible light counts")?,
@@ -152,7 +151,7 @@ fn describe_contents(contents: &Contents) -> Result<()> {
 fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     let Light { name, values } = light;
     let distance = glam::DVec3::from(values.center).distance(glam::DVec3::from(loaded.camera.position));
-    let depth = number(distance * f64::from(loaded.frame.medium.extinction), 3);
+    let depth = spectrum(loaded.frame.medium().extinctions().map(|extinction| distance as f32 * extinction));
     let (distance, radius) = (number(distance, 4), values.radius);
     let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
     let kind = match (values.kind, values.cone, values.exponent) {

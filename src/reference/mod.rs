@@ -10,7 +10,8 @@
 //! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
 //!
 //! A first flight that is drawn towards the lights leaves its weight, the density of a free flight over its own, in the
-//! throughput of all that follows; a view from the camera needs no flight, and no weight.
+//! throughput of all that follows; a view from the camera needs no flight, and no weight. Where extinction is coloured,
+//! every flight leaves one per channel.
 //!
 //! Whatever made it, a candidate path X of n segments counts `C(X) = Le T / (reach(n) + sum of reach(i) r_i)`.
 //! Connections play roulette on it before they are tested for occlusion.
@@ -18,6 +19,7 @@
 use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
+use fogbow_kernels::connect::density::Density;
 use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
 use fogbow_kernels::connect::lis::{Lis, Shape, sample::reference as lis_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
@@ -26,12 +28,14 @@ use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{bridge, lis, nee, omnee};
 use fogbow_kernels::emission::reference as emission;
-use fogbow_kernels::mis_weight::reference::{Competition, CompletePath};
+use fogbow_kernels::media::reference::{Homogeneous, Medium as _};
+use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
+use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth};
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, mis_weight, occlusion, random,
-    roulette, scatter,
+    PathLengths, accumulate, extend, first_flight, generate, light_hit, medium_sample, occlusion, random, roulette,
+    scatter, spectral_weight,
 };
 use glam::DVec3;
 
@@ -83,6 +87,9 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         direction,
         last_surface: None,
         throughput: [1.0; 3],
+        hero: if frame.medium().is_coloured() { generate::reference::hero(pixel, sample, frame.seed) } else { 0 }
+            as usize,
+        log_posterior: [f64::from(SHARE.ln()); CHANNELS],
         found: Vec::new(),
     };
     for segment in 0..frame.walk_segments() {
@@ -90,7 +97,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
             break;
         }
-        let mut flight = medium_sample::reference::flight(walk.extinction(), random::uniform(words[0]));
+        let mut flight = walk.medium().flight(random::uniform(words[0]));
         let aims = segment == 0 && frame.aims();
         if aims {
             flight = walk.aim(flight);
@@ -99,14 +106,12 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if ended || segment + 1 == frame.walk_segments() {
             break;
         }
-        if aims {
-            walk.weigh_first_flight(flight);
-        }
+        walk.weigh_flight(flight, surface.as_ref(), aims);
         let u = [words[1], words[2]].map(random::uniform);
         match surface {
             Some(hit) if surface_stage::is_black(&frame.surfaces, hit, walk.direction) => break,
             Some(hit) => walk.reflect(hit, u),
-            None if frame.medium.never_scatters() => break,
+            None if frame.medium().never_scatters() => break,
             None => walk.scatter(flight, u),
         }
         if frame.techniques.nee {
@@ -142,14 +147,19 @@ struct Walk<'a> {
     direction: DVec3,
     /// Depth of the last vertex on a surface, and the normal there.
     last_surface: Option<(u32, DVec3)>,
-    /// Product of the albedos so far, and the weight of the first flight.
+    /// Product of the albedos so far, and the weights of flights that were drawn from another density.
     throughput: [f64; 3],
+    /// The channel for which flights are drawn.
+    hero: usize,
+    /// ln of the probability that the path was drawn for a channel, where extinction is coloured.
+    log_posterior: [f64; CHANNELS],
     found: Vec<Contribution>,
 }
 
 impl Walk<'_> {
-    fn extinction(&self) -> f64 {
-        f64::from(self.frame.medium.extinction)
+    /// The medium around everything, in the channel of the hero.
+    fn medium(&self) -> Homogeneous<'_> {
+        self.frame.medium().twin(self.hero)
     }
 
     /// Depth of the last vertex.
@@ -168,13 +178,26 @@ impl Walk<'_> {
         first_flight::reference::flight(&self.frame.lights, share, self.last(), self.direction, free, u)
     }
 
-    /// Weighs everything that comes after the camera's flight.
-    fn weigh_first_flight(&mut self, flight: f64) {
-        let (lights, share) = (&self.frame.lights, f64::from(self.frame.aimed));
-        let (origin, direction) = (self.last(), self.direction);
-        let weight = first_flight::reference::weight(self.extinction(), lights, share, origin, direction, flight);
-        for throughput in &mut self.throughput {
-            *throughput *= weight;
+    /// Weighs everything that comes after a flight that may have ended on a surface before: the camera's where it was
+    /// aimed, and all where extinction is coloured.
+    fn weigh_flight(&mut self, flight: f64, surface: Option<&SurfaceHit>, aimed: bool) {
+        let Frame { lights, aimed: share, .. } = self.frame;
+        let (medium, share, sight) = (self.frame.medium(), f64::from(*share), (self.last(), self.direction));
+        let mut quotients = [1.0; CHANNELS];
+        if medium.is_coloured() {
+            let surface = surface.filter(|_| !aimed);
+            let length = surface.map_or(flight, |hit| f64::from(hit.distance));
+            let end = sight.0 + length * sight.1;
+            let free = spectral_weight::reference::free_flights(medium, sight.0, end, surface.is_none());
+            let mixed =
+                |c: usize| first_flight::reference::mixed_density(&medium.twin(c), lights, share, sight, flight);
+            let drawn = if aimed { [0, 1, 2].map(|c| Density::new(mixed(c))) } else { free };
+            (self.log_posterior, quotients) = spectral_weight::reference::update(self.log_posterior, drawn, free);
+        } else if aimed {
+            quotients = [first_flight::reference::weight(&medium.twin(0), lights, share, sight, flight); CHANNELS];
+        }
+        for (throughput, quotient) in self.throughput.iter_mut().zip(quotients) {
+            *throughput *= quotient;
         }
     }
 
@@ -190,14 +213,15 @@ impl Walk<'_> {
         let emitter = &lights.emitters()[index];
         let point = self.last() + distance * self.direction;
         if emission::cosine(emitter, point, self.direction) > 0.0 {
-            let weight = match segment {
+            let worth = match segment {
                 0 => {
-                    let profile = emission::profile(emitter, point, self.direction);
-                    profile * light_hit::reference::transmittance(self.extinction(), distance)
+                    let weight = emission::profile(emitter, point, self.direction);
+                    let factor = light_hit::reference::transmittance(self.frame.medium(), self.last(), point);
+                    Worth { weight, factor: factor.map(Density::value) }
                 }
                 _ => self.weigh(index, &[point]),
             };
-            self.add(Technique::Path, index, weight, 0);
+            self.add(Technique::Path, index, worth, 0);
         }
         (light_hit::reference::ends(emitter, flight, distance), surface)
     }
@@ -223,7 +247,7 @@ impl Walk<'_> {
 
     /// Appends the vertex at the end of the flight.
     fn scatter(&mut self, flight: f64, u: [f64; 2]) {
-        let medium = &self.frame.medium;
+        let medium = self.frame.medium();
         let event = scatter::reference::scatter(medium.phase.twin(), self.last(), self.direction, flight, u);
         self.path.push(event.position);
         self.direction = event.direction;
@@ -253,11 +277,11 @@ impl Walk<'_> {
     /// The vertices that multiple-vertex next event estimation inserts between the last one and `point`, in a path of
     /// `lengths` up to there.
     fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
-        let (start, extinction) = (self.last(), self.extinction());
+        let (start, medium) = (self.last(), self.medium());
         let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
-        let count = mvnee_sample::count_seeds(extinction, (point - start).length(), lengths, &draws)?;
+        let count = mvnee_sample::count_seeds(&medium, (point - start).length(), lengths, &draws)?;
         let mut inserted = vec![point; count as usize];
-        mvnee_sample::place(&mvnee.into(), extinction, start, point, &draws, &mut inserted);
+        mvnee_sample::place(&mvnee.into(), &medium, start, point, &draws, &mut inserted);
         Some(inserted)
     }
 
@@ -267,7 +291,7 @@ impl Walk<'_> {
             return;
         };
         let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
-        let vertex = omnee_sample::place(self.frame.medium.phase.twin(), self.last(), point, u);
+        let vertex = omnee_sample::place(self.frame.medium().phase.twin(), self.last(), point, u);
         self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, emitter, &[vertex, point]);
     }
 
@@ -284,15 +308,14 @@ impl Walk<'_> {
 
     /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
     fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
-        let (start, phase) = (self.last(), self.frame.medium.phase.twin());
+        let (start, medium) = (self.last(), self.medium());
         let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
-        let from = bridge::reference::Start { depth: self.depth(), arriving, on_surface };
-        let medium = (self.extinction(), phase);
-        let count = bridge_sample::count_edges(bridge, medium, lengths, &from, point - start, &draws)?;
+        let from = bridge::reference::Start { depth: self.depth(), position: start, arriving, on_surface };
+        let count = bridge_sample::count_edges(bridge, &medium, lengths, &from, point, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(from.roll(bridge), phase, start, arriving, point, &draws, &mut inserted);
+        bridge_sample::place(bridge, medium.phase, &from, point, &draws, &mut inserted);
         Some(inserted)
     }
 
@@ -303,7 +326,7 @@ impl Walk<'_> {
             return;
         };
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
-        let vertex = lis_sample::place(&lights.emitters()[emitter], self.extinction(), point, u);
+        let vertex = lis_sample::place(&lights.emitters()[emitter], &self.medium(), point, u);
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
             return;
         }
@@ -330,49 +353,50 @@ impl Walk<'_> {
     /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
     /// the roulette and is free. `purpose` is the random dimension of the technique's light point.
     fn try_connection(&mut self, technique: Technique, purpose: Purpose, emitter: usize, rest: &[DVec3]) {
-        let mut weight = self.weigh(emitter, rest);
-        let contribution = roulette::reference::largest(&self.contribution(emitter, weight, rest.len() - 1));
+        let mut worth = self.weigh(emitter, rest);
+        let contribution = roulette::reference::largest(&self.contribution(emitter, worth));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);
         let (pixel, sample, seed) = (self.pixel, self.sample, self.frame.seed);
         if roulette::reference::uniform(pixel, sample, self.depth(), purpose, seed) >= survival {
             return;
         }
-        weight /= survival;
+        worth.weight /= survival;
         let mut chain = vec![self.last()];
         chain.extend_from_slice(rest);
         let Frame { lights, surfaces, .. } = self.frame;
         let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
         if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
-            self.add(technique, emitter, weight, rest.len() - 1);
+            self.add(technique, emitter, worth, rest.len() - 1);
         }
     }
 
-    /// The weight of the path that goes on from the last vertex through `rest`.
-    fn weigh(&self, emitter: usize, rest: &[DVec3]) -> f64 {
-        let Frame { medium, lights, techniques, walk, lengths, .. } = self.frame;
+    /// What the path counts that goes on from the last vertex through `rest`.
+    fn weigh(&self, emitter: usize, rest: &[DVec3]) -> Worth {
+        let Frame { lights, techniques, walk, lengths, .. } = self.frame;
+        let medium = self.frame.medium();
         let competition = Competition { medium, lights, techniques, walk, lengths: *lengths };
-        competition.weight(&CompletePath {
+        competition.worth(&CompletePath {
             vertices: &[self.path.as_slice(), rest].concat(),
             first_start: self.first_start() as usize,
             surface: self.last_surface.map(|(_, normal)| normal),
             emitter,
+            current: self.depth() as usize,
+            log_posterior: self.log_posterior,
         })
     }
 
-    /// What a candidate of this weight, with `inserted` vertices after the last one, adds to the pixel.
-    fn contribution(&self, emitter: usize, weight: f64, inserted: usize) -> [f64; 3] {
-        let Frame { medium, lights, .. } = self.frame;
-        let emitted = lights.emitters()[emitter].radiance.map(f64::from);
-        let factor = mis_weight::reference::factor(medium.albedo.map(f64::from), inserted);
+    /// What a candidate of this worth adds to the pixel.
+    fn contribution(&self, emitter: usize, Worth { weight, factor }: Worth) -> [f64; 3] {
+        let emitted = self.frame.lights.emitters()[emitter].radiance.map(f64::from);
         accumulate::reference::contribution(weight, factor, emitted, self.throughput)
     }
 
     /// Adds a candidate with `inserted` vertices after the last one.
-    fn add(&mut self, technique: Technique, emitter: usize, weight: f64, inserted: usize) {
-        if weight == 0.0 || !accumulate::reference::counts(self.frame.lengths, self.depth(), inserted) {
+    fn add(&mut self, technique: Technique, emitter: usize, worth: Worth, inserted: usize) {
+        if worth.weight == 0.0 || !accumulate::reference::counts(self.frame.lengths, self.depth(), inserted) {
             return;
         }
-        let radiance = self.contribution(emitter, weight, inserted);
+        let radiance = self.contribution(emitter, worth);
         if radiance.iter().all(|channel| channel.is_finite()) {
             self.found.push(Contribution { segments: self.depth() + inserted as u32 + 1, technique, radiance });
         }

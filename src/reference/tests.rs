@@ -6,10 +6,10 @@ use std::sync::Arc;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::Roll;
 use fogbow_kernels::connect::mvnee::Offset;
+use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, Walk as Limits};
 
@@ -17,13 +17,13 @@ const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let albedo = [albedo, 0.75 * albedo, 0.9 * albedo];
-    let medium = Medium { extinction: 0.5, albedo, phase: PhaseFunction::henyey_greenstein(0.5) };
+    let medium = Medium::homogeneous(0.5, albedo, PhaseFunction::henyey_greenstein(0.5));
     let disk = |z: f64, normal: DVec3, radiance| Emitter::disk(DVec3::new(0.0, 0.0, z), normal, 2.0, radiance);
     let disks = vec![disk(3.0, -DVec3::Z, [1.0, 2.0, 3.0]), disk(4.0, DVec3::Z, [4.0, 1.0, 2.0])];
     let bridge = Bridge::new(Roll::Aligned, &medium, lengths.max);
     Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
-        medium: medium.clone(),
+        media: Media::everywhere(medium.clone()),
         lights: Lights::new(disks, Selection::IntensityDistance),
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques {
@@ -98,8 +98,9 @@ fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         // The same stretched flight, weighed for either share.
         let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
         let words = medium_sample::reference::words(9, sample, 0, free.seed);
-        let t = medium_sample::reference::flight(0.5, random::uniform(words[0])) / 0.75;
-        let weight = |share| first_flight::reference::weight(0.5, &free.lights, share, origin, direction, t);
+        let medium = free.medium().twin(0);
+        let t = medium.flight(random::uniform(words[0])) / 0.75;
+        let weight = |share| first_flight::reference::weight(&medium, &free.lights, share, (origin, direction), t);
         let expected = weight(shares[0]) / weight(shares[1]);
         assert_eq!(few.len(), many.len(), "sample {sample}");
         for (few, many) in few.iter().zip(&many).filter(|(few, _)| few.segments > 1) {
@@ -146,11 +147,11 @@ fn means(frame: &Frame) -> Vec<[(f64, f64); 3]> {
 fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
     let all = frame(0.9, PathLengths { min: 1, max: 5 });
     let only = |techniques: Techniques| Frame { techniques, ..all.clone() };
-    let shape = |roll: Roll| Bridge::new(roll, &all.medium, all.lengths.max);
+    let shape = |roll: Roll| Bridge::new(roll, all.medium(), all.lengths.max);
     let bridge = |roll: Roll| Techniques { bridge: Some(shape(roll)), ..Techniques::default() };
     let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
     let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
-    let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(&all.medium, shape)), ..Techniques::default() });
+    let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(all.medium(), shape)), ..Techniques::default() });
     let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..shape(Roll::Aligned) };
     for (name, frame) in [
         ("path", only(Techniques::default())),
@@ -160,7 +161,7 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ("limited bridge", only(Techniques { bridge: Some(limited.clone()), ..Techniques::default() })),
         ("lis by bridges", lis(Shape::Bridge(shape(Roll::Aligned)))),
         ("lis by limited bridges", lis(Shape::Bridge(limited))),
-        ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(&all.medium, 3.0, Offset::Ggx)))),
+        ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(all.medium(), 3.0, Offset::Ggx)))),
         ("all", all.clone()),
         ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
         ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),

@@ -6,9 +6,8 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
-use fogbow_kernels::phase::PhaseFunction;
+use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{LONGEST_PATH, PathLengths, Walk};
 use glam::DVec3;
@@ -69,7 +68,8 @@ pub fn frame(
     let lights = check.lights(placed, meshes, &suns, scene.render.light_selection, origin)?;
     placed.iter().try_for_each(|light| outside(light, start))?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
-    let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
+    let media = Media::everywhere(medium);
+    let frame = Frame { camera, media, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
 }
 
@@ -121,23 +121,16 @@ impl Check<'_> {
 
     fn medium(&self, scene: &Scene) -> Result<Medium> {
         let Some(medium) = &scene.medium else {
-            return Ok(Medium { extinction: 0.0, albedo: [0.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) });
+            return Ok(Medium::vacuum());
         };
         let scattering = self.coefficient("medium.scattering", medium.scattering)?;
         let absorption = self.coefficient("medium.absorption", medium.absorption)?;
         let extinction: [f64; 3] = core::array::from_fn(|c| scattering[c] + absorption[c]);
         let grey = extinction.iter().all(|channel| (channel - extinction[0]).abs() <= 1e-6 * extinction[0]);
-        if !grey {
-            let coloured = if scattering == [scattering[0]; 3] { "medium.absorption" } else { "medium.scattering" };
-            return Err(self.document.error(
-                coloured,
-                format!("extinction (scattering + absorption) is {extinction:?}, which differs between channels"),
-                "make it the same in all channels: coloured extinction is not rendered yet",
-            ));
-        }
-        let albedo = scattering.map(|s| if extinction[0] > 0.0 { (s / extinction[0]) as f32 } else { 0.0 });
+        let extinction = if grey { [extinction[0]; 3] } else { extinction };
+        let albedo = |c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 };
         let phase = phase::function(self.document, &medium.phase)?;
-        Ok(Medium { extinction: extinction[0] as f32, albedo, phase })
+        Ok(Medium::coloured(extinction.map(|channel| channel as f32), [0, 1, 2].map(albedo), phase))
     }
 
     /// The error that nothing shines; `suns` are names of directional lights.
@@ -255,7 +248,7 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
-        let open = frame.surfaces.is_empty() && !frame.medium.never_scatters();
+        let open = frame.surfaces.is_empty() && !frame.medium().never_scatters();
         let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
         let aimed = render.aimed.0.unwrap_or(if open && small { AIMED } else { 0.0 });
         let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";

@@ -81,7 +81,7 @@ impl LoadedScene {
         };
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
-        self.frame.medium.phase.digest(&mut digest);
+        self.frame.medium().phase.digest(&mut digest);
         hasher.finalize().to_hex()[..32].to_string()
     }
 

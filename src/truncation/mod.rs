@@ -169,7 +169,7 @@ pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
     let looker = Looker { frame, size, renderer, monitor: &monitor.uncounted() };
     let limit = frame.lengths.max;
     let Some(light) = looker.look() else { return Some(Truncation::unknown(limit)) };
-    if light.is_black() && frame.medium.never_scatters() {
+    if light.is_black() && frame.medium().never_scatters() {
         return None;
     }
     let (sufficient, likely) = (light.sufficient(), light.likely());
@@ -189,7 +189,7 @@ impl Looker<'_> {
     fn look(&self) -> Option<Light> {
         let solid = usize::from(!self.frame.surfaces.is_empty());
         let nee = || Techniques { nee: true, ..Techniques::default() };
-        let close = if self.frame.medium.never_scatters() { nee() } else { bridges(self.frame, SHORT) };
+        let close = if self.frame.medium().never_scatters() { nee() } else { bridges(self.frame, SHORT) };
         let short = self.take(close, &BRIDGES[solid], SHORT)?;
         let [near, far] = LONGEST;
         let walks = self.walks();
@@ -204,7 +204,7 @@ impl Looker<'_> {
 
     /// Walks that end about where the medium absorbs them.
     fn walks(&self) -> Way {
-        let Frame { medium, surfaces, .. } = self.frame;
+        let (medium, surfaces) = (self.frame.medium(), &self.frame.surfaces);
         let way = WALKS[usize::from(!surfaces.is_empty())];
         let albedo = if medium.never_scatters() { 1.0 } else { medium.albedo.into_iter().fold(0.0, f32::max) };
         Way { survival: way.survival * albedo.clamp(LEAST_SURVIVAL, 1.0), ..way }
@@ -234,7 +234,7 @@ impl Looker<'_> {
 fn bridges(frame: &Frame, longest: u32) -> Techniques {
     let edges = longest.saturating_sub(1).max(1) as usize;
     let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / n as f64).collect();
-    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges, |_| weights.clone());
+    let counts = CountTable::from_weights(frame.medium().phase.twin().lobe(), edges, |_| weights.clone());
     Techniques { bridge: Some(Bridge::with_counts(Roll::Aligned, Arc::new(counts))), ..Techniques::default() }
 }
 

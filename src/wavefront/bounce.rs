@@ -42,7 +42,9 @@ impl Wavefront<'_> {
 
     /// Takes every path to its next vertex and turns it there.
     pub fn turn(&mut self) {
-        if self.frame.aims() && !self.requested.is_empty() {
+        if self.frame.medium().is_coloured() {
+            self.spectral_weight();
+        } else if self.frame.aims() && !self.requested.is_empty() {
             self.flight_weight();
         }
         self.scatter();

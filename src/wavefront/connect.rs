@@ -89,11 +89,12 @@ impl Wavefront<'_> {
     /// Counts and places the vertices between the ends of the connections, for paths of `lengths` up to there.
     pub fn join<T: Joint>(&mut self, technique: &T, lengths: PathLengths, step: Step) {
         let connections = &self.candidates.connections;
-        let (medium, solid) = (&self.frame.medium, self.frame.is_solid());
-        let (paths, last_surface) = (&self.paths, &self.last_surface);
+        let (medium, solid) = (self.frame.medium(), self.frame.is_solid());
+        let (paths, immersion, last_surface) = (&self.paths, &self.immersion, &self.last_surface);
         self.stats.run(T::COUNT, rows(connections.len), || {
             let count = &mut self.buckets.count;
-            let columns = CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count };
+            let columns =
+                CountColumns { technique, medium, lengths, solid, paths, immersion, last_surface, connections, count };
             T::count_kernel(&self.pipeline)(step, columns);
         });
         let candidates = &mut self.candidates.bridged;
@@ -105,6 +106,7 @@ impl Wavefront<'_> {
                 medium,
                 solid,
                 paths,
+                immersion,
                 last_surface,
                 connections,
                 buckets,

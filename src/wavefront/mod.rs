@@ -13,7 +13,9 @@ mod work;
 
 use bumpalo::Bump;
 use fogbow_kernels::Step;
-use fogbow_kernels::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayTable, VertexTable};
+use fogbow_kernels::columns::paths::{
+    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns, RayTable, VertexTable,
+};
 use fogbow_kernels::columns::queues::{
     CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, Request, RequestColumns, SurfaceHitQueue, WorthTable,
 };
@@ -82,6 +84,10 @@ pub struct Wavefront<'q> {
     pub occupied: LaneSet<'q>,
     /// Which sample each path is.
     pub paths: PathColumns<'q>,
+    /// What each is in, and for which channel its flights are drawn.
+    pub immersion: ImmersionColumns<'q>,
+    /// ln of the probability that a path was drawn for a channel, given its way so far; where extinction is coloured.
+    pub log_posterior: Spectrum<'q>,
     /// The last surface of each.
     pub last_surface: LastSurfaceColumns<'q>,
     /// What their current vertices know of the lights.
@@ -98,8 +104,10 @@ pub struct Wavefront<'q> {
     pub trail: TrailTable<'q>,
     /// The steps they are about to take.
     pub flights: FlightTable<'q>,
-    /// What the first flights count.
+    /// What the first flights count, where extinction is grey.
     pub flight_weight: Column<'q, f32>,
+    /// With what density they were drawn for any hero, where it is coloured [1/m].
+    pub flight_density: Spectrum<'q>,
     /// Lanes whose flight ends on a surface.
     pub on_surface: LaneSet<'q>,
     /// Rays that met a light.
@@ -139,6 +147,8 @@ impl<'q> Wavefront<'q> {
             live: LaneSet::new_in(arena, lanes),
             occupied: LaneSet::new_in(arena, lanes),
             paths: PathColumns::new_in(arena, lanes),
+            immersion: ImmersionColumns::new_in(arena, lanes),
+            log_posterior: Spectrum::new_in(arena, lanes, channels),
             last_surface: LastSurfaceColumns::new_in(arena, lanes),
             outlook: OutlookColumns::new_in(arena, lanes),
             throughput: Spectrum::new_in(arena, lanes, channels),
@@ -148,6 +158,7 @@ impl<'q> Wavefront<'q> {
             trail: TrailTable::new_in(arena, lanes, remembered(frame)),
             flights: FlightTable::new_in(arena, lanes),
             flight_weight: Column::new_in(arena, lanes),
+            flight_density: Spectrum::new_in(arena, lanes, channels),
             on_surface: LaneSet::new_in(arena, lanes),
             hits: HitQueue::new_in(arena, lanes),
             surface_hits: SurfaceHitQueue::new_in(arena, lanes),

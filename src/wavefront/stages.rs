@@ -11,7 +11,7 @@ use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::Threshold;
 use fogbow_kernels::{
     accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
-    remember, roulette, scatter, surface,
+    remember, roulette, scatter, spectral_weight, surface,
 };
 
 use super::{Source, Wavefront};
@@ -29,11 +29,14 @@ impl Wavefront<'_> {
         self.stats.run(Stage::Generate, size, || {
             let columns = generate::Columns {
                 camera: &self.frame.camera,
+                medium: self.frame.medium(),
                 requested: &self.requested,
                 requests: &self.requests,
                 live: &mut self.live,
                 occupied: &mut self.occupied,
                 paths: &mut self.paths,
+                immersion: &mut self.immersion,
+                log_posterior: &mut self.log_posterior,
                 last_surface: &mut self.last_surface,
                 outlook: &mut self.outlook,
                 throughput: &mut self.throughput,
@@ -68,10 +71,11 @@ impl Wavefront<'_> {
         let size = self.stats.lane_rows(&self.live);
         self.stats.run(Stage::MediumSample, size, || {
             let columns = medium_sample::Columns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 walk: &self.frame.walk,
                 live: &mut self.live,
                 paths: &self.paths,
+                immersion: &self.immersion,
                 flights: &mut self.flights,
             };
             (self.pipeline.medium_sample)(self.step, columns);
@@ -83,7 +87,7 @@ impl Wavefront<'_> {
         let size = self.stats.lane_rows(&self.requested);
         self.stats.run(Stage::FirstFlight, size, || {
             let columns = first_flight::Columns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 lights: &self.frame.lights,
                 share: self.frame.aimed,
                 requested: &self.requested,
@@ -92,6 +96,7 @@ impl Wavefront<'_> {
                 ray: self.rays.at(self.step.clock),
                 flight: &mut self.flights.flight,
                 weight: &mut self.flight_weight,
+                density: &mut self.flight_density,
             };
             (self.pipeline.first_flight)(self.step, columns);
         });
@@ -124,7 +129,7 @@ impl Wavefront<'_> {
         let [before, ray] = self.rays.last_two(self.step.clock);
         self.stats.run(Stage::LightHit, rows(self.hits.len), || {
             let columns = light_hit::Columns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 lights: &self.frame.lights,
                 hits: &self.hits,
                 paths: &self.paths,
@@ -147,7 +152,7 @@ impl Wavefront<'_> {
         self.stats.run(Stage::Prune, size, || {
             let columns = prune::Columns {
                 segments: self.frame.walk_segments(),
-                scatters: !self.frame.medium.never_scatters(),
+                scatters: !self.frame.medium().never_scatters(),
                 on_surface: &self.on_surface,
                 paths: &self.paths,
                 live: &mut self.live,
@@ -170,6 +175,27 @@ impl Wavefront<'_> {
         });
     }
 
+    /// What flights say of their channels goes to the throughput.
+    pub fn spectral_weight(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::SpectralWeight, size, || {
+            let columns = spectral_weight::Columns {
+                medium: self.frame.medium(),
+                live: &self.live,
+                on_surface: &self.on_surface,
+                aimed: self.frame.aims().then_some(&self.requested),
+                density: &self.flight_density,
+                flight: &self.flights.flight,
+                surface_hits: &self.surface_hits,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                log_posterior: &mut self.log_posterior,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.spectral_weight)(self.step, columns);
+        });
+    }
+
     /// Next vertex and direction.
     pub fn scatter(&mut self) {
         let size = self.stats.lane_rows(&self.live);
@@ -177,7 +203,7 @@ impl Wavefront<'_> {
         let (ray, next_ray) = self.rays.step(self.step.clock);
         self.stats.run(Stage::Scatter, size, || {
             let columns = scatter::Columns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 live: &self.live,
                 on_surface: &self.on_surface,
                 paths: &self.paths,
@@ -257,7 +283,7 @@ impl Wavefront<'_> {
     pub fn omnee_build(&mut self) {
         self.stats.run(Stage::OmneeBuild, rows(self.candidates.connections.len), || {
             let columns = omnee_sample::BuildColumns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 paths: &self.paths,
                 connections: &self.candidates.connections,
                 chains: &mut self.chains,
@@ -270,10 +296,11 @@ impl Wavefront<'_> {
     pub fn lis_vertex(&mut self, lis: &Lis) {
         self.stats.run(Stage::LisVertex, rows(self.candidates.connections.len), || {
             let columns = lis_sample::VertexColumns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 lights: &self.frame.lights,
                 lis,
                 paths: &self.paths,
+                immersion: &self.immersion,
                 connections: &mut self.candidates.connections,
                 ends: &mut self.ends,
             };
@@ -298,7 +325,7 @@ impl Wavefront<'_> {
     pub fn mis_weight(&mut self, source: Source, bucket: Bucket) {
         self.stats.run(Stage::MisWeight, rows(bucket.len), || {
             let columns = mis_weight::Columns {
-                medium: &self.frame.medium,
+                medium: self.frame.medium(),
                 lights: &self.frame.lights,
                 techniques: &self.frame.techniques,
                 walk: &self.frame.walk,
@@ -308,6 +335,7 @@ impl Wavefront<'_> {
                 candidates: self.candidates.of(source),
                 chains: &self.chains,
                 paths: &self.paths,
+                log_posterior: &self.log_posterior,
                 last_surface: &self.last_surface,
                 outlook: &self.outlook,
                 vertex: self.vertices.at(self.step.clock),

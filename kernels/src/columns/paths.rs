@@ -22,6 +22,16 @@ columns! {
 }
 
 columns! {
+    /// What every path is in, and how it sees it.
+    table ImmersionColumns of Immersion {
+        /// Row of the medium that the current vertex is in.
+        medium: u32,
+        /// Channel for which the path's flights are drawn, 0 to 2; 0 where extinction is grey.
+        hero: u32,
+    }
+}
+
+columns! {
     /// The last vertex on a surface of every path. Between it and the current vertex all vertices lie in the medium:
     /// starts before it are not eligible, because connections insert medium vertices only.
     table LastSurfaceColumns of LastSurface {

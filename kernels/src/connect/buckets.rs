@@ -4,10 +4,10 @@ use bumpalo::Bump;
 
 use crate::PathLengths;
 use crate::columns::Column;
-use crate::columns::paths::{LastSurfaceColumns, PathColumns};
+use crate::columns::paths::{ImmersionColumns, LastSurfaceColumns, PathColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use crate::lanes::LANES;
-use crate::tables::media::Medium;
+use crate::media::Medium;
 
 /// What counting the inserted vertices of connections may touch.
 pub struct CountColumns<'a, 'q, T> {
@@ -21,6 +21,8 @@ pub struct CountColumns<'a, 'q, T> {
     pub solid: bool,
     /// Read: pixel, sample, birth.
     pub paths: &'a PathColumns<'q>,
+    /// Read where extinction is coloured: hero.
+    pub immersion: &'a ImmersionColumns<'q>,
     /// Read: its depth.
     pub last_surface: &'a LastSurfaceColumns<'q>,
     /// Read: lane, start, arriving and point of the connections.
@@ -39,6 +41,8 @@ pub struct BuildColumns<'a, 'q, T> {
     pub solid: bool,
     /// Read: pixel, sample, birth.
     pub paths: &'a PathColumns<'q>,
+    /// Read where extinction is coloured: hero.
+    pub immersion: &'a ImmersionColumns<'q>,
     /// Read: its depth.
     pub last_surface: &'a LastSurfaceColumns<'q>,
     /// Read: every column of the connections.

@@ -47,6 +47,11 @@ impl Density {
         self.mantissa / other.mantissa * (self.exponent - other.exponent).exp()
     }
 
+    /// Its natural logarithm.
+    pub fn ln(self) -> f64 {
+        self.mantissa.ln() + self.exponent
+    }
+
     /// Whether it is that of what is never made.
     pub fn is_zero(self) -> bool {
         self.mantissa == 0.0

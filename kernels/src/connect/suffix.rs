@@ -4,6 +4,7 @@ use bumpalo::Bump;
 use wide::f32x8;
 
 use super::likelihood::LengthLikelihood;
+use crate::media::spectral::{CHANNELS, Hues};
 use crate::vec3x8::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
@@ -13,6 +14,9 @@ pub struct SuffixVertex {
     pub position: Vec3x8,
     /// Length of the path from here to the light (Lambda) `[m]`.
     pub arc: f32x8,
+    /// Optical depth of the path from here to the light, in the channel of the row's medium (tau); from the first start
+    /// on.
+    pub depth: f32x8,
     /// One over the density of the direction in which the path leaves (p_w) `[sr]`.
     pub inverse_density: f32x8,
     /// Squared length of the segment that arrives here, over p_w [m^2 sr].
@@ -22,7 +26,8 @@ pub struct SuffixVertex {
     /// Normalisation of the light selection from here [1/m]; where it depends on the vertex, and only from the start
     /// on.
     pub light_sum: f32x8,
-    /// Probability that a walk gets here and selects the candidate's light.
+    /// Probability that a walk gets here and selects the candidate's light; where extinction is coloured, times the
+    /// density of walks up to here, in all channels, over that of the row's.
     pub attempt: f32x8,
     /// Whether a connection may start here.
     pub eligible: f32x8,
@@ -50,6 +55,9 @@ pub struct Suffix<'q> {
     pub projections: &'q mut [Projection],
     /// What the lengths of bridges say, by their number of edges.
     pub likelihoods: &'q [LengthLikelihood],
+    /// Where extinction is coloured: how probable every channel is as that of which the walk up to here was drawn; they
+    /// add up to 1.
+    pub shares: &'q mut [[f32x8; CHANNELS]],
 }
 
 impl<'q> Suffix<'q> {
@@ -59,6 +67,7 @@ impl<'q> Suffix<'q> {
         let vertex = SuffixVertex {
             position: Vec3x8::ZERO,
             arc: zero,
+            depth: zero,
             inverse_density: zero,
             spread: zero,
             leaving: Vec3x8::ZERO,
@@ -72,6 +81,7 @@ impl<'q> Suffix<'q> {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
+            shares: arena.alloc_slice_fill_copy(longest + 2, [zero; CHANNELS]),
             likelihoods: arena.alloc_slice_fill_with(longest + 1, |edges| LengthLikelihood::new(edges.max(1))),
         }
     }
@@ -79,15 +89,17 @@ impl<'q> Suffix<'q> {
 
 /// What all starts of a candidate have in common.
 #[derive(Clone, Copy)]
-pub struct Arrival {
-    /// Extinction [1/m].
-    pub extinction: f32x8,
+pub struct Arrival<M> {
+    /// The medium, in the channel in which each row is weighed.
+    pub medium: M,
+    /// Its extinction in all channels over that one, if they differ.
+    pub hues: Option<Hues>,
     /// Density of the point on its light, p_A [1/m^2].
     pub inverse_area: f32x8,
     /// Squared length of the last segment, l_{n-1}^2 [m^2].
     pub last_squared: f32x8,
     /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
     pub cos_light: f32x8,
-    /// What arcs count beyond vertex 0 `[m]`: 0 where that is on the light.
+    /// What optical depths count beyond vertex 0: 0 where that is on the light.
     pub skipped: f32x8,
 }

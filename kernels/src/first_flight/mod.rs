@@ -27,11 +27,11 @@ pub mod reference;
 pub mod simd;
 
 use crate::Step;
-use crate::columns::Column;
 use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
+use crate::columns::{Column, Spectrum};
 use crate::lanes::LaneSet;
+use crate::media::Medium;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
@@ -51,8 +51,11 @@ pub struct Columns<'a, 'q> {
     pub ray: &'a RayColumns<'q>,
     /// Read for requested lanes: the free flight. Filled: the one that is taken `[m]`.
     pub flight: &'a mut Column<'q, f32>,
-    /// Filled for requested lanes: density of the free flight over that of the one that is taken, >= 0.
+    /// Filled for requested lanes where extinction is grey: density of the free flight over that of the one that is
+    /// taken, >= 0.
     pub weight: &'a mut Column<'q, f32>,
+    /// Filled for requested lanes where it is coloured: density of the flight that is taken, for every hero [1/m].
+    pub density: &'a mut Spectrum<'q>,
 }
 
 /// Extinction of the medium through which the camera's flights are drawn, over that of the real one. Measured over fog

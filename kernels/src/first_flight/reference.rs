@@ -17,12 +17,14 @@
 use glam::DVec3;
 
 use super::{Columns, THINNED};
+use crate::media::reference;
 use crate::tables::lights::{Light, Lights};
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, share, requested, paths, vertex, ray, flight: flights, weight: weights } = columns;
+    let Columns { medium, lights, share, requested, paths, vertex, ray, flight: flights, .. } = columns;
+    let Columns { weight: weights, density: densities, .. } = columns;
     let share = f64::from(share);
     for lane in requested.each() {
         let origin = DVec3::from(vertex.position.row(lane).map(f64::from));
@@ -30,9 +32,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let u = uniforms(paths.pixel.rows()[lane], paths.sample.rows()[lane], step.seed);
         let free = f64::from(flights.rows()[lane]);
         let flight = flight(lights, share, origin, direction, free, u);
-        let weight = weight(f64::from(medium.extinction), lights, share, origin, direction, flight);
         flights.rows_mut()[lane] = flight as f32;
-        weights.rows_mut()[lane] = weight as f32;
+        let sight = (origin, direction);
+        if medium.is_coloured() {
+            let mixed = [0, 1, 2].map(|c| mixed_density(&medium.twin(c), lights, share, sight, flight) as f32);
+            densities.set_row(lane, mixed);
+        } else {
+            weights.rows_mut()[lane] = weight(&medium.twin(0), lights, share, sight, flight) as f32;
+        }
     }
 }
 
@@ -95,26 +102,42 @@ pub fn density(light: &Light, origin: DVec3, direction: DVec3, t: f64) -> f64 {
 }
 
 /// The density of a free flight over that of the mixture, at `t`, [0, 1 / (c (1 - share))]. There must be a medium.
-pub fn weight(extinction: f64, lights: &Lights, share: f64, origin: DVec3, direction: DVec3, t: f64) -> f64 {
-    let thinned = f64::from(THINNED) * extinction;
-    let flight = |extinction: f64| extinction * (-extinction * t).exp();
+pub fn weight(medium: &dyn reference::Medium, lights: &Lights, share: f64, sight: (DVec3, DVec3), t: f64) -> f64 {
+    let (origin, direction) = sight;
+    let end = origin + t * direction;
+    let free = medium.extinction(end) * (-medium.optical_depth(origin, end)).exp();
+    free / mixed_density(medium, lights, share, sight, t)
+}
+
+/// The density of the mixture at `t` along a ray from an origin in a direction [1/m].
+pub fn mixed_density(
+    medium: &dyn reference::Medium,
+    lights: &Lights,
+    share: f64,
+    sight: (DVec3, DVec3),
+    t: f64,
+) -> f64 {
+    let ((origin, direction), thinning) = (sight, f64::from(THINNED));
+    // A stretched flight ends at t if the free one ends at `thinning t`.
+    let end = origin + thinning * t * direction;
+    let free = thinning * medium.extinction(end) * (-medium.optical_depth(origin, end)).exp();
     let mut aimed = 0.0;
     for light in lights.lights() {
         aimed += f64::from(light.intensity) * density(light, origin, direction, t);
     }
-    flight(extinction) / ((1.0 - share) * flight(thinned) + share * aimed)
+    (1.0 - share) * free + share * aimed
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::Column;
     use crate::columns::paths::{Path, PathColumns, RayColumns, VertexColumns};
+    use crate::columns::{Column, Spectrum};
     use crate::lanes::LaneSet;
-    use crate::medium_sample;
+    use crate::media::Medium;
+    use crate::media::reference::{Homogeneous, Medium as _};
     use crate::phase::PhaseFunction;
     use crate::tables::lights::{Emitter, Selection};
-    use crate::tables::media::Medium;
     use bumpalo::Bump;
 
     /// Shares of the intensity: a quarter and three quarters.
@@ -200,7 +223,7 @@ mod tests {
                 }
                 // No flight takes both numbers, so that they may be the same.
                 let ends_below = |u: f64, v: f64| {
-                    let free = medium_sample::reference::flight(extinction, v);
+                    let free = Homogeneous::isotropic(extinction).flight(v);
                     flight(&lights, share, origin, direction, free, [u, v]) < t
                 };
                 let below = cells(40).map(|u| cells(5000).filter(|v| ends_below(u, *v)).count()).sum::<usize>();
@@ -217,9 +240,10 @@ mod tests {
             for (extinction, share) in [(0.05, 0.5), (1.0, 0.5), (4.0, 0.8)] {
                 let mut mean = 0.0;
                 for (u, v) in cells(40).flat_map(|u| cells(5000).map(move |v| (u, v))) {
-                    let free = medium_sample::reference::flight(extinction, v);
+                    let free = Homogeneous::isotropic(extinction).flight(v);
                     let t = flight(&lights, share, origin, direction, free, [u, v]);
-                    mean += weight(extinction, &lights, share, origin, direction, t) / 200_000.0;
+                    mean +=
+                        weight(&Homogeneous::isotropic(extinction), &lights, share, (origin, direction), t) / 200_000.0;
                 }
                 assert!((mean - 1.0).abs() < 1e-3, "{mean} from {origin} at extinction {extinction}");
             }
@@ -233,13 +257,13 @@ mod tests {
             for (extinction, share) in [(1e-3, 0.1), (0.3, 0.5), (50.0, 0.99)] {
                 let bound = 1.0 / (f64::from(THINNED) * (1.0 - share));
                 for t in [0.0, 1e-6, 0.1, 3.0, 40.0, 1e4] {
-                    let weight = weight(extinction, &lights, share, origin, direction, t);
+                    let weight = weight(&Homogeneous::isotropic(extinction), &lights, share, (origin, direction), t);
                     assert!((0.0..=bound * (1.0 + 1e-15)).contains(&weight), "{weight} at {t}, share {share}");
                 }
             }
         }
         // Dense fog, far from all lights: next to no aimed flight ends here.
-        let far = weight(50.0, &lights, 0.5, DVec3::new(0.0, 0.0, -900.0), DVec3::Z, 0.01);
+        let far = weight(&Homogeneous::isotropic(50.0), &lights, 0.5, (DVec3::new(0.0, 0.0, -900.0), DVec3::Z), 0.01);
         let expected = 2.0 / 0.75 * (-0.25_f64 * 50.0 * 0.01).exp();
         assert!((far - expected).abs() < 1e-4, "{far}, expected {expected}");
     }
@@ -269,6 +293,7 @@ mod tests {
         let mut vertex = VertexColumns::new_in(&arena, lanes);
         let mut ray = RayColumns::new_in(&arena, lanes);
         let (mut flights, mut weights) = (Column::new_in(&arena, lanes), Column::new_in(&arena, lanes));
+        let mut density = Spectrum::new_in(&arena, lanes, 1);
         let before = (0.7, -1.0);
         let origin = |lane: usize| [0.0, 0.0, 1e-3 * lane as f32];
         for lane in 0..lanes {
@@ -280,7 +305,7 @@ mod tests {
                 requested.insert(lane);
             }
         }
-        let medium = Medium { extinction: 0.5, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(0.0) };
+        let medium = Medium::homogeneous(0.5, [1.0; 3], PhaseFunction::henyey_greenstein(0.0));
         let columns = Columns {
             medium: &medium,
             lights: &lights(),
@@ -291,6 +316,7 @@ mod tests {
             ray: &ray,
             flight: &mut flights,
             weight: &mut weights,
+            density: &mut density,
         };
         run(step, columns);
         let mut aimed = 0_u32;
@@ -304,7 +330,7 @@ mod tests {
             let stretched = (flight - before.0 / THINNED).abs() < 1e-6;
             assert_eq!(stretched, u >= 0.25, "lane {lane}: {flight}");
             let start = DVec3::from(origin(lane).map(f64::from));
-            let expected = weight(0.5, &lights(), 0.25, start, DVec3::Z, f64::from(flight));
+            let expected = weight(&Homogeneous::isotropic(0.5), &lights(), 0.25, (start, DVec3::Z), f64::from(flight));
             assert!((f64::from(found) - expected).abs() < 1e-5, "lane {lane}: {found}");
             aimed += u32::from(u < 0.25);
         }

@@ -4,23 +4,31 @@
 //! weight = 1 / ((1 - share) c e^{(1 - c) mu_t t} + share sum_l share_l q_l(t) e^{mu_t t} / mu_t)
 //! ```
 //!
+//! Where extinction is coloured, the density itself is filled, for each channel.
+//!
 //! 1. Requests are mostly whole batches; the others are blended in.
 //! 2. The form with two sines does not cancel where the light is behind the ray or v is small.
 //! 3. Lights are visited twice, to draw and to weigh: what is known of one is cheaper computed again than kept.
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::{Columns, THINNED};
+use crate::media::{MediumLanes, MediumX8};
 use crate::random::{self, uniform_x8};
 use crate::tables::lights::Light;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes};
+use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, share, requested, paths, vertex, ray, flight, weight } = columns;
-    let (extinction, share) = (f32x8::splat(medium.extinction), f32x8::splat(share));
+    with_medium!(columns.medium, |medium| aim(step, columns, medium));
+}
+
+#[inline(always)]
+fn aim(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+    let Columns { lights, share, requested, paths, vertex, ray, flight, weight, density: densities, .. } = columns;
+    let share = f32x8::splat(share);
     for (b, requested) in requested.each_batch() {
         let block = wide::u32x8::splat(random::block(0, random::CAMERA));
         let (pixel, sample) = (paths.pixel.batch(b), paths.sample.batch(b));
@@ -40,12 +48,27 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         for light in lights.lights() {
             density += f32x8::splat(light.intensity) * Sight::new(light, origin, direction).density(t);
         }
-        let optical = extinction * t;
-        let thinned = (f32x8::ONE - share) * f32x8::splat(THINNED) * exp(optical * f32x8::splat(1.0 - THINNED));
-        let quotient = f32x8::ONE / (share * density).mul_add(exp(optical) / extinction, thinned);
         let requested = lanes::mask(requested);
         flight.set_batch(b, requested.select(t, flight.batch(b)));
-        weight.set_batch(b, requested.select(quotient, weight.batch(b)));
+        let end = direction.mul_add(t, origin);
+        let in_channel = |c: u32| {
+            let medium = medium.in_channel(|| u32x8::splat(c));
+            (medium.extinction(end), medium.optical_depth(origin, end, t))
+        };
+        let free = (f32x8::ONE - share) * f32x8::splat(THINNED);
+        if medium.is_grey() {
+            let (extinction, depth) = in_channel(0);
+            let thinned = free * exp(depth * f32x8::splat(1.0 - THINNED));
+            let quotient = f32x8::ONE / (share * density).mul_add(exp(depth) / extinction, thinned);
+            weight.set_batch(b, requested.select(quotient, weight.batch(b)));
+            continue;
+        }
+        for (densities, c) in densities.channels_mut().iter_mut().zip(0..) {
+            let (extinction, depth) = in_channel(c);
+            let thinned = free * extinction * exp(-depth * f32x8::splat(THINNED));
+            let mixed = share.mul_add(density, thinned);
+            densities.set_batch(b, requested.select(mixed, densities.batch(b)));
+        }
     }
 }
 

@@ -5,15 +5,20 @@ pub mod simd;
 
 use crate::Step;
 use crate::columns::Spectrum;
-use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns};
+use crate::columns::paths::{
+    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns,
+};
 use crate::columns::queues::RequestColumns;
 use crate::lanes::LaneSet;
+use crate::media::Medium;
 use crate::tables::camera::Camera;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
     /// The camera.
     pub camera: &'a Camera,
+    /// The medium that it is in.
+    pub medium: &'a Medium,
     /// Lanes to fill.
     pub requested: &'a LaneSet<'q>,
     /// Which sample of which pixel each of them takes.
@@ -24,6 +29,10 @@ pub struct Columns<'a, 'q> {
     pub occupied: &'a mut LaneSet<'q>,
     /// Filled.
     pub paths: &'a mut PathColumns<'q>,
+    /// Filled: the medium around everything; where its extinction is coloured, a hero.
+    pub immersion: &'a mut ImmersionColumns<'q>,
+    /// Filled where extinction is coloured: alike for all channels.
+    pub log_posterior: &'a mut Spectrum<'q>,
     /// Filled: there is none yet.
     pub last_surface: &'a mut LastSurfaceColumns<'q>,
     /// Filled: no vertex near a light yet.
@@ -41,5 +50,5 @@ pub struct Columns<'a, 'q> {
 /// Makes the first ray of every requested path.
 ///
 /// A sample's place in its pixel is uniform (box filter). Paths start on the plane at distance `near` along the viewing
-/// axis.
+/// axis. The hero of a path is channel `floor(3 u)`, with u the first number of block `HERO` at depth 0.
 pub type Kernel = fn(Step, Columns<'_, '_>);

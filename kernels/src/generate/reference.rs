@@ -10,20 +10,28 @@
 use glam::DVec3;
 
 use super::Columns;
-use crate::columns::paths::{LastSurface, Path, Vertex};
+use crate::columns::paths::{Immersion, LastSurface, Path, Vertex};
 use crate::columns::queues::Request;
+use crate::media::Media;
+use crate::media::spectral::{CHANNELS, SHARE};
 use crate::tables::camera::Camera;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { camera, requested, requests, live, occupied, .. } = columns;
-    let Columns { paths, last_surface, outlook, throughput, radiance, vertex, ray, .. } = columns;
+    let Columns { camera, medium, requested, requests, live, occupied, .. } = columns;
+    let Columns { paths, immersion, log_posterior, last_surface, outlook, throughput, radiance, vertex, ray, .. } =
+        columns;
     for lane in requested.each() {
         let Request { x, y, sample } = requests.row(lane);
         let pixel = y * camera.width + x;
         let (position, direction) = camera_ray(camera, pixel, sample, step.seed);
         paths.set_row(lane, Path { pixel, sample, birth: step.clock });
+        let hero = if medium.is_coloured() { hero(pixel, sample, step.seed) } else { 0 };
+        immersion.set_row(lane, Immersion { medium: Media::AROUND, hero });
+        if medium.is_coloured() {
+            log_posterior.set_row(lane, [SHARE.ln(); CHANNELS]);
+        }
         last_surface.set_row(lane, LastSurface { depth: 0, normal: [0.0; 3] });
         outlook.first_near.rows_mut()[lane] = u32::MAX;
         throughput.set_row(lane, [1.0; 3]);
@@ -33,6 +41,12 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         live.insert(lane);
         occupied.insert(lane);
     }
+}
+
+/// The channel for which the flights of a path are drawn where extinction is coloured, 0 to 2.
+pub fn hero(pixel: u32, sample: u32, seed: u32) -> u32 {
+    let [word, ..] = random::words(pixel, sample, random::block(0, random::HERO), seed);
+    (random::uniform(word) * CHANNELS as f64) as u32
 }
 
 /// Where the path of `sample` of `pixel` starts `[m]`, and its unit direction.

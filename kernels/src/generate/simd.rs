@@ -11,6 +11,8 @@ use wide::{f32x8, i32x8, u32x8};
 
 use super::Columns;
 use crate::columns::Spectrum;
+use crate::media::Media;
+use crate::media::spectral::{CHANNELS, SHARE};
 use crate::random::{self, uniform_x8};
 use crate::tables::camera::Camera;
 use crate::vec3x8::Vec3x8;
@@ -18,15 +20,24 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { camera, requested, requests, live, occupied, .. } = columns;
-    let Columns { paths, last_surface, outlook, throughput, radiance, vertex, ray, .. } = columns;
+    let Columns { camera, medium, requested, requests, live, occupied, .. } = columns;
+    let Columns { paths, immersion, log_posterior, last_surface, outlook, throughput, radiance, vertex, ray, .. } =
+        columns;
+    let coloured = medium.is_coloured();
     let n = requested.batches();
     let (x, y, sample) = (requests.x.view(n), requests.y.view(n), requests.sample.view(n));
     let film = Film::new(camera);
     let (mut position, mut direction) = (vertex.position.view_mut(n), ray.direction.view_mut(n));
-    let [pixels, samples, births, surfaces, nears] =
-        [&mut paths.pixel, &mut paths.sample, &mut paths.birth, &mut last_surface.depth, &mut outlook.first_near]
-            .map(|column| column.view_mut(n));
+    let [pixels, samples, births, surfaces, nears, media, heroes] = [
+        &mut paths.pixel,
+        &mut paths.sample,
+        &mut paths.birth,
+        &mut last_surface.depth,
+        &mut outlook.first_near,
+        &mut immersion.medium,
+        &mut immersion.hero,
+    ]
+    .map(|column| column.view_mut(n));
     let arc = vertex.arc.view_mut(n);
     let mut normal = last_surface.normal.view_mut(n);
     for (b, bits) in requested.each_batch() {
@@ -50,9 +61,22 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         set(births, u32x8::splat(step.clock));
         set(surfaces, u32x8::splat(0));
         set(nears, u32x8::splat(u32::MAX));
+        set(media, u32x8::splat(Media::AROUND));
+        set(heroes, if coloured { hero(pixel, sample[b], step.seed) } else { u32x8::splat(0) });
+        if coloured {
+            fill(log_posterior, b, mask, f32x8::splat(SHARE.ln()));
+        }
         live.insert_batch(b, bits);
         occupied.insert_batch(b, bits);
     }
+}
+
+/// The channels for which the flights of paths are drawn.
+#[inline(always)]
+fn hero(pixel: u32x8, sample: u32x8, seed: u32) -> u32x8 {
+    let block = u32x8::splat(random::block(0, random::HERO));
+    let [u, ..] = random::words_x8(pixel, sample, block, seed).map(uniform_x8);
+    bytemuck::cast((u * f32x8::splat(CHANNELS as f32)).fast_trunc_int())
 }
 
 /// Overwrites the lanes of batch `b` that are set in `mask`, in all channels.

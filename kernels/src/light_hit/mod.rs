@@ -8,8 +8,8 @@ use crate::columns::Column;
 use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::{CandidateQueue, HitQueue, WorthTable};
 use crate::lanes::LaneSet;
+use crate::media::Medium;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
@@ -33,8 +33,8 @@ pub struct Columns<'a, 'q> {
     pub live: &'a mut LaneSet<'q>,
     /// Filled: lights seen directly by the camera.
     pub views: &'a mut CandidateQueue<'q>,
-    /// Filled: what they count, in the rows of `views`: the transmittance of the way, times the profile, and factors of
-    /// 1.
+    /// Filled: what they count, in the rows of `views`: the transmittance of the way in the first channel, times
+    /// the profile, and as factors those of all channels over it.
     pub worth: &'a mut WorthTable<'q>,
     /// Filled: lights hit by a scattered path; what they count is still to be found.
     pub light_hits: &'a mut CandidateQueue<'q>,
@@ -43,8 +43,8 @@ pub struct Columns<'a, 'q> {
 /// Turns hits into candidates and ends the paths that cannot go on.
 ///
 /// A light shows its front where the ray runs against its normal, or where both of its sides shine. At depth 0 a front
-/// counts by expectation: it becomes a view of weight `exp(-mu_t distance)` times the profile of the light, whether or
-/// not the flight reaches it, and the analog hit counts nothing. At greater depth a front is a light hit. Backs are
+/// counts by expectation: it becomes a view of the transmittance of the way times the profile of the light, whether
+/// or not the flight reaches it, and the analog hit counts nothing. At greater depth a front is a light hit. Backs are
 /// black. Either way the path ends where its flight reaches a disk or sphere; on a triangle it is reflected. `arriving`
 /// of a view is zero: nothing arrives at the camera.
 pub type Kernel = fn(Step, Columns<'_, '_>);

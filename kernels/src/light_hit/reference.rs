@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! front:  -d . n > 0, at the point that is met
-//! view:   exp(-mu_t t), the expectation of the event that the flight gets as far as t
+//! view:   e^{-tau(t)}, the expectation of the event that the flight gets as far as t
 //! end:    t <= flight, on a disk or sphere; what happens on a surface is its own matter
 //! ```
 
@@ -11,7 +11,10 @@ use glam::DVec3;
 use super::Columns;
 use crate::Step;
 use crate::columns::queues::Candidate;
+use crate::connect::density::Density;
 use crate::emission::reference::{cosine, profile};
+use crate::media::Medium;
+use crate::media::reference::Medium as _;
 use crate::tables::lights::{Emitter, Shape};
 
 /// The twin; see [`Kernel`](super::Kernel).
@@ -33,9 +36,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             };
             if paths.depth_of(step.clock, lane) == 0 {
                 let profile = profile(emitter, point, direction);
-                let weight = profile * transmittance(f64::from(medium.extinction), distance);
-                worth.weight.rows_mut()[views.len] = weight as f32;
-                worth.factor.set_row(views.len, [1.0; 3]);
+                let arrives = transmittance(medium, DVec3::from(start.map(f64::from)), point);
+                worth.weight.rows_mut()[views.len] = (profile * arrives[0].value()) as f32;
+                worth.factor.set_row(views.len, arrives.map(|channel| channel.over(arrives[0]) as f32));
                 views.push(candidate);
             } else {
                 light_hits.push(Candidate { arriving: before.direction.row(lane), ..candidate });
@@ -47,9 +50,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// The share of light that a way of length `distance` `[m]` leaves.
-pub fn transmittance(extinction: f64, distance: f64) -> f64 {
-    (-extinction * distance).exp()
+/// The share of light that the way between two points leaves, per channel.
+pub fn transmittance(medium: &Medium, from: DVec3, to: DVec3) -> [Density; 3] {
+    [0, 1, 2].map(|channel| Density::new(1.0).times_exp(-medium.twin(channel).optical_depth(from, to)))
 }
 
 /// Whether the flight ends on an emitter at this distance, which is black where it is not part of a surface.

@@ -1,6 +1,6 @@
 //! ```text
 //! if cos > 0:                                     the ray sees what shines
-//!     depth == 0: push view with weight exp(-mu_t distance)
+//!     depth == 0: push view with weight e^{-tau_0}, factor_k = e^{tau_0 - tau_k}
 //!     depth >= 1: push light hit
 //! if distance < flight and the light is no part of a surface: the path ends
 //! ```
@@ -14,13 +14,19 @@ use super::Columns;
 use crate::columns::Field;
 use crate::columns::queues::CandidateBatch;
 use crate::lanes::LANES;
+use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes};
+use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits } = columns;
+    with_medium!(columns.medium, |medium| meet(step, columns, medium));
+}
+
+#[inline(always)]
+fn meet(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+    let Columns { lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits, .. } = columns;
     for b in 0..hits.len.div_ceil(LANES) {
         let rows = lanes::first(hits.len - b * LANES);
         let (lane, emitter, distance) = (hits.lane.batch(b), hits.emitter.batch(b), hits.distance.batch(b));
@@ -37,8 +43,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let seen = front & at_camera;
         if seen != 0 {
             let profile = lights.profile(&emitter_of, cosine);
-            let weight = exp(-f32x8::splat(medium.extinction) * distance) * profile;
-            f32::store_packed(&mut worth.weight, views.len, lanes::pack_order(seen), weight);
+            let depth = |c: u32| medium.in_channel(|| u32x8::splat(c)).optical_depth(start, point, distance);
+            let first = depth(0);
+            let order = lanes::pack_order(seen);
+            f32::store_packed(&mut worth.weight, views.len, order, exp(-first) * profile);
+            for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
+                let quotient = if medium.is_grey() { f32x8::ONE } else { exp(first - depth(c)) };
+                f32::store_packed(factor, views.len, order, quotient);
+            }
             views.push_batch(seen, view);
         }
         light_hits.push_batch(front & !at_camera, CandidateBatch { arriving, ..view });
@@ -48,8 +60,5 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         for i in lanes::each(ends) {
             live.remove(lane_of[i] as usize);
         }
-    }
-    for factor in worth.factor.channels_mut() {
-        factor.view_mut(views.len.div_ceil(LANES)).fill(f32x8::ONE);
     }
 }

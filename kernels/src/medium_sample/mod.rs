@@ -3,10 +3,10 @@
 pub mod reference;
 pub mod simd;
 
-use crate::columns::paths::PathColumns;
+use crate::columns::paths::{ImmersionColumns, PathColumns};
 use crate::columns::queues::FlightTable;
 use crate::lanes::LaneSet;
-use crate::tables::media::Medium;
+use crate::media::Medium;
 use crate::{Step, Walk};
 
 /// What this stage may touch.
@@ -19,11 +19,13 @@ pub struct Columns<'a, 'q> {
     pub live: &'a mut LaneSet<'q>,
     /// Read: pixel, sample and birth of live lanes.
     pub paths: &'a PathColumns<'q>,
+    /// Read where extinction is coloured: hero.
+    pub immersion: &'a ImmersionColumns<'q>,
     /// Filled for live lanes.
     pub flights: &'a mut FlightTable<'q>,
 }
 
-/// Draws the random block of the current segment; turns its first word into a free flight, `-ln(1 - u) / mu_t`, or an
-/// endless one in vacuum, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A
+/// Draws the random block of the current segment; turns its first word into a free flight of the medium, with
+/// `1 - u` the share that outlasts it and in the channel of the hero, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A
 /// path that has left the camera ends unless the fourth uniform is below `survival`.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -13,18 +13,20 @@
 //! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
+mod colours;
 pub mod reference;
 pub mod simd;
 #[cfg(test)]
 mod tests;
 
+use crate::columns::Spectrum;
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::Techniques;
 use crate::connect::suffix::Suffix;
+use crate::media::Medium;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
 /// What this stage may touch.
@@ -49,6 +51,8 @@ pub struct Columns<'a, 'q> {
     pub chains: &'a ChainTable<'q>,
     /// Read: birth.
     pub paths: &'a PathColumns<'q>,
+    /// Read where extinction is coloured: how probable every channel is as hero of the paths.
+    pub log_posterior: &'a Spectrum<'q>,
     /// Read: the last surface vertex of the paths.
     pub last_surface: &'a LastSurfaceColumns<'q>,
     /// Read: what the starts know of the lights.
@@ -59,7 +63,8 @@ pub struct Columns<'a, 'q> {
     pub trail: &'a TrailTable<'q>,
     /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
-    /// Filled: weight, and the albedos of the inserted vertices as factor.
+    /// Filled: weight; and as factor, the albedos of the inserted vertices and, where extinction is coloured, the light
+    /// that arrives in a channel over that in the reference.
     pub worth: &'a mut WorthTable<'q>,
 }
 

@@ -3,10 +3,10 @@
 //! From start i, path tracing makes x_{i+1} .. x_n with density (volume and area measure)
 //!
 //! ```text
-//! p_PT(i) = prod_{j=i..n-1} phase(c_j) exp(-mu_t l_j) / l_j^2 * (mu_t, or cos_light for j = n - 1)
+//! p_PT(i) = prod_{j=i..n-1} phase(c_j) exp(-tau_j) / l_j^2 * (mu_t(x_{j+1}), or cos_light for j = n - 1)
 //! ```
 //!
-//! where l_j is the length of the segment from x_j to x_{j+1} and c_j the cosine of the turn at x_j. With p_k(i) for
+//! where l_j is the length and tau_j the optical depth of the segment from x_j to x_{j+1}, and c_j the cosine of the turn at x_j. With p_k(i) for
 //! the density of technique k doing the same, the balance heuristic (Veach and Guibas 1995) gives, whichever technique
 //! made the path,
 //!
@@ -17,6 +17,14 @@
 //!
 //! times the profile of the light: 1, or `(k + 1) / (2 pi) cos^k theta` of a spotlight with exponent k, or
 //! `clamp(a cos theta + b, 0, 1)^2 / cos theta` of one with a cone.
+//!
+//! **Colour.** Where extinction differs between channels, everything above is so for one channel c, of weight 1 / D_c.
+//! Of what the walk brought to its vertex x_s, the share posterior_c was drawn for that channel. With w_c for posterior_c
+//! times the density of free walks along x_s .. x_n, and * for the channel of the largest,
+//!
+//! ```text
+//! weight = w_* / (posterior_* sum_c w_c D_c),      factor_k = albedo_k^m (w_k / posterior_k) / (w_* / posterior_*)
+//! ```
 //!
 //! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
 //! makes weighs nothing.
@@ -31,17 +39,17 @@ use crate::connect::density::Density;
 use crate::connect::light_sample::reference::light_density;
 use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
 use crate::emission::reference::{normal, profile};
-use crate::phase::reference::Phase;
+use crate::media::Medium;
+use crate::media::reference;
+use crate::media::spectral::CHANNELS;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::{PathLengths, Step, Walk};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, chains, .. } = columns;
-    let Columns { paths, last_surface, trail, worth, .. } = columns;
+    let Columns { paths, log_posterior, last_surface, trail, worth, .. } = columns;
     let competition = Competition { medium, lights, techniques, walk, lengths };
-    let factor = factor(medium.albedo.map(f64::from), bucket.inserted).map(|factor| factor as f32);
     let mut path = Vec::new();
     for row in bucket.rows() {
         let candidate = candidates.row(row);
@@ -64,9 +72,12 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             first_start: last_surface.first_start(lane) as usize,
             surface: is_surface.then(|| DVec3::from(last_surface.normal.row(lane).map(f64::from))),
             emitter: candidate.emitter as usize,
+            current: path.len() - 2 - bucket.inserted,
+            log_posterior: if medium.is_coloured() { log_posterior.row(lane).map(f64::from) } else { [0.0; CHANNELS] },
         };
-        worth.weight.rows_mut()[row] = competition.weight(&path) as f32;
-        worth.factor.set_row(row, factor);
+        let Worth { weight, factor } = competition.worth(&path);
+        worth.weight.rows_mut()[row] = weight as f32;
+        worth.factor.set_row(row, factor.map(|channel| channel as f32));
     }
 }
 
@@ -96,6 +107,19 @@ pub struct CompletePath<'a> {
     pub surface: Option<DVec3>,
     /// Index of the emitter on which the path ends.
     pub emitter: usize,
+    /// The vertex that the walk has come to: those after it, but for the last, were inserted.
+    pub current: usize,
+    /// ln of the probability that the walk up to there was drawn for a channel, where extinction is coloured.
+    pub log_posterior: [f64; CHANNELS],
+}
+
+/// What a path counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worth {
+    /// One over the sum of all densities, relative to those of free walks in the channel in which they are largest.
+    pub weight: f64,
+    /// What the throughput leaves out, per channel.
+    pub factor: [f64; CHANNELS],
 }
 
 /// All that competes for a path.
@@ -114,64 +138,88 @@ pub struct Competition<'a> {
 }
 
 impl Competition<'_> {
-    /// The weight of a path.
-    pub fn weight(&self, path: &CompletePath<'_>) -> f64 {
-        let CompletePath { vertices, first_start, surface, emitter } = *path;
+    /// What a path counts.
+    pub fn worth(&self, path: &CompletePath<'_>) -> Worth {
+        let CompletePath { vertices, current, log_posterior, .. } = *path;
+        let albedos = factor(self.medium.albedo.map(f64::from), vertices.len() - 2 - current);
+        if !self.medium.is_coloured() {
+            let sum = self.sum(path, 0);
+            return Worth { weight: if sum == 0.0 { 0.0 } else { self.profile(path) / sum }, factor: albedos };
+        }
+        let walked = [0, 1, 2].map(|channel| free_walk(&self.medium.twin(channel), &vertices[current..]));
+        let joint = [0, 1, 2].map(|channel| walked[channel].times_exp(log_posterior[channel]));
+        let own = [1, 2]
+            .into_iter()
+            .fold(0, |own, channel| if joint[channel].over(joint[own]) > 1.0 { channel } else { own });
+        let sum: f64 = (0..CHANNELS).map(|channel| joint[channel].over(walked[own]) * self.sum(path, channel)).sum();
+        Worth {
+            weight: if sum == 0.0 { 0.0 } else { self.profile(path) / sum },
+            factor: [0, 1, 2].map(|channel| albedos[channel] * walked[channel].over(walked[own])),
+        }
+    }
+
+    /// The profile of the light at the end of a path that arrives at its front and leaves its first start outwards; or
+    /// else 0.
+    fn profile(&self, path: &CompletePath<'_>) -> f64 {
+        let CompletePath { vertices, first_start, surface, emitter, .. } = *path;
         let [.., before, point] = vertices else {
             return 0.0;
         };
-        let profile = profile(&self.lights.emitters()[emitter], *point, *point - *before);
-        if profile == 0.0 {
-            return 0.0;
-        }
         let leaving = vertices[first_start + 1] - vertices[first_start];
         if surface.is_some_and(|normal| leaving.dot(normal) <= 0.0) {
             return 0.0;
         }
+        profile(&self.lights.emitters()[emitter], *point, *point - *before)
+    }
+
+    /// reach(n) and the densities of all techniques, over that of path tracing, where all is as in one channel.
+    fn sum(&self, path: &CompletePath<'_>, channel: usize) -> f64 {
+        let CompletePath { vertices, first_start, .. } = *path;
         let segments = vertices.len() - 1;
         let starts = first_start..segments.min(first_start.saturating_add(self.walk.starts as usize));
         let walked = if segments <= self.walk.segments as usize { reach(self.walk, segments) } else { 0.0 };
-        let connected: f64 = starts.map(|start| reach(self.walk, start) * self.ratios(path, start)).sum();
-        if walked + connected == 0.0 { 0.0 } else { profile / (walked + connected) }
+        let connected: f64 = starts.map(|start| reach(self.walk, start) * self.ratios(path, start, channel)).sum();
+        walked + connected
     }
 
-    /// The sum of all techniques' ratios r_i for the vertex `start` of a path.
-    pub(super) fn ratios(&self, path: &CompletePath<'_>, start: usize) -> f64 {
+    /// The sum of all techniques' ratios r_i for the vertex `start` of a path, in one channel.
+    pub(super) fn ratios(&self, path: &CompletePath<'_>, start: usize, channel: usize) -> f64 {
         let Self { medium, lights, techniques, walk: _, lengths } = *self;
         let vertices = path.vertices;
         let surface = path.surface.filter(|_| start == path.first_start);
-        let constants @ (extinction, phase) = (f64::from(medium.extinction), medium.phase.twin());
+        let medium = &medium.twin(channel);
         let [.., before, point] = vertices else {
             return 0.0;
         };
         let emitter = &lights.emitters()[path.emitter];
         let normal = normal(emitter, *point, *point - *before);
-        let Some(traced) = path_tracing_density(extinction, phase, vertices, start, surface, normal) else {
+        let Some(traced) = path_tracing_density(medium, vertices, start, surface, normal) else {
             return 0.0;
         };
         let (chain, depth, longest) = (&vertices[start..], start as u32, lengths.max);
         let light_density = light_density(lights, path.emitter, vertices[start]);
         let arriving = (vertices[start] - vertices[start - 1]).normalize();
-        let from = bridge::reference::Start { depth, arriving, on_surface: surface.is_some() };
+        let position = vertices[start];
+        let from = bridge::reference::Start { depth, position, arriving, on_surface: surface.is_some() };
         let mut sum = 0.0;
         if techniques.nee {
             sum += nee::reference::density(chain, normal, light_density).over(traced);
         }
         if let Some(mvnee) = &techniques.mvnee {
-            sum += mvnee::reference::density(&mvnee.into(), extinction, chain, light_density).over(traced);
+            sum += mvnee::reference::density(&mvnee.into(), medium, chain, light_density).over(traced);
         }
         if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
-            sum += omnee::reference::density(phase, chain, light_density).over(traced);
+            sum += omnee::reference::density(medium.phase, chain, light_density).over(traced);
         }
         if let Some(lis) = &techniques.lis {
-            let density = lis::reference::density(lis, constants, emitter, longest, &from, chain, light_density);
+            let density = lis::reference::density(lis, medium, emitter, longest, &from, chain, light_density);
             sum += density.over(traced);
             if techniques.companion().is_some() {
                 sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
             }
         }
         if let Some(bridge) = &techniques.bridge {
-            let density = bridge::reference::density(bridge, constants, longest, &from, chain, light_density);
+            let density = bridge::reference::density(bridge, medium, longest, &from, chain, light_density);
             sum += density.over(traced);
         }
         sum
@@ -183,12 +231,22 @@ pub fn reach(walk: &Walk, i: usize) -> f64 {
     f64::from(walk.survival).powi(i as i32 - 1)
 }
 
+/// Density of free flights that end at the vertices of a walk after its first, but for the last one, which is on a
+/// light.
+pub fn free_walk(medium: &dyn reference::Medium, walk: &[DVec3]) -> Density {
+    let mut density = Density::new(1.0);
+    for j in 1..walk.len() {
+        let event = if j + 1 < walk.len() { medium.extinction(walk[j]) } else { 1.0 };
+        density = density.times(event).times_exp(-medium.optical_depth(walk[j - 1], walk[j]));
+    }
+    density
+}
+
 /// Density with which path tracing, at vertex `start`, makes the rest of `path`, which ends on a light that faces
 /// `normal`; the start is on a surface of the normal `surface`, or in the medium. None if it cannot: in vacuum, or
 /// where a segment has no length and so no direction.
 pub fn path_tracing_density(
-    extinction: f64,
-    phase: &dyn Phase,
+    medium: &dyn reference::Medium,
     path: &[DVec3],
     start: usize,
     surface: Option<DVec3>,
@@ -204,11 +262,11 @@ pub fn path_tracing_density(
         density = density
             .times(match surface {
                 Some(normal) if j == start => leaving.dot(normal).max(0.0) / PI,
-                _ => phase.density(arriving.dot(leaving)),
+                _ => medium.phase().density(arriving.dot(leaving)),
             })
-            .times_exp(-extinction * length)
+            .times_exp(-medium.optical_depth(path[j], path[j + 1]))
             .times(1.0 / (length * length))
-            .times(if ends_on_light { (-leaving.dot(normal)).max(0.0) } else { extinction });
+            .times(if ends_on_light { (-leaving.dot(normal)).max(0.0) } else { medium.extinction(path[j + 1]) });
         arriving = leaving;
     }
     (!density.is_zero()).then_some(density)

@@ -16,6 +16,7 @@ use core::ops::RangeInclusive;
 use wide::{f32x8, u32x8};
 
 use super::Columns;
+use super::colours::Colours;
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
@@ -24,25 +25,29 @@ use crate::connect::lis::{self, Lis};
 use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
 use crate::connect::{Densities, bridge, mvnee, nee, omnee};
 use crate::lanes::LANES;
+use crate::media::{Medium, MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, Walk, lanes, with_phase};
+use crate::{PathLengths, Step, Walk, lanes, with_medium, with_phase};
 
 /// Shortest length by which a segment's direction is normalised `[m]`.
 const LEAST_LENGTH: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_phase!(&columns.medium.phase, |phase| weigh(step, columns, phase));
+    with_medium!(columns.medium, |medium| with_phase!(&columns.medium.phase, |phase| weigh(
+        step, columns, medium, phase
+    )));
 }
 
-fn weigh<P: PhaseX8>(step: Step, columns: Columns<'_, '_>, phase: P) {
+fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media: M, phase: P) {
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
-    let Columns { candidates, chains, paths, last_surface, outlook, vertex, trail, suffix, worth, .. } = columns;
-    fill_factor(medium, bucket, worth);
+    let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
+        columns;
+    let Columns { worth, .. } = columns;
+    fill_albedos(medium, bucket, worth);
     let (densities, usable, lis) = (techniques.densities(), techniques.farthest_start(), techniques.lis.as_ref());
     let near = techniques.companion().map_or(0.0, |reach| reach.max_distance);
     for (b, rows) in bucket.batches() {
@@ -61,15 +66,33 @@ fn weigh<P: PhaseX8>(step: Step, columns: Columns<'_, '_>, phase: P) {
         let farthest_near = techniques.mvnee.as_ref().map_or(0, |mvnee| batch.farthest_near(mvnee, outlook, &starts));
         let needed = farthest.min(usable).max(farthest_near);
 
-        let arrival = batch.walk_connection(b, candidates, chains, medium.extinction, suffix);
+        let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
+        let colours = (!media.is_grey()).then(|| Colours::new(&batch, media, log_posterior, suffix));
+        let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
+        let arrival = Arrival {
+            medium,
+            hues: colours.as_ref().map(|colours| colours.hues),
+            inverse_area: lights.gather(&batch.emitter_of, |emitter| emitter.density),
+            last_squared,
+            cos_light,
+            skipped: f32x8::ZERO,
+        };
+        let mut sum = batch.reach_of_walk(&starts, walk);
+        for a in 1..=needed.max(bucket.inserted + 1) {
+            suffix.vertices[a].depth = medium.optical_depth_along(suffix.vertices[a].arc);
+        }
         for a in nearest..=needed {
             suffix.vertices[a].eligible = starts.eligible(a);
             suffix.vertices[a].attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
         }
+        if let Some(colours) = &colours {
+            sum *= colours.walked_to_the_light(bucket.inserted, suffix);
+            colours.share(bucket.inserted, nearest..=needed, suffix);
+            colours.fill_quotients(bucket.inserted, suffix, b, worth);
+        }
         let outside =
             if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
-        let mut sum = batch.reach_of_walk(&starts, walk);
         if techniques.nee && nearest == 1 {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
         }
@@ -96,7 +119,7 @@ fn weigh<P: PhaseX8>(step: Step, columns: Columns<'_, '_>, phase: P) {
 }
 
 /// What the throughput leaves out of a bucket's candidates: the albedos of their inserted vertices.
-fn fill_factor(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
+fn fill_albedos(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
     for (factor, albedo) in worth.factor.channels_mut().iter_mut().zip(medium.albedo) {
         let inserted = f32x8::splat(albedo.powi(bucket.inserted as i32));
         bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
@@ -146,9 +169,9 @@ impl Starts {
 
 /// Eight candidates of one bucket.
 #[derive(Clone, Copy)]
-struct Batch<'a, P> {
-    inserted: usize,
-    lane_of: [u32; LANES],
+pub(super) struct Batch<'a, P> {
+    pub(super) inserted: usize,
+    pub(super) lane_of: [u32; LANES],
     emitter_of: [u32; LANES],
     lights: &'a Lights,
     phase: P,
@@ -168,16 +191,16 @@ fn segment(from: Vec3x8, to: Vec3x8) -> (f32x8, Vec3x8) {
 }
 
 impl<P: PhaseX8> Batch<'_, P> {
-    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads.
+    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the square of the
+    /// last segment's length and the cosine at the light.
     #[inline(always)]
     fn walk_connection(
         &self,
         b: usize,
         candidates: &CandidateQueue<'_>,
         chains: &ChainTable<'_>,
-        extinction: f32,
         suffix: &mut Suffix<'_>,
-    ) -> Arrival {
+    ) -> (f32x8, f32x8) {
         let point = candidates.point.batch(b);
         let (mut arc, mut leaving, mut last) = (f32x8::ZERO, Vec3x8::ZERO, f32x8::ZERO);
         let mut cos_light = f32x8::ZERO;
@@ -204,14 +227,7 @@ impl<P: PhaseX8> Batch<'_, P> {
             let start = &mut suffix.vertices[self.inserted + 1];
             start.inverse_density = self.phase.inverse_density(arriving, leaving);
         }
-
-        Arrival {
-            extinction: f32x8::splat(extinction),
-            inverse_area: self.lights.gather(&self.emitter_of, |emitter| emitter.density),
-            last_squared: last * last,
-            cos_light,
-            skipped: f32x8::ZERO,
-        }
+        (last * last, cos_light)
     }
 
     /// Completes an inserted vertex once the segment that arrives there is known.
@@ -225,11 +241,11 @@ impl<P: PhaseX8> Batch<'_, P> {
     /// that `range` counts from the light.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "all that other techniques see without a call")]
-    fn lis_ratios(
+    fn lis_ratios<M: MediumX8>(
         &self,
         lis: &Lis,
         near: f32,
-        arrival: &Arrival,
+        arrival: &Arrival<M>,
         suffix: &mut Suffix<'_>,
         starts: &Starts,
         range: RangeInclusive<usize>,

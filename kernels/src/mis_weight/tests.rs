@@ -11,13 +11,13 @@ use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::mvnee::{Mvnee, Offset};
 use crate::connect::{Techniques, bridge};
 use crate::emission::reference::profile;
+use crate::media::Medium;
 use crate::phase::PhaseFunction;
 use crate::tables::lights::{Emitter, Lights, Selection};
-use crate::tables::media::Medium;
 use crate::{PathLengths, Walk};
 
 fn medium(extinction: f32, g: f32) -> Medium {
-    Medium { extinction, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) }
+    Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(g))
 }
 
 fn light(center: DVec3) -> Lights {
@@ -38,7 +38,8 @@ fn weigh(
     surface: Option<DVec3>,
 ) -> f64 {
     let competition = Competition { medium, lights, techniques, walk, lengths: LENGTHS };
-    competition.weight(&CompletePath { vertices, first_start, surface, emitter: 0 })
+    let (current, log_posterior) = (vertices.len() - 2, [0.0; 3]);
+    competition.worth(&CompletePath { vertices, first_start, surface, emitter: 0, current, log_posterior }).weight
 }
 
 /// The sum of the ratios of vertex `start` of a path through open space of at most `longest` segments.
@@ -50,7 +51,9 @@ fn ratios(
 ) -> f64 {
     let lengths = PathLengths { min: 1, max: longest };
     let competition = Competition { medium, lights, techniques, walk: &FREE, lengths };
-    competition.ratios(&CompletePath { vertices, first_start: 1, surface: None, emitter: 0 }, start)
+    let (current, log_posterior) = (vertices.len() - 2, [0.0; 3]);
+    let path = CompletePath { vertices, first_start: 1, surface: None, emitter: 0, current, log_posterior };
+    competition.ratios(&path, start, 0)
 }
 
 const FREE: Walk = Walk { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
@@ -118,7 +121,8 @@ fn bent() -> (Medium, Lights, [DVec3; 6]) {
 #[test]
 fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
     let (medium, lights, path) = bent();
-    let (extinction, phase) = (f64::from(medium.extinction), medium.phase.twin());
+    let (twin, phase) = (medium.twin(0), medium.phase.twin());
+    let extinction = twin.extinction;
     let direction = |j: usize| (path[j + 1] - path[j]).normalize();
     let area = PI * 0.25;
     let lengths = PathLengths { min: 1, max: 9 };
@@ -131,9 +135,10 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
         let common = 1.0 / (area * phase.density(direction(start - 1).dot(direction(start))) * cos_light);
         let factorial: f64 = (1..n).map(f64::from).product();
         let axis = (path[5] - path[start]) / s;
-        let from = Start { depth: start as u32, arriving: direction(start - 1), on_surface: false };
+        let from =
+            Start { depth: start as u32, position: path[start], arriving: direction(start - 1), on_surface: false };
         let aligned = Bridge::new(Roll::Aligned, &medium, lengths.max);
-        let count = count_probability(&aligned, (extinction, phase), lengths.max, &from, s * axis, n as u32);
+        let count = count_probability(&aligned, &twin, lengths.max, &from, path[5], n as u32);
         let uniform = common * count * factorial * extinction * s.powi(3) * (extinction * length).exp()
             / (extinction * length).powi(n);
         let roll = bridge::reference::roll_density(phase, direction(start - 1), axis, direction(start));

@@ -8,7 +8,7 @@ use crate::columns::Spectrum;
 use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::FlightTable;
 use crate::lanes::LaneSet;
-use crate::tables::media::Medium;
+use crate::media::Medium;
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{
-    LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, RayTable, VertexColumns, VertexTable,
+    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, RayTable, VertexColumns, VertexTable,
 };
 use fogbow_kernels::columns::queues::{
     CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue, WorthTable,
@@ -110,6 +110,12 @@ impl Saved {
         column.2.iter().map(|bits| f32::from_bits(*bits)).collect()
     }
 
+    /// All components of a real column in `row`.
+    pub fn vector(&self, name: &str, row: usize) -> Vec<f32> {
+        let columns = self.tables[0].iter().filter(|column| column.0 == name);
+        columns.map(|column| f32::from_bits(column.2[row])).collect()
+    }
+
     /// Whether `lane` is in the set.
     pub fn contains(&self, lane: usize) -> bool {
         self.set[lane / 8] >> (lane % 8) & 1 == 1
@@ -167,6 +173,7 @@ macro_rules! save_table {
 
 save_table!(
     PathColumns<'_>,
+    ImmersionColumns<'_>,
     LastSurfaceColumns<'_>,
     OutlookColumns<'_>,
     VertexColumns<'_>,

@@ -11,11 +11,11 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Lis, Shape};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, Walk};
 use glam::DVec3;
@@ -94,7 +94,7 @@ impl Active {
 
 /// `frame` with other techniques; MVNEE is limited to `mesc` expected segments.
 pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
-    Frame { techniques: active.techniques(&frame.medium, frame.lengths.max, mesc), ..frame.clone() }
+    Frame { techniques: active.techniques(frame.medium(), frame.lengths.max, mesc), ..frame.clone() }
 }
 
 /// A phase function of every kind but one lobe of Henyey and Greenstein, by name.
@@ -112,7 +112,29 @@ pub fn phase_functions() -> [(&'static str, PhaseFunction); 6] {
 
 /// `frame` with another phase function; techniques have to be set anew.
 pub fn with_phase(frame: &Frame, phase: PhaseFunction) -> Frame {
-    Frame { medium: Medium { phase, ..frame.medium.clone() }, ..frame.clone() }
+    with_medium(frame, Medium { phase, ..frame.medium().clone() })
+}
+
+/// `frame` in another medium; techniques have to be set anew.
+pub fn with_medium(frame: &Frame, medium: Medium) -> Frame {
+    Frame { media: Media::everywhere(medium), ..frame.clone() }
+}
+
+/// `frame` in grey extinction of another density [1/m]; techniques have to be set anew.
+pub fn with_extinction(frame: &Frame, extinction: f32) -> Frame {
+    let Medium { albedo, phase, .. } = frame.medium().clone();
+    with_medium(frame, Medium::homogeneous(extinction, albedo, phase))
+}
+
+/// Frames of coloured extinction, by name: fog with three lights of which one channel is nearly clear, and a room.
+pub fn coloured(size: [u32; 2]) -> [(&'static str, Frame); 2] {
+    let tint = |frame: &Frame, extinction: [f32; 3]| {
+        let Medium { albedo, phase, .. } = frame.medium().clone();
+        with_medium(frame, Medium::coloured(extinction, albedo, phase))
+    };
+    let lights = three_lights(0.6, Selection::IntensityDistance, size);
+    let room = room(0.5, Selection::IntensityDistance, size);
+    [("coloured lights", tint(&lights, [0.3, 0.9, 2.2])), ("coloured room", tint(&room, [1.6, 0.5, 0.05]))]
 }
 
 /// `frame` with only paths of `segments` segments.
@@ -124,7 +146,7 @@ pub fn with_length(frame: &Frame, segments: u32) -> Frame {
 pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed: u32) -> Frame {
     Frame {
         camera,
-        medium,
+        media: Media::everywhere(medium),
         lights,
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),
@@ -138,7 +160,7 @@ pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed:
 
 /// The fog scenes: a disk at (0, 0, 5) that faces `normal`, seen through fog of mean free path 1/1.7 m, K = 15.
 pub fn fog(near: f64, g: f32, normal: DVec3, size: [u32; 2]) -> Frame {
-    let medium = Medium { extinction: 1.7, albedo: [1.0; 3], phase: PhaseFunction::henyey_greenstein(g) };
+    let medium = Medium::homogeneous(1.7, [1.0; 3], PhaseFunction::henyey_greenstein(g));
     let disk = Emitter::disk(DVec3::new(0.0, 0.0, 5.0), normal, 0.5, [80.0; 3]);
     let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, UNIT_FOV, near, size);
     let frame = plain(camera, medium, Lights::new(vec![disk], Selection::Uniform), 15, 1);
@@ -153,7 +175,7 @@ pub fn fog_facing(near: f64, g: f32, size: [u32; 2]) -> Frame {
 /// Two lights of different shapes, sizes and colours in a coloured, absorbing medium: one more than the only one, and
 /// so few that the first and the last are all.
 pub fn two_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
-    let medium = Medium { extinction: 1.1, albedo: [0.6, 0.95, 0.8], phase: PhaseFunction::henyey_greenstein(g) };
+    let medium = Medium::homogeneous(1.1, [0.6, 0.95, 0.8], PhaseFunction::henyey_greenstein(g));
     let lights = vec![
         Emitter::sphere(DVec3::new(-0.6, 0.3, 2.2), 0.3, [1.0, 4.0, 12.0]),
         Emitter::disk(DVec3::new(0.7, -0.2, 1.7), DVec3::new(-0.8, 0.3, -0.6), 0.5, [9.0, 3.0, 0.5]),
@@ -165,7 +187,7 @@ pub fn two_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
 
 /// Three coloured lights of different sizes, one of which hides part of another, in a coloured, absorbing medium.
 pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
-    let medium = Medium { extinction: 1.2, albedo: [0.9, 0.75, 0.5], phase: PhaseFunction::henyey_greenstein(g) };
+    let medium = Medium::homogeneous(1.2, [0.9, 0.75, 0.5], PhaseFunction::henyey_greenstein(g));
     let lights = vec![
         Emitter::disk(DVec3::new(0.6, 0.2, 2.5), DVec3::new(-0.3, 0.1, -1.0), 0.4, [10.0, 2.0, 1.0]),
         Emitter::disk(DVec3::new(-0.8, -0.3, 2.0), DVec3::new(1.0, 0.2, -0.4), 0.25, [1.0, 20.0, 4.0]),
@@ -237,7 +259,7 @@ pub fn room(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         Emitter::disk(DVec3::new(0.1, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3, [10.0, 9.0, 8.0]),
         Emitter::disk(DVec3::new(-0.8, 1.5, 0.4), DVec3::new(1.0, -0.8, 0.9), 0.2, [40.0, 60.0, 90.0]).focused(6.0),
     ];
-    let medium = Medium { extinction: 0.8, albedo: [0.95, 0.9, 0.8], phase: PhaseFunction::henyey_greenstein(g) };
+    let medium = Medium::homogeneous(0.8, [0.95, 0.9, 0.8], PhaseFunction::henyey_greenstein(g));
     let camera = Camera::new(DVec3::new(0.0, 1.0, -1.5), DVec3::Z, DVec3::Y, 1.0, 0.2, size);
     let frame = plain(camera, medium, Lights::new(lights, selection), 7, 5);
     with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
@@ -290,7 +312,7 @@ pub fn lamps(unit: f64, g: f32, selection: Selection, size: [u32; 2]) -> Frame {
         Emitter::disk(at(-0.6, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3 * unit, [5.0, 9.0, 8.0]),
     ];
     let extinction = (0.8 / unit) as f32;
-    let medium = Medium { extinction, albedo: [0.95, 0.9, 0.8], phase: PhaseFunction::henyey_greenstein(g) };
+    let medium = Medium::homogeneous(extinction, [0.95, 0.9, 0.8], PhaseFunction::henyey_greenstein(g));
     let camera = Camera::new(at(0.0, 1.0, -1.0), DVec3::Z, DVec3::Y, 1.0, 0.1 * unit, size);
     let frame = plain(camera, medium, Lights::with_meshes(solids, meshes, selection), 7, 9);
     with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
@@ -313,7 +335,7 @@ fn cut(corner: DVec3, edges: [DVec3; 2], n: u32) -> Vec<[[f32; 3]; 3]> {
 
 /// A floor in fog under a lamp of `2 n^2` triangles, with a small disk beside it.
 pub fn panel(n: u32, size: [u32; 2]) -> Frame {
-    let medium = Medium { extinction: 0.6, albedo: [0.9; 3], phase: PhaseFunction::henyey_greenstein(0.6) };
+    let medium = Medium::homogeneous(0.6, [0.9; 3], PhaseFunction::henyey_greenstein(0.6));
     let [floor, ..] = walls();
     let lamp = cut(DVec3::new(-0.4, 1.9, 1.0), [0.8 * DVec3::X, DVec3::Z], n);
     let surfaces = surfaces(&[(Material::plain([0.5; 3], false), floor), (Material::plain([0.2; 3], false), lamp)]);

@@ -85,6 +85,12 @@ pub const VIEW: f64 = 2e-5;
 /// Contributions and products of albedos: a handful of factors.
 pub const CONTRIBUTION: Tolerance = tolerance(1e-12, 2e-6);
 
+/// Quotients of channels: `exp` of a difference of optical depths, as that of transmittances.
+pub const QUOTIENT: Tolerance = tolerance(1e-12, 1e-5);
+
+/// Logarithms of the probabilities of channels: sums of a few optical depths, of which the largest differ.
+pub const LOG_POSTERIOR: Tolerance = tolerance(4e-6, 1e-6);
+
 /// Weights of well-conditioned candidates: ratios are products of some 10 factors per inserted vertex, among them
 /// differences of projections, which lose digits where an edge stands across the axis. To this comes
 /// what the candidate's shortest segment makes of the rounding of positions, see [`weight_conditioning`].
@@ -93,7 +99,7 @@ pub const WEIGHT: Tolerance = tolerance(1e-30, 1e-4);
 /// Relative error of a weight that follows from positions being f32. Rounding turns a segment of length `shortest`, at
 /// `distance` from the origin, by `6e-8 distance / shortest`. A lobe of width 1 - |g| turns that into a relative error
 /// of the phase function three times as large over the width, light that arrives at `cos_light` into one over that
-/// cosine; a candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the
+/// cosine, as often as its power enters; a candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the
 /// directions that were sampled, the twin from the positions, so nothing cancels.
 pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64) -> f64 {
     3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))

@@ -1,6 +1,7 @@
 //! Complete paths put into tables and weighed by a mis_weight kernel of choice.
 
 use bumpalo::Bump;
+use fogbow_kernels::columns::Spectrum;
 use fogbow_kernels::columns::paths::{LastSurfaceColumns, Outlook, OutlookColumns, PathColumns, Vertex, VertexColumns};
 use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable, WorthTable};
 use fogbow_kernels::columns::trail::{Mark, TrailTable};
@@ -8,9 +9,9 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::LANES;
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::mis_weight;
 use fogbow_kernels::tables::lights::Lights;
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{PathLengths, Step, Walk};
 use glam::DVec3;
 
@@ -111,6 +112,7 @@ impl<'a> Weigher<'a> {
             candidates: &candidates,
             chains: &chains,
             paths: &paths,
+            log_posterior: &Spectrum::new_in(&arena, lanes, 1),
             last_surface: &last_surface,
             outlook: &outlook,
             vertex: &vertex,

@@ -56,8 +56,8 @@ use counts::CountTable;
 
 use super::light_sample::Reach;
 use super::{Densities, Row};
+use crate::media::Medium;
 use crate::random;
-use crate::tables::media::Medium;
 
 /// Share of the counts that are drawn uniformly, if nothing else is asked for.
 pub const DEFENSIVE: f32 = 0.05;
@@ -97,9 +97,9 @@ impl Bridge {
         Self { roll, defensive: DEFENSIVE, counts, max_distance: f32::INFINITY, max_inserted: u32::MAX }
     }
 
-    /// With at most `mesc` expected segments, mu_t s, in `medium`.
+    /// With at most `mesc` expected segments, mu_t s, in any channel of `medium`.
     pub fn with_mesc(self, medium: &Medium, mesc: f64) -> Self {
-        Self { max_distance: (mesc / f64::from(medium.extinction)) as f32, ..self }
+        Self { max_distance: (mesc / f64::from(medium.largest_extinction())) as f32, ..self }
     }
 
     /// Whether every path of at most `longest` segments can be made by a bridge from its first vertex.

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! p = p_A P_l P(N) * s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)   (volume, area measure)
-//! P(N) = (1 - e) P_table(N; mu_t s, gamma) + e / room,      1 <= N <= room
+//! P(N) = (1 - e) P_table(N; tau(s), gamma) + e / room,      1 <= N <= room
 //! ```
 //!
 //! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first
@@ -20,6 +20,7 @@ use glam::DVec3;
 
 use super::{Bridge, Roll, counts};
 use crate::connect::density::Density;
+use crate::media::reference::Medium;
 use crate::phase::reference::Phase;
 
 /// The start of a bridge.
@@ -27,6 +28,8 @@ use crate::phase::reference::Phase;
 pub struct Start {
     /// Its depth in the path.
     pub depth: u32,
+    /// Where it is `[m]`.
+    pub position: DVec3,
     /// Unit direction in which the path arrives there.
     pub arriving: DVec3,
     /// Whether it is on a surface: it then has no phase function to align a roll with.
@@ -49,32 +52,29 @@ pub fn room(bridge: &Bridge, longest: u32, depth: u32) -> u32 {
     limit.min(longest - depth)
 }
 
-/// The place in the table of counts of a start with a light point `way` from there `[m]`.
-pub fn cell(
-    bridge: &Bridge,
-    (extinction, phase): (f64, &dyn Phase),
-    start: &Start,
-    way: DVec3,
-) -> counts::reference::Cell {
-    let turn = (!start.on_surface).then(|| start.arriving.dot(way.normalize_or(start.arriving)));
-    counts::reference::cell(&bridge.counts, phase.lobe(), extinction * way.length(), turn)
+/// The place in the table of counts of a start with a light `point` `[m]`.
+pub fn cell(bridge: &Bridge, medium: &dyn Medium, start: &Start, point: DVec3) -> counts::reference::Cell {
+    let axis = (point - start.position).normalize_or(start.arriving);
+    let turn = (!start.on_surface).then(|| start.arriving.dot(axis));
+    let depth = medium.optical_depth(start.position, point);
+    counts::reference::cell(&bridge.counts, medium.phase().lobe(), depth, turn)
 }
 
-/// P(N): the probability of `edges` edges from `start` to a light point `way` from there `[m]`, where paths have at
-/// most `longest` segments; extinction [1/m] and phase function are those of the medium.
+/// P(N): the probability of `edges` edges from `start` to the light `point` `[m]`, where paths have at most `longest`
+/// segments.
 pub fn count_probability(
     bridge: &Bridge,
-    medium: (f64, &dyn Phase),
+    medium: &dyn Medium,
     longest: u32,
     start: &Start,
-    way: DVec3,
+    point: DVec3,
     edges: u32,
 ) -> f64 {
     let room = room(bridge, longest, start.depth);
     if edges == 0 || edges > room {
         return 0.0;
     }
-    let tabled = counts::reference::probability(&bridge.counts, &cell(bridge, medium, start, way), edges);
+    let tabled = counts::reference::probability(&bridge.counts, &cell(bridge, medium, start, point), edges);
     let defensive = f64::from(bridge.defensive);
     (1.0 - defensive) * tabled + defensive / f64::from(room)
 }
@@ -111,7 +111,7 @@ pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec
 /// reach or has an edge without length.
 pub fn density(
     bridge: &Bridge,
-    medium: (f64, &dyn Phase),
+    medium: &dyn Medium,
     longest: u32,
     start: &Start,
     chain: &[DVec3],
@@ -127,14 +127,14 @@ pub fn density(
         return Density::ZERO;
     }
     let count = edges.len() as u32;
-    let counted = Density::new(light_density).times(count_probability(bridge, medium, longest, start, way, count));
+    let counted = Density::new(light_density).times(count_probability(bridge, medium, longest, start, *point, count));
     if count == 1 {
         return counted;
     }
     let length: f64 = edges.iter().map(|edge| edge.length()).sum();
     let mut density =
         counted.times_exp(3.0 * distance.ln() + log_factorial(count - 1) - f64::from(count) * length.ln());
-    let (_, phase) = medium;
+    let phase = medium.phase();
     for pair in edges.windows(2) {
         density = density.times(phase.density(pair[0].normalize().dot(pair[1].normalize())));
     }
@@ -150,26 +150,27 @@ pub fn density(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::Medium;
+    use crate::media::reference::Homogeneous;
     use crate::phase::HenyeyGreenstein;
     use crate::phase::PhaseFunction;
-    use crate::tables::media::Medium;
     use core::f64::consts::{PI, TAU};
 
     const DEFENSIVE: f64 = super::super::DEFENSIVE as f64;
 
     fn bridge(roll: Roll, g: f32) -> Bridge {
         let phase = PhaseFunction::henyey_greenstein(g);
-        Bridge::new(roll, &Medium { extinction: 0.7, albedo: [1.0; 3], phase }, 40)
+        Bridge::new(roll, &Medium::homogeneous(0.7, [1.0; 3], phase), 40)
     }
 
     fn start(depth: u32, arriving: DVec3) -> Start {
-        Start { depth, arriving, on_surface: false }
+        Start { depth, position: DVec3::ZERO, arriving, on_surface: false }
     }
 
     #[test]
     fn count_probabilities_add_up_to_one_with_room_and_to_less_without() {
         let bridge = bridge(Roll::Aligned, 0.6);
-        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
+        let medium = &Homogeneous::new(1.0, &HenyeyGreenstein { g: 0.6 });
         let sum = |longest: u32, way: f64| -> f64 {
             let p = |n| count_probability(&bridge, medium, longest, &start(1, DVec3::Y), way * DVec3::Z, n);
             (0..=longest + 2).map(p).sum()
@@ -189,7 +190,7 @@ mod tests {
         let free = bridge(Roll::Aligned, 0.6);
         let limited = Bridge { max_inserted: 2, ..free.clone() };
         let (at, way) = (start(4, DVec3::X), 1.5 * DVec3::Z);
-        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
+        let medium = &Homogeneous::new(1.0, &HenyeyGreenstein { g: 0.6 });
         let tabled = counts::reference::probability(&free.counts, &cell(&free, medium, &at, way), 3);
         let found = |bridge: &Bridge, longest: u32, n: u32| count_probability(bridge, medium, longest, &at, way, n);
         // Room min(9 - 4, 3), and 5.
@@ -245,7 +246,8 @@ mod tests {
         let point = DVec3::new(0.0, 0.0, distance);
         for (roll, g) in [(Roll::Uniform, 0.0), (Roll::Uniform, 0.6), (Roll::Aligned, 0.6), (Roll::Aligned, -0.5)] {
             let (bridge, at) = (bridge(roll, g), start(2, arriving));
-            let medium: (f64, &dyn Phase) = (0.7, &HenyeyGreenstein { g });
+            let phase = HenyeyGreenstein { g };
+            let medium = &Homogeneous::new(0.7, &phase);
             let (turns, shares, azimuths) = (400, 200, 24);
             let mut sum = 0.0;
             for (i, j) in (0..turns).flat_map(|i| (0..shares).map(move |j| (i, j))) {
@@ -269,11 +271,12 @@ mod tests {
     fn a_single_edge_obeys_the_formula_of_many() {
         let (start, point) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 4.0));
         let s = (point - start).length();
-        let medium: (f64, &dyn Phase) = (0.8, &HenyeyGreenstein { g: 0.9 });
+        let medium = &Homogeneous::new(0.8, &HenyeyGreenstein { g: 0.9 });
         for roll in [Roll::Aligned, Roll::Uniform] {
-            let (bridge, at) = (bridge(roll, 0.9), super::Start { depth: 1, arriving: DVec3::X, on_surface: false });
+            let bridge = bridge(roll, 0.9);
+            let at = super::Start { depth: 1, position: start, arriving: DVec3::X, on_surface: false };
             let p = density(&bridge, medium, 9, &at, &[start, point], 3.0).value();
-            let count = count_probability(&bridge, medium, 9, &at, point - start, 1);
+            let count = count_probability(&bridge, medium, 9, &at, point, 1);
             let many = 3.0 * count * s.powi(3) / s / (s * s);
             assert!((p / many - 1.0).abs() < 1e-14, "{p} and {many}");
         }
@@ -285,10 +288,11 @@ mod tests {
         let zigzag = |k: i32| DVec3::new(0.3 * f64::from(k % 3), 0.2 * f64::from(k % 2), 0.5 * f64::from(k));
         let ratios = [1e-6, 1.0, 1e6].map(|unit| {
             let path: Vec<_> = (0..1025).map(|k| unit * zigzag(k)).collect();
-            let p = density(&bridge, (1.0 / unit, &phase), 2048, &start(1, DVec3::Z), &path[1..], 1.0 / (unit * unit));
+            let medium = &Homogeneous::new(1.0 / unit, &phase);
+            let from = Start { position: path[1], ..start(1, DVec3::Z) };
+            let p = density(&bridge, medium, 2048, &from, &path[1..], 1.0 / (unit * unit));
             let traced =
-                crate::mis_weight::reference::path_tracing_density(1.0 / unit, &phase, &path, 1, None, -DVec3::Z)
-                    .expect("one");
+                crate::mis_weight::reference::path_tracing_density(medium, &path, 1, None, -DVec3::Z).expect("one");
             p.over(traced)
         });
         assert!(ratios[1].is_finite() && ratios[1] > 0.0, "{ratios:?}");
@@ -299,7 +303,8 @@ mod tests {
     fn chains_beyond_the_reach_or_with_an_empty_edge_are_never_made() {
         let aligned = bridge(Roll::Aligned, 0.5);
         let made = |bridge: &Bridge, chain: &[DVec3]| {
-            density(bridge, (1.0, &HenyeyGreenstein { g: 0.5 }), 4, &start(1, DVec3::X), chain, 1.0).value() > 0.0
+            let medium = &Homogeneous::new(1.0, &HenyeyGreenstein { g: 0.5 });
+            density(bridge, medium, 4, &start(1, DVec3::X), chain, 1.0).value() > 0.0
         };
         let chain = [DVec3::ZERO, DVec3::Y, DVec3::ONE, DVec3::Z, 2.0 * DVec3::Z];
         assert!(made(&aligned, &chain[..4]) && made(&aligned, &[DVec3::ZERO, DVec3::Z]));

@@ -1,7 +1,7 @@
 //! ```text
 //! for each start a, counted from the light (N = a edges), within reach:
-//!     x = mu_t L
-//!     r += p_A P_l mu_t s^3 / cos_light * [ (1 - eps) P_table(N; mu_t s, gamma) + eps / room ] (N - 1)! e^x / x^N * turn
+//!     x = tau(L),   crowding = (x / L)^N / M
+//!     r += p_A P_l crowding s^3 / cos_light * [ (1 - eps) P_table(N; tau(s), gamma) + eps / room ] (N - 1)! e^x / x^N * turn
 //!     turn = 1 / phase  (uniform roll),   2 pi p(psi) / phase  (aligned roll),   1 / p_w  (start on a surface)
 //! ```
 //!
@@ -16,6 +16,7 @@ use wide::f32x8;
 
 use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
+use crate::media::MediumX8;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::vec3x8::Vec3x8;
 
@@ -25,21 +26,22 @@ const LEAST_LENGTH: f32 = 1e-30;
 /// Sum of the ratios of the starts `nearest ..= farthest`, counted from the light; `room(a)` are the most edges that a
 /// bridge from start `a` may have.
 #[inline(always)]
-pub fn ratios(
+pub fn ratios<M: MediumX8>(
     bridge: &Bridge,
     phase: &impl PhaseX8,
-    arrival: &Arrival,
+    arrival: &Arrival<M>,
     suffix: &Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     room: impl Fn(usize) -> f32x8,
 ) -> f32x8 {
     let mut sum = f32x8::ZERO;
-    let (extinction, lobe) = (arrival.extinction, phase.lobe());
+    let (medium, lobe) = (arrival.medium, phase.lobe());
+    let point = suffix.vertices[0].position;
     let reach_squared = f32x8::splat(bridge.max_distance * bridge.max_distance);
     let farthest = (*starts.end()).min(bridge.max_inserted.saturating_add(1) as usize);
     for a in *starts.start()..=farthest {
         let start = &suffix.vertices[a];
-        let to_light = suffix.vertices[0].position - start.position;
+        let to_light = point - start.position;
         let distance_squared = to_light.length_squared();
         let possible = start.eligible & distance_squared.simd_le(reach_squared);
         let distance = distance_squared.sqrt();
@@ -53,12 +55,24 @@ pub fn ratios(
             Roll::Uniform => phase.inverse_shape(arriving, start.leaving),
         };
         let turn = start.on_surface.select(start.inverse_density / phase.scale(), turn);
-        let (straight, depth) = (extinction * distance, extinction * (start.arc - arrival.skipped));
-        let cell = bridge.counts.cell(straight, lobe.h(arriving, axis), start.on_surface);
+        let straight = medium.optical_depth(start.position, point, distance);
+        let tabled = |depth: f32x8| {
+            let cell = bridge.counts.cell(depth, lobe.h(arriving, axis), start.on_surface);
+            bridge.counts.probability(a, &cell)
+        };
         let uniform = f32x8::splat(bridge.defensive) / room(a);
-        let count = f32x8::splat(1.0 - bridge.defensive).mul_add(bridge.counts.probability(a, &cell), uniform);
-        let likelihood = suffix.likelihoods[a].inverse(depth);
-        let ratio = start.attempt * count * likelihood * distance_squared * straight * turn;
+        let count = match &arrival.hues {
+            None => f32x8::splat(1.0 - bridge.defensive).mul_add(tabled(straight), uniform),
+            Some(hues) => {
+                let counts = hues
+                    .depths(straight)
+                    .map(|depth| f32x8::splat(1.0 - bridge.defensive).mul_add(tabled(depth), uniform));
+                hues.mean(suffix.shares[a], counts)
+            }
+        };
+        let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped);
+        let crowded = medium.crowding(start) * distance;
+        let ratio = start.attempt * count * likelihood * distance_squared * crowded * turn;
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.scale() * arrival.inverse_area / arrival.cos_light

@@ -38,7 +38,7 @@ use super::bridge::Bridge;
 use super::light_sample::Reach;
 use super::mvnee::Mvnee;
 use super::{Densities, Row};
-use crate::tables::media::Medium;
+use crate::media::Medium;
 use crate::{PathLengths, random};
 
 /// Mean free paths within which starts also connect in a straight line (Weber, Hanika, Dachsbacher 2017).
@@ -63,9 +63,10 @@ pub struct Lis {
 }
 
 impl Lis {
-    /// The settings for `medium`, with the companion of the paper.
+    /// The settings for `medium`, with the companion of the paper, in mean free paths of the clearest channel.
     pub fn new(medium: &Medium, shape: Shape) -> Self {
-        Self { shape, near: (NEAR / f64::from(medium.extinction)) as f32 }
+        let clearest = medium.extinctions().into_iter().fold(f32::INFINITY, f32::min);
+        Self { shape, near: (NEAR / f64::from(clearest)) as f32 }
     }
 
     /// Longest way from a start to the vertex made from the light `[m]`; infinite for no limit.

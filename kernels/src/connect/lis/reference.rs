@@ -20,25 +20,25 @@ use crate::connect::bridge::reference::Start;
 use crate::connect::density::Density;
 use crate::connect::{bridge, mvnee, nee};
 use crate::emission::reference::direction_density;
-use crate::phase::reference::Phase;
+use crate::media::reference::Medium;
 use crate::tables::lights::Emitter;
 
 /// Density of making `vertex` from `point` on the emitter (volume measure) [1/m^3].
-pub fn vertex_density(emitter: &Emitter, extinction: f64, point: DVec3, vertex: DVec3) -> Density {
+pub fn vertex_density(emitter: &Emitter, medium: &dyn Medium, point: DVec3, vertex: DVec3) -> Density {
     let flight = (vertex - point).length();
     if flight == 0.0 {
         return Density::ZERO;
     }
     Density::new(direction_density(emitter, point, (vertex - point) / flight))
-        .times(extinction / (flight * flight))
-        .times_exp(-extinction * flight)
+        .times(medium.extinction(vertex) / (flight * flight))
+        .times_exp(-medium.optical_depth(point, vertex))
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light, in a path of at most `longest`
 /// segments; `light_density` is p_A P_l at the start. Zero unless a vertex is inserted.
 pub fn density(
     lis: &Lis,
-    medium: (f64, &dyn Phase),
+    medium: &dyn Medium,
     emitter: &Emitter,
     longest: u32,
     start: &Start,
@@ -51,10 +51,9 @@ pub fn density(
     let [_, .., vertex] = to_vertex else {
         return Density::ZERO;
     };
-    let (extinction, _) = medium;
-    let made = vertex_density(emitter, extinction, *point, *vertex);
+    let made = vertex_density(emitter, medium, *point, *vertex);
     let joined = match &lis.shape {
-        Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), extinction, to_vertex, light_density),
+        Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), medium, to_vertex, light_density),
         Shape::Bridge(bridge) => {
             // One of the segments comes after the vertex.
             let longest = longest.saturating_sub(1);
@@ -82,13 +81,15 @@ mod tests {
     use crate::connect::bridge::{Bridge, Roll};
     use crate::connect::mvnee::{Mvnee, Offset};
     use crate::emission::reference::normal;
+    use crate::media::Medium;
+    use crate::media::reference::Homogeneous;
     use crate::phase::{HenyeyGreenstein, PhaseFunction};
-    use crate::tables::media::Medium;
     use core::f64::consts::{FRAC_PI_2, PI};
 
     const PHASE: HenyeyGreenstein = HenyeyGreenstein { g: 0.5 };
-    const MEDIUM: Medium = Medium { extinction: 0.75, albedo: [1.0; 3], phase: PhaseFunction::HenyeyGreenstein(PHASE) };
-    const START: Start = Start { depth: 1, arriving: DVec3::X, on_surface: false };
+    const MEDIUM: Medium = Medium::homogeneous(0.75, [1.0; 3], PhaseFunction::HenyeyGreenstein(PHASE));
+    const FOG: Homogeneous<'_> = Homogeneous::new(0.75, &PHASE);
+    const START: Start = Start { depth: 1, position: DVec3::ZERO, arriving: DVec3::X, on_surface: false };
 
     fn disk(exponent: Option<f64>) -> Emitter {
         let plain = Emitter::disk(DVec3::new(0.3, -1.0, 2.0), DVec3::new(0.2, -0.4, 0.9), 0.5, [1.0; 3]);
@@ -101,7 +102,7 @@ mod tests {
     }
 
     fn made(lis: &Lis, longest: u32, chain: &[DVec3]) -> f64 {
-        density(lis, (0.75, &PHASE), &disk(Some(3.0)), longest, &START, chain, 2.0).value()
+        density(lis, &FOG, &disk(Some(3.0)), longest, &START, chain, 2.0).value()
     }
 
     #[test]
@@ -123,7 +124,7 @@ mod tests {
                 let t = v / (1.0 - v);
                 let vertex = DVec3::ONE + t * (theta.cos() * normal + theta.sin() * side);
                 let volume = TAU * t * t * theta.sin() * widest / f64::from(angles) / (1.0 - v).powi(2);
-                sum += vertex_density(&emitter, 0.75, DVec3::ONE, vertex).value() * volume / f64::from(flights);
+                sum += vertex_density(&emitter, &FOG, DVec3::ONE, vertex).value() * volume / f64::from(flights);
             }
             assert!((sum - 1.0).abs() < 1e-4, "{emitter:?}: {sum}");
         }
@@ -133,7 +134,7 @@ mod tests {
     fn nothing_is_made_behind_the_light_or_at_its_point() {
         let (disk, point) = (disk(Some(2.0)), DVec3::ONE);
         let normal = DVec3::from(disk.normal.map(f64::from));
-        let made = |vertex: DVec3| vertex_density(&disk, 1.0, point, vertex).value() > 0.0;
+        let made = |vertex: DVec3| vertex_density(&disk, &FOG, point, vertex).value() > 0.0;
         assert!(made(point + normal) && !made(point - normal) && !made(point));
         assert!(!made(point + normal.any_orthonormal_vector() - 1e-3 * normal));
     }
@@ -144,16 +145,14 @@ mod tests {
         let point = DVec3::ONE;
         let vertex = point + 0.5 * normal + 0.1 * DVec3::X;
         let between = DVec3::new(0.2, 0.3, 0.9);
-        let made_vertex = vertex_density(&disk(Some(3.0)), 0.75, point, vertex).value();
+        let made_vertex = vertex_density(&disk(Some(3.0)), &FOG, point, vertex).value();
         for lis in shapes() {
             for inner in [vec![], vec![between]] {
                 let to_vertex = [vec![DVec3::ZERO], inner, vec![vertex]].concat();
                 let chain = [to_vertex.clone(), vec![point]].concat();
                 let joined = match &lis.shape {
-                    Shape::Bridge(bridge) => {
-                        bridge::reference::density(bridge, (0.75, &PHASE), 7, &START, &to_vertex, 2.0)
-                    }
-                    Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), 0.75, &to_vertex, 2.0),
+                    Shape::Bridge(bridge) => bridge::reference::density(bridge, &FOG, 7, &START, &to_vertex, 2.0),
+                    Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), &FOG, &to_vertex, 2.0),
                 };
                 let found = made(&lis, 8, &chain);
                 assert!((found / (joined.value() * made_vertex) - 1.0).abs() < 1e-12, "{lis:?}: {found}");

@@ -1,7 +1,7 @@
 //! ```text
 //! y = vertex next to the light, at arc t
 //! scale = p_A (k + 2) / (2 pi) cos^k theta / phase(c_y),    half of it where both sides shine
-//! r     = scale * ratios of the shape on the suffix that ends at y, arcs less t
+//! r     = scale * ratios of the shape on the suffix that ends at y, depths less tau(t)
 //! ```
 //!
 //! 1. The shape's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place of
@@ -15,16 +15,17 @@ use wide::f32x8;
 use super::{Lis, Shape};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::connect::{bridge, mvnee};
+use crate::media::MediumX8;
 use crate::phase::PhaseX8;
 
 /// Sum of the ratios of all `starts`, >= 2, counted from the light; `room(a)` are the most edges from start `a` to the
 /// vertex made from the light.
 #[inline(always)]
-pub fn ratios(
+pub fn ratios<M: MediumX8>(
     lis: &Lis,
     phase: &impl PhaseX8,
     emission: f32x8,
-    arrival: &Arrival,
+    arrival: &Arrival<M>,
     suffix: &mut Suffix<'_>,
     starts: RangeInclusive<usize>,
     room: impl Fn(usize) -> f32x8,
@@ -33,16 +34,25 @@ pub fn ratios(
         return f32x8::ZERO;
     };
     let arrival = &Arrival {
-        extinction: arrival.extinction,
+        medium: arrival.medium,
+        hues: arrival.hues,
         inverse_area: arrival.inverse_area * emission * vertex.inverse_density,
         last_squared: (vertex.position - before.position).length_squared(),
         cos_light: f32x8::ONE,
-        skipped: vertex.arc,
+        skipped: vertex.depth,
     };
+    if let Some(hues) = &arrival.hues {
+        // From here on: shares times the density of the flight from the light, for which the hero counts, too.
+        let flight = hues.quotients(f32x8::ONE, vertex.depth);
+        for shares in &mut suffix.shares[*starts.start()..=*starts.end()] {
+            *shares = core::array::from_fn(|c| shares[c] * flight[c]);
+        }
+    }
     let suffix = &mut Suffix {
         vertices: &mut suffix.vertices[1..],
         projections: suffix.projections,
         likelihoods: suffix.likelihoods,
+        shares: &mut suffix.shares[1..],
     };
     let starts = starts.start() - 1..=starts.end() - 1;
     match &lis.shape {

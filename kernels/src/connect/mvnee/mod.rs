@@ -21,8 +21,8 @@ pub(crate) mod simd;
 
 use super::light_sample::Reach;
 use super::{Densities, Row};
+use crate::media::Medium;
 use crate::random;
-use crate::tables::media::Medium;
 
 /// How far a seed is moved off the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,10 +49,11 @@ pub struct Mvnee {
 }
 
 impl Mvnee {
-    /// The settings for `medium`, with at most `mesc` expected segments in a connection; infinite for no limit.
+    /// The settings for `medium`, with at most `mesc` expected segments in a connection, in any channel; infinite for
+    /// no limit.
     pub fn new(medium: &Medium, mesc: f64, offset: Offset) -> Self {
         Self {
-            max_distance: (mesc / f64::from(medium.extinction)) as f32,
+            max_distance: (mesc / f64::from(medium.largest_extinction())) as f32,
             offset,
             slope: slope::of(medium.phase.mean_cosine()) as f32,
         }

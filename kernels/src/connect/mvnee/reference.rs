@@ -20,6 +20,7 @@ use glam::DVec3;
 
 use super::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::density::Density;
+use crate::media::reference::Medium;
 
 /// [`Mvnee`] in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,7 @@ impl From<&Mvnee> for Settings {
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
 /// start. Zero if the chain is longer than the reach or turns back along its axis.
-pub fn density(settings: &Settings, extinction: f64, chain: &[DVec3], light_density: f64) -> Density {
+pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_density: f64) -> Density {
     let [start, inner @ .., point] = chain else {
         return Density::ZERO;
     };
@@ -53,12 +54,12 @@ pub fn density(settings: &Settings, extinction: f64, chain: &[DVec3], light_dens
     if segments.iter().any(|segment| *segment <= 0.0) {
         return Density::ZERO;
     }
-    let mut density = Density::new(light_density).times_exp(-extinction * distance);
+    let mut density = Density::new(light_density).times_exp(-medium.optical_depth(*start, *point));
     for (j, vertex) in inner.iter().enumerate() {
         let arm = *vertex - *start;
-        let rho = (arm - arm.dot(axis) * axis).length();
-        density =
-            density.times(extinction).times(offset_density(settings.offset, sigma(settings.slope, &segments, j), rho));
+        let seed = *start + arm.dot(axis) * axis;
+        let offset = offset_density(settings.offset, sigma(settings.slope, &segments, j), vertex.distance(seed));
+        density = density.times(medium.extinction(seed)).times(offset);
     }
     density
 }
@@ -100,6 +101,7 @@ pub fn offset_density(offset: Offset, sigma: f64, rho: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::reference::Homogeneous;
 
     const GGX: Settings = Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: 0.4 };
     const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };
@@ -107,13 +109,14 @@ mod tests {
     #[test]
     fn without_inserted_vertices_only_the_flight_past_the_light_counts() {
         let chain = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 5.0)];
-        let p = density(&GGX, 0.7, &chain, 0.25).value();
+        let p = density(&GGX, &Homogeneous::isotropic(0.7), &chain, 0.25).value();
         assert!((p - 0.25 * (-1.4_f64).exp()).abs() < 1e-15, "{p}");
     }
 
     #[test]
     fn the_density_of_one_inserted_vertex_integrates_to_its_poisson_probability() {
         let (extinction, distance) = (0.8, 2.0);
+        let medium = Homogeneous::isotropic(extinction);
         let point = DVec3::new(0.0, 0.0, distance);
         for settings in [GGX, GAUSSIAN] {
             let mut sum = 0.0;
@@ -122,7 +125,7 @@ mod tests {
                 // Radius by the substitution r = v / (1 - v), dr = dv / (1 - v)^2.
                 let v = (f64::from(j) + 0.5) / 1000.0;
                 let rho = v / (1.0 - v);
-                let p = density(&settings, extinction, &[DVec3::ZERO, DVec3::new(0.0, rho, t), point], 1.0).value();
+                let p = density(&settings, &medium, &[DVec3::ZERO, DVec3::new(0.0, rho, t), point], 1.0).value();
                 sum += p * 2.0 * PI * rho / (1.0 - v).powi(2) / 1000.0 * distance / 50.0;
             }
             let mean = extinction * distance;
@@ -137,7 +140,7 @@ mod tests {
             let mut chain = vec![DVec3::ZERO];
             chain.extend(inner.iter().map(|z| at(*z)));
             chain.push(DVec3::new(0.0, 0.0, 1.0));
-            density(settings, 1.0, &chain, 1.0).value() > 0.0
+            density(settings, &Homogeneous::isotropic(1.0), &chain, 1.0).value() > 0.0
         };
         assert!(made(&GGX, &[0.2, 0.5]));
         for inner in [[0.5, 0.2], [0.5, 0.5], [-0.1, 0.5], [0.5, 1.1], [0.0, 0.5], [0.5, 1.0]] {
@@ -145,6 +148,6 @@ mod tests {
         }
         assert!(!made(&Settings { max_distance: 0.99, ..GGX }, &[0.2, 0.5]));
         assert!(made(&Settings { max_distance: 1.0, ..GGX }, &[]));
-        assert_eq!(density(&GGX, 1.0, &[DVec3::ONE; 3], 1.0).value(), 0.0);
+        assert_eq!(density(&GGX, &Homogeneous::isotropic(1.0), &[DVec3::ONE; 3], 1.0).value(), 0.0);
     }
 }

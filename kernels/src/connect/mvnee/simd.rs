@@ -3,7 +3,7 @@
 //!     w, s: axis and distance to the light point
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
 //!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
-//!     r += p_A P_l l_{n-1}^2 / cos_light * exp(mu_t (Lambda_a - s)) / p_w(a)
+//!     r += p_A P_l l_{n-1}^2 / cos_light * exp(tau(Lambda_a) - tau(s)) / p_w(a)
 //!          * prod_v offset_density(width_v, rho_v) * spread_v
 //! ```
 //!
@@ -21,14 +21,15 @@ use wide::f32x8;
 
 use super::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
+use crate::media::MediumX8;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 
 /// Sum of the ratios of all `starts`, counted from the light.
 #[inline(always)]
-pub fn ratios(
+pub fn ratios<M: MediumX8>(
     mvnee: &Mvnee,
-    arrival: &Arrival,
+    arrival: &Arrival<M>,
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
 ) -> f32x8 {
@@ -48,9 +49,9 @@ pub fn ratios(
 /// its spread, as a function of squared width, squared offset and spread: quotients of areas, which no scale of the
 /// scene can make overflow.
 #[inline(always)]
-fn sum(
+fn sum<M: MediumX8>(
     mvnee: &Mvnee,
-    arrival: &Arrival,
+    arrival: &Arrival<M>,
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     slope: f32,
@@ -81,10 +82,20 @@ fn sum(
             product *= factor * f32x8::FRAC_1_PI;
             after += projection.step_squared;
         }
-        let detour = exp(arrival.extinction * (start.arc - arrival.skipped - distance));
-        sum += axial.possible.select(scale * start.attempt * detour * product, f32x8::ZERO);
+        let straight = arrival.medium.optical_depth(start.position, suffix.vertices[0].position, distance);
+        let detour = exp(start.depth - arrival.skipped - straight);
+        let ratio = scale * start.attempt * detour * product * seeds(arrival, suffix, a, straight);
+        sum += axial.possible.select(ratio, f32x8::ZERO);
     }
     sum
+}
+
+/// Density of the seeds between start `a` and the light, `straight` apart, over that of the row's own channel: the mean
+/// over the channels for which they may have been drawn.
+#[inline(always)]
+fn seeds<M: MediumX8>(arrival: &Arrival<M>, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
+    let Some(hues) = &arrival.hues else { return f32x8::ONE };
+    hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
 }
 
 /// A suffix seen along the axis from its start to its light point.

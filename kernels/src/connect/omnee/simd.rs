@@ -1,16 +1,17 @@
 //! ```text
-//! r = p_A P_l s (sin theta / theta) exp(mu_t L) / (F p_w mu_t cos_light)      two edges from the light, theta < pi / 2
+//! r = p_A P_l s (sin theta / theta) exp(tau(L)) / (F p_w mu_t cos_light)      two edges from the light, theta < pi / 2
 //! ```
 
 use wide::f32x8;
 
 use crate::connect::suffix::{Arrival, Suffix};
+use crate::media::MediumX8;
 use crate::transcendental::exp;
 
 /// Ratio of the one start that the technique has, two edges from the light; `forward_share` is F.
 #[inline(always)]
-pub fn ratio(arrival: &Arrival, suffix: &Suffix<'_>, forward_share: f32x8) -> f32x8 {
-    let Arrival { extinction, inverse_area, cos_light, .. } = *arrival;
+pub fn ratio<M: MediumX8>(arrival: &Arrival<M>, suffix: &Suffix<'_>, forward_share: f32x8) -> f32x8 {
+    let Arrival { medium, inverse_area, cos_light, .. } = *arrival;
     let (point, inserted, start) = (&suffix.vertices[0], &suffix.vertices[1], &suffix.vertices[2]);
     let cosine = inserted.leaving.dot(start.leaving);
     let sine = start.leaving.mul_neg_add(cosine, inserted.leaving).length_squared().sqrt();
@@ -19,6 +20,6 @@ pub fn ratio(arrival: &Arrival, suffix: &Suffix<'_>, forward_share: f32x8) -> f3
     let sinc = straight.select(f32x8::ONE, sine / theta);
     let distance = (point.position - start.position).length_squared().sqrt();
     let geometry = inverse_area * start.attempt * distance * sinc * start.inverse_density;
-    let ratio = geometry * exp(extinction * start.arc) / (forward_share * extinction * cos_light);
+    let ratio = geometry * exp(start.depth) / (forward_share * medium.extinction(inserted.position) * cos_light);
     (start.eligible & cosine.simd_gt(f32x8::ZERO)).select(ratio, f32x8::ZERO)
 }

@@ -69,11 +69,22 @@ fn check_count<T>(
     columns: CountColumns<'_, '_, T>,
     most: impl Fn(usize) -> u32,
 ) {
-    let CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count } = columns;
+    let CountColumns { technique, medium, lengths, solid, paths, immersion, last_surface, .. } = columns;
+    let CountColumns { connections, count, .. } = columns;
     let [both] = run_both!(
         (simd, reference)(step),
         [count],
-        CountColumns { technique, medium, lengths, solid, paths, last_surface, connections, count: &mut *count }
+        CountColumns {
+            technique,
+            medium,
+            lengths,
+            solid,
+            paths,
+            immersion,
+            last_surface,
+            connections,
+            count: &mut *count,
+        }
     );
     for at in 0..connections.len {
         count_rows(1);
@@ -108,7 +119,7 @@ fn check_build<T>(
     columns: BuildColumns<'_, '_, T>,
     tolerance: impl Fn([glam::Vec3; 2], &[glam::Vec3]) -> Tolerance,
 ) {
-    let BuildColumns { technique, medium, solid, paths, last_surface, .. } = columns;
+    let BuildColumns { technique, medium, solid, paths, immersion, last_surface, .. } = columns;
     let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
     let [candidates_both, chains_both] = run_both!(
         (simd, reference)(step),
@@ -118,6 +129,7 @@ fn check_build<T>(
             medium,
             solid,
             paths,
+            immersion,
             last_surface,
             connections,
             buckets,
@@ -169,11 +181,19 @@ pub(super) fn check_omnee_build(step: Step, columns: omnee_sample::BuildColumns<
 }
 
 pub(super) fn check_lis_vertex(step: Step, columns: lis_sample::VertexColumns<'_, '_>) {
-    let lis_sample::VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
+    let lis_sample::VertexColumns { medium, lights, lis, paths, immersion, connections, ends } = columns;
     let [connections_both, ends_both] = run_both!(
         lis_vertex(step),
         [connections, ends],
-        lis_sample::VertexColumns { medium, lights, lis, paths, connections: &mut *connections, ends: &mut *ends }
+        lis_sample::VertexColumns {
+            medium,
+            lights,
+            lis,
+            paths,
+            immersion,
+            connections: &mut *connections,
+            ends: &mut *ends,
+        }
     );
     // Points come from directions and flights, both drawn by powers and logarithms.
     check_queue("lis_vertex", &connections_both, &[("point", tolerances::CHAIN)]);

@@ -18,12 +18,12 @@ use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::emission::reference::cosine;
 use fogbow_kernels::lanes::{LANES, LaneSet};
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
-use fogbow_kernels::tables::media::Medium;
 use fogbow_kernels::{
     Step, accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
-    prune, remember, roulette, scatter, surface,
+    prune, remember, roulette, scatter, spectral_weight, surface,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -71,6 +71,7 @@ pub const CHECKED: Pipeline = Pipeline {
     light_hit: walk::check_light_hit,
     prune: walk::check_prune,
     flight_weight: walk::check_flight_weight,
+    spectral_weight: walk::check_spectral_weight,
     scatter: walk::check_scatter,
     surface: walk::check_surface,
     light_survey: connect::check_light_survey,

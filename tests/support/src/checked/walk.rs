@@ -3,18 +3,22 @@
 use super::*;
 
 pub(super) fn check_generate(step: Step, columns: generate::Columns<'_, '_>) {
-    let generate::Columns { camera, requested, requests, live, occupied, paths, last_surface, .. } = columns;
-    let generate::Columns { outlook, throughput, radiance, vertex, ray, .. } = columns;
-    let [live_both, occupied_both, paths_both, surface_both, outlook_both, throughput_both, radiance_both, at, toward] = run_both!(
+    let generate::Columns { camera, medium, requested, requests, live, occupied, paths, .. } = columns;
+    let generate::Columns { immersion, log_posterior, last_surface, outlook, .. } = columns;
+    let generate::Columns { throughput, radiance, vertex, ray, .. } = columns;
+    let [live_both, occupied_both, tables @ ..] = run_both!(
         generate(step),
-        [live, occupied, paths, last_surface, outlook, throughput, radiance, vertex, ray],
+        [live, occupied, paths, immersion, log_posterior, last_surface, outlook, throughput, radiance, vertex, ray],
         generate::Columns {
             camera,
+            medium,
             requested,
             requests,
             live: &mut *live,
             occupied: &mut *occupied,
             paths: &mut *paths,
+            immersion: &mut *immersion,
+            log_posterior: &mut *log_posterior,
             last_surface: &mut *last_surface,
             outlook: &mut *outlook,
             throughput: &mut *throughput,
@@ -26,7 +30,7 @@ pub(super) fn check_generate(step: Step, columns: generate::Columns<'_, '_>) {
     let close = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION)];
     for lane in lanes(live) {
         let allowed = if requested.contains(lane) { close.as_slice() } else { &[] };
-        for both in [&paths_both, &surface_both, &outlook_both, &throughput_both, &radiance_both, &at, &toward] {
+        for both in &tables {
             check_row("generate", (0, lane), both, allowed);
         }
     }
@@ -44,11 +48,11 @@ pub(super) fn check_remember(step: Step, columns: remember::Columns<'_, '_>) {
 }
 
 pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_, '_>) {
-    let medium_sample::Columns { medium, walk, live, paths, flights } = columns;
+    let medium_sample::Columns { medium, walk, live, paths, immersion, flights } = columns;
     let [live_both, both] = run_both!(
         medium_sample(step),
         [live, flights],
-        medium_sample::Columns { medium, walk, live: &mut *live, paths, flights: &mut *flights }
+        medium_sample::Columns { medium, walk, live: &mut *live, paths, immersion, flights: &mut *flights }
     );
     for lane in live.each() {
         check_row("medium_sample", (0, lane), &both, &[("flight", tolerances::FLIGHT)]);
@@ -58,10 +62,11 @@ pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_
 }
 
 pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, '_>) {
-    let first_flight::Columns { medium, lights, share, requested, paths, vertex, ray, flight, weight } = columns;
-    let [flight_both, weight_both] = run_both!(
+    let first_flight::Columns { medium, lights, share, requested, paths, vertex, ray, .. } = columns;
+    let first_flight::Columns { flight, weight, density, .. } = columns;
+    let [flight_both, weight_both, density_both] = run_both!(
         first_flight(step),
-        [flight, weight],
+        [flight, weight, density],
         first_flight::Columns {
             medium,
             lights,
@@ -72,12 +77,14 @@ pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, 
             ray,
             flight: &mut *flight,
             weight: &mut *weight,
+            density: &mut *density,
         }
     );
     for lane in lanes(requested) {
         let allowed = |tolerance| if requested.contains(lane) { tolerance } else { tolerances::EXACT };
         check_row("first_flight", (0, lane), &flight_both, &[("values", allowed(tolerances::AIMED_FLIGHT))]);
         check_row("first_flight", (0, lane), &weight_both, &[("values", allowed(tolerances::AIMED_WEIGHT))]);
+        check_row("first_flight", (0, lane), &density_both, &[("channels", allowed(tolerances::AIMED_WEIGHT))]);
     }
 }
 
@@ -139,7 +146,8 @@ pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
     check_queue("light_hit", &light_hits_both, &[("point", tolerances::POSITION)]);
     if views_both.0.indices("lane") == views_both.1.indices("lane") {
         for at in 0..views.len {
-            check_row("light_hit", (0, at), &worth_both, &[("weight", tolerances::TRANSMITTANCE)]);
+            let close = [("weight", tolerances::TRANSMITTANCE), ("factor", tolerances::QUOTIENT)];
+            check_row("light_hit", (0, at), &worth_both, &close);
         }
     }
     check_set("light_hit", &live_both);
@@ -164,6 +172,34 @@ pub(super) fn check_flight_weight(step: Step, columns: flight_weight::Columns<'_
         let weighed = requested.contains(lane) && live.contains(lane);
         let allowed = if weighed { tolerances::CONTRIBUTION } else { tolerances::EXACT };
         check_row("flight_weight", (0, lane), &both, &[("channels", allowed)]);
+    }
+}
+
+pub(super) fn check_spectral_weight(step: Step, columns: spectral_weight::Columns<'_, '_>) {
+    let spectral_weight::Columns { medium, live, on_surface, aimed, density, flight, surface_hits, .. } = columns;
+    let spectral_weight::Columns { vertex, ray, log_posterior, throughput, .. } = columns;
+    let [posterior_both, throughput_both] = run_both!(
+        spectral_weight(step),
+        [log_posterior, throughput],
+        spectral_weight::Columns {
+            medium,
+            live,
+            on_surface,
+            aimed,
+            density,
+            flight,
+            surface_hits,
+            vertex,
+            ray,
+            log_posterior: &mut *log_posterior,
+            throughput: &mut *throughput,
+        }
+    );
+    for lane in lanes(live) {
+        let weighed = live.contains(lane) || on_surface.contains(lane);
+        let allowed = |tolerance| if weighed { tolerance } else { tolerances::EXACT };
+        check_row("spectral_weight", (0, lane), &posterior_both, &[("channels", allowed(tolerances::LOG_POSTERIOR))]);
+        check_row("spectral_weight", (0, lane), &throughput_both, &[("channels", allowed(tolerances::QUOTIENT))]);
     }
 }
 

@@ -4,7 +4,8 @@ use super::*;
 
 pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>) {
     let mis_weight::Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, .. } = columns;
-    let mis_weight::Columns { chains, paths, last_surface, outlook, vertex, trail, suffix, worth, .. } = columns;
+    let mis_weight::Columns { chains, paths, log_posterior, last_surface, outlook, vertex, .. } = columns;
+    let mis_weight::Columns { trail, suffix, worth, .. } = columns;
     let [both] = run_both!(
         mis_weight(step),
         [worth],
@@ -19,6 +20,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
             candidates,
             chains,
             paths,
+            log_posterior,
             last_surface,
             outlook,
             vertex,
@@ -37,6 +39,22 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
         let largest = weight.max(weight_twin);
         if (weight == 0.0) != (weight_twin == 0.0) && largest > absolute {
             count_decisions(1);
+        } else if medium.is_coloured() && weight != 0.0 {
+            // Where two channels are as likely, kernel and twin may weigh by another one: all together is the same.
+            let [factor, factor_twin] = [&both.0, &both.1].map(|saved| saved.vector("factor", at));
+            for (factor, factor_twin) in factor.into_iter().zip(factor_twin) {
+                let (found, expected) = (weight * f64::from(factor), weight_twin * f64::from(factor_twin));
+                if (found - expected).abs() > absolute + (relative + conditioning) * found.max(expected) {
+                    let text = format!(
+                        "    worth: kernel {weight:e} {factor:e}  twin {weight_twin:e} {factor_twin:e}, {} inserted\n    \
+                         log posterior {:?}\n    {:?}",
+                        bucket.inserted,
+                        log_posterior.row(candidates.lane.rows()[at] as usize),
+                        sight.path(at),
+                    );
+                    fail("mis_weight", at, &text);
+                }
+            }
         } else if (weight - weight_twin).abs() > absolute + (relative + conditioning) * largest {
             let text = format!(
                 "    weight: kernel {weight:e}  twin {weight_twin:e}, {} inserted, conditioning {conditioning:e}\n    {:?}\n    {:?}",
@@ -46,6 +64,9 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
             );
             fail("mis_weight", at, &text);
         }
+    }
+    if medium.is_coloured() {
+        return;
     }
     let mut factors = both;
     factors.0.forget("weight");
@@ -90,7 +111,7 @@ impl Sight<'_, '_> {
         let emitter = &self.lights.emitters()[self.candidates.emitter.rows()[at] as usize];
         let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
         let cos_light = cosine(emitter, point, point - before);
-        tolerances::weight_conditioning(g, distance, shortest, cos_light)
+        tolerances::weight_conditioning(g, distance, shortest, cos_light / (1.0 + f64::from(emitter.exponent)))
             + tolerances::cone_conditioning(emitter.window, distance, shortest, cos_light)
     }
 }

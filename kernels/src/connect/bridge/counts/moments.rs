@@ -16,9 +16,9 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::{CountTable, DISTANCES, Knot, MOST_EDGES, TURNS, knots};
+use crate::media::Medium;
 use crate::phase::reference::{Phase, turn};
 use crate::random;
-use crate::tables::media::Medium;
 
 /// Walks that the means are taken over.
 const WALKS: u32 = 512;

@@ -72,14 +72,14 @@ pub fn draw(table: &CountTable, cell: &Cell, [along, across]: [f64; 2], number: 
 mod tests {
     use super::*;
     use crate::connect::bridge::counts::{DISTANCES, knots};
+    use crate::media::Medium;
     use crate::phase::PhaseFunction;
     use crate::phase::reference::{Phase, turn};
     use crate::random;
-    use crate::tables::media::Medium;
     use glam::DVec3;
 
     fn medium(g: f32, albedo: f32) -> Medium {
-        Medium { extinction: 1.0, albedo: [albedo; 3], phase: PhaseFunction::henyey_greenstein(g) }
+        Medium::homogeneous(1.0, [albedo; 3], PhaseFunction::henyey_greenstein(g))
     }
 
     #[test]

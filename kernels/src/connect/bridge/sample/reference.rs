@@ -21,13 +21,14 @@ use crate::connect::bridge::reference::{Start, cell, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
-use crate::medium_sample::reference::flight;
+use crate::media::reference::Medium;
 use crate::phase::reference::{Phase, frame, turn};
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
-    let CountColumns { technique: bridge, medium, lengths, solid, paths, last_surface, connections, count } = columns;
+    let CountColumns { technique: bridge, medium, lengths, solid, paths, immersion, last_surface, .. } = columns;
+    let CountColumns { connections, count, .. } = columns;
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
@@ -35,9 +36,9 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
             [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
         let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
-        let from = Start { depth: draws.depth, arriving, on_surface };
-        let constants = (f64::from(medium.extinction), medium.phase.twin());
-        let inserted = count_edges(bridge, constants, lengths, &from, point - start, &draws);
+        let from = Start { depth: draws.depth, position: start, arriving, on_surface };
+        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let inserted = count_edges(bridge, &medium, lengths, &from, point, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
@@ -57,8 +58,8 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
             let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
-            let from = Start { depth: draws.depth, arriving, on_surface };
-            place(from.roll(bridge), medium.phase.twin(), start, arriving, point, &draws, &mut inserted);
+            let from = Start { depth: draws.depth, position: start, arriving, on_surface };
+            place(bridge, medium.phase.twin(), &from, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
@@ -74,7 +75,7 @@ fn is_on_surface(last_surface: &LastSurfaceColumns<'_>, lane: usize, depth: u32)
 }
 
 impl Draws {
-    /// The numbers that choose between the two distributions of the count, from the chosen one, and the knot in mu_t s.
+    /// The numbers that choose between the two distributions of the count, from the chosen one, and the knot in optical depth.
     pub fn count(&self) -> [f64; 3] {
         let [which, count, _, along] = self.uniforms(random::BRIDGE_COUNT);
         [which, count, along]
@@ -92,14 +93,14 @@ impl Draws {
     }
 }
 
-/// Number of vertices to insert, one less than edges, from `start` to a light point `way` from there `[m]`; None if
-/// that exceeds the room. `medium`: extinction and phase function.
+/// Number of vertices to insert, one less than edges, from `start` to the light `point` `[m]`; None if that exceeds
+/// the room.
 pub fn count_edges(
     bridge: &Bridge,
-    medium: (f64, &dyn Phase),
+    medium: &dyn Medium,
     lengths: PathLengths,
     start: &Start,
-    way: DVec3,
+    point: DVec3,
     draws: &Draws,
 ) -> Option<u32> {
     let room = room(bridge, lengths.max, start.depth);
@@ -111,22 +112,14 @@ pub fn count_edges(
         return Some((count * f64::from(room)).floor() as u32);
     }
     let across = (which - f64::from(bridge.defensive)) / (1.0 - f64::from(bridge.defensive));
-    let cell = cell(bridge, medium, start, way);
+    let cell = cell(bridge, medium, start, point);
     let inserted = counts::reference::draw(&bridge.counts, &cell, [along, across], count);
     (inserted < room).then_some(inserted)
 }
 
-/// Fills `inserted` with the inner vertices of a bridge from `start`, where the path arrives in direction `arriving`,
-/// to `point` `[m]`.
-pub fn place(
-    roll: Roll,
-    phase: &dyn Phase,
-    start: DVec3,
-    arriving: DVec3,
-    point: DVec3,
-    draws: &Draws,
-    inserted: &mut [DVec3],
-) {
+/// Fills `inserted` with the inner vertices of a bridge from `start` to `point` `[m]`.
+pub fn place(bridge: &Bridge, phase: &dyn Phase, from: &Start, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
+    let Start { position: start, arriving, .. } = *from;
     let walk = free_walk(phase, inserted.len() + 1, draws);
     let reached = walk[inserted.len()];
     let end = reached.normalize();
@@ -138,7 +131,7 @@ pub fn place(
     let arriving_azimuth = arriving.dot(bitangent).atan2(arriving.dot(tangent));
     // Any roll will do to measure the angle between first edge and axis, which is that between z and the walk's end.
     let unrolled = DVec3::Z.dot(end) * axis + DVec3::Z.dot(across_end) * tangent;
-    let azimuth = arriving_azimuth + psi(roll, phase, arriving, axis, unrolled, draws.roll());
+    let azimuth = arriving_azimuth + psi(from.roll(bridge), phase, arriving, axis, unrolled, draws.roll());
     let side = azimuth.cos() * tangent + azimuth.sin() * bitangent;
     let other_side = axis.cross(side);
 
@@ -154,7 +147,7 @@ fn free_walk(phase: &dyn Phase, edges: usize, draws: &Draws) -> Vec<DVec3> {
     let mut ends = Vec::with_capacity(edges);
     for k in 0..edges {
         let [length, cosine, azimuth] = draws.edge(k);
-        position += flight(1.0, length) * direction;
+        position -= (1.0 - length).ln() * direction;
         ends.push(position);
         direction = turn(direction, phase.sample_cosine(cosine), azimuth);
     }
@@ -194,18 +187,19 @@ fn select(lobes: &[(f64, f64)], u: f64) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::connect::bridge::reference::{count_probability, density, roll_density};
+    use crate::media::Medium;
+    use crate::media::reference::Homogeneous;
     use crate::phase::HenyeyGreenstein;
     use crate::phase::PhaseFunction;
     use crate::phase::henyey_greenstein::reference as lobe;
-    use crate::tables::media::Medium;
 
     fn bridge(g: f32) -> Bridge {
         let phase = PhaseFunction::henyey_greenstein(g);
-        Bridge::new(Roll::Aligned, &Medium { extinction: 1.0, albedo: [1.0; 3], phase }, 30)
+        Bridge::new(Roll::Aligned, &Medium::homogeneous(1.0, [1.0; 3], phase), 30)
     }
 
     fn start(arriving: DVec3) -> Start {
-        Start { depth: 2, arriving, on_surface: false }
+        Start { depth: 2, position: DVec3::ZERO, arriving, on_surface: false }
     }
 
     fn draws(pixel: u32) -> Draws {
@@ -216,7 +210,7 @@ mod tests {
     fn counts_follow_their_probabilities() {
         let samples = 40_000;
         let limited = Bridge { max_inserted: 2, ..bridge(0.6) };
-        let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.6 });
+        let medium = &Homogeneous::new(1.0, &HenyeyGreenstein { g: 0.6 });
         for (bridge, way, max) in [(bridge(0.6), 2.4, 30), (bridge(0.6), 13.5, 8), (limited, 2.4, 30)] {
             let (lengths, way) = (PathLengths { min: 1, max }, way * DVec3::X);
             for start in [start(DVec3::Y), Start { on_surface: true, ..start(DVec3::Y) }] {
@@ -239,7 +233,7 @@ mod tests {
     fn without_room_bridges_are_dropped() {
         let count = |max: u32| {
             let lengths = PathLengths { min: 1, max };
-            let medium: (f64, &dyn Phase) = (1.0, &HenyeyGreenstein { g: 0.5 });
+            let medium = &Homogeneous::new(1.0, &HenyeyGreenstein { g: 0.5 });
             count_edges(&bridge(0.5), medium, lengths, &start(DVec3::X), DVec3::ZERO, &draws(0))
         };
         assert_eq!([1, 2, 3].map(count), [None, None, Some(0)]);
@@ -314,7 +308,8 @@ mod tests {
         for (pixel, roll) in (0..50).flat_map(|pixel| [(pixel, Roll::Aligned), (pixel, Roll::Uniform)]) {
             let draws = draws(pixel);
             let mut inserted = [DVec3::ZERO; 3];
-            place(roll, &phase, start, arriving, point, &draws, &mut inserted);
+            let from = Start { position: start, ..self::start(arriving) };
+            place(&Bridge { roll, ..bridge(0.6) }, &phase, &from, point, &draws, &mut inserted);
             let first = (inserted[0] - start).normalize();
             let across = |v: DVec3| (v - v.dot(axis) * axis).normalize();
             let (from, to) = (across(arriving), across(first));
@@ -327,10 +322,11 @@ mod tests {
     #[test]
     fn bridges_keep_the_shape_of_their_walk() {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
-        let phase = HenyeyGreenstein { g: 0.5 };
+        let (bridge, phase) = (bridge(0.5), HenyeyGreenstein { g: 0.5 });
+        let from = Start { position: start, ..self::start(DVec3::X) };
         for pixel in 0..50 {
             let mut chain = [start; 6];
-            place(Roll::Aligned, &phase, start, DVec3::X, point, &draws(pixel), &mut chain[1..5]);
+            place(&bridge, &phase, &from, point, &draws(pixel), &mut chain[1..5]);
             chain[5] = point;
             let walk = [vec![DVec3::ZERO], free_walk(&phase, 5, &draws(pixel))].concat();
             let scale = (point - start).length() / walk[5].length();
@@ -357,19 +353,20 @@ mod tests {
         {
             let (bridge, from) = (Bridge { roll, ..bridge(g) }, self::start(arriving));
             let phase = HenyeyGreenstein { g };
+            let medium = &Homogeneous::new(1.0, &phase);
             // Pairs of vertices are rarely both in the ball.
             let samples = if inserted == 1 { 100_000 } else { 1_000_000 };
             let (mut sum, mut squares) = (0.0, 0.0);
             // Given the number of edges, so without its probability.
-            let probability = count_probability(&bridge, (1.0, &phase), 9, &from, point - start, inserted as u32 + 1);
+            let probability = count_probability(&bridge, medium, 9, &from, point, inserted as u32 + 1);
             for pixel in 0..samples {
                 let mut chain = vec![start; inserted + 2];
-                place(roll, &phase, start, arriving, point, &draws(pixel), &mut chain[1..=inserted]);
+                place(&bridge, &phase, &from, point, &draws(pixel), &mut chain[1..=inserted]);
                 chain[inserted + 1] = point;
                 if chain[1..=inserted].iter().any(|vertex| (*vertex - center).length() > radius) {
                     continue;
                 }
-                let p = density(&bridge, (1.0, &phase), 9, &from, &chain, 1.0 / probability).value();
+                let p = density(&bridge, medium, 9, &from, &chain, 1.0 / probability).value();
                 let ratio = h.powi(inserted as i32) / p;
                 sum += ratio;
                 squares += ratio * ratio;

@@ -1,5 +1,5 @@
 //! ```text
-//! count: u < eps ? floor(v room) : drawn from the table at mu_t s and gamma
+//! count: u < eps ? floor(v room) : drawn from the table at tau(s) and gamma
 //! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
@@ -20,24 +20,28 @@ use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
+use crate::media::{MediumLanes, MediumX8};
 use crate::phase::henyey_greenstein::roll_by;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::random;
 use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes, with_phase};
+use crate::{Step, lanes, with_medium, with_phase};
 
 /// Shortest length by which a direction is normalised.
 const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
-    with_phase!(&columns.medium.phase, |phase| count_edges(step, columns, phase));
+    with_medium!(columns.medium, |medium| with_phase!(&columns.medium.phase, |phase| count_edges(
+        step, columns, medium, phase
+    )));
 }
 
 #[inline(always)]
-fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
-    let CountColumns { technique: bridge, medium, lengths, solid, paths, last_surface, connections, count } = columns;
+fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, medium: impl MediumLanes, phase: impl PhaseX8) {
+    let CountColumns { technique: bridge, lengths, solid, paths, immersion, last_surface, .. } = columns;
+    let CountColumns { connections, count, .. } = columns;
     let most = bridge.max_inserted.saturating_add(1);
     let lobe = phase.lobe();
     for b in 0..connections.len.div_ceil(LANES) {
@@ -46,11 +50,13 @@ fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, phase: impl Ph
         let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
         let [choice, number, _, along] = sequence.uniforms(random::BRIDGE_COUNT);
         let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
-        let to_light = connections.point.batch(b) - connections.start.batch(b);
+        let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
+        let (start, point) = (connections.start.batch(b), connections.point.batch(b));
+        let to_light = point - start;
         let distance = to_light.length_squared().sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
         let h = lobe.h(connections.arriving.batch(b), axis);
-        let cell = bridge.counts.cell(f32x8::splat(medium.extinction) * distance, h, on_surface);
+        let cell = bridge.counts.cell(medium.optical_depth(start, point, distance), h, on_surface);
 
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
         let across = (choice - f32x8::splat(bridge.defensive)) * f32x8::splat(1.0 / (1.0 - bridge.defensive));

@@ -6,11 +6,11 @@ pub mod simd;
 
 use super::Lis;
 use crate::Step;
-use crate::columns::paths::PathColumns;
+use crate::columns::paths::{ImmersionColumns, PathColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable, EndQueue};
 use crate::connect::buckets::BucketTable;
+use crate::media::Medium;
 use crate::tables::lights::Lights;
-use crate::tables::media::Medium;
 
 /// What making vertices from the light may touch.
 pub struct VertexColumns<'a, 'q> {
@@ -22,6 +22,8 @@ pub struct VertexColumns<'a, 'q> {
     pub lis: &'a Lis,
     /// Read: pixel, sample, birth.
     pub paths: &'a PathColumns<'q>,
+    /// Read where extinction is coloured: hero.
+    pub immersion: &'a ImmersionColumns<'q>,
     /// Filled: `point`, which becomes the vertex; connections whose start is too far from it are left out.
     pub connections: &'a mut CandidateQueue<'q>,
     /// Filled, at the same rows: the points on the light.
@@ -32,7 +34,7 @@ pub struct VertexColumns<'a, 'q> {
 ///
 /// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a
 /// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the
-/// third the flight `-ln(1 - u) / mu_t`; where both sides of a light shine, it is the back if the fourth is below 1/2.
+/// third the flight, for the hero of the path; where both sides of a light shine, it is the back if the fourth is below 1/2.
 pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);
 
 /// What completing the connections may touch.

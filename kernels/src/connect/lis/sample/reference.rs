@@ -1,7 +1,7 @@
 //! Making the connections of light importance sampling, in f64 (after Weber, Hanika, Dachsbacher 2017).
 //!
 //! ```text
-//! cos theta = u_1^{1 / (k + 2)},   phi = 2 pi u_2,   t = -ln(1 - u_3) / mu_t
+//! cos theta = u_1^{1 / (k + 2)},   phi = 2 pi u_2,   t = flight of u_3
 //! y = x_n + t (cos theta normal + sin theta (cos phi tangent + sin phi bitangent))
 //! ```
 //!
@@ -13,13 +13,13 @@ use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{Candidate, End};
 use crate::connect::lis::Lis;
 use crate::emission::reference::emit;
-use crate::medium_sample::reference::flight;
+use crate::media::reference::Medium;
 use crate::tables::lights::Emitter;
 use crate::{Step, random};
 
 /// The twin; see [`VertexKernel`](super::VertexKernel).
 pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
-    let VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
+    let VertexColumns { medium, lights, lis, paths, immersion, connections, ends } = columns;
     let rows: Vec<Candidate> = (0..connections.len).map(|row| connections.row(row)).collect();
     (connections.len, ends.len) = (0, 0);
     for connection in rows {
@@ -27,7 +27,8 @@ pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
-        let vertex = place(&lights.emitters()[connection.emitter as usize], f64::from(medium.extinction), end, u);
+        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let vertex = place(&lights.emitters()[connection.emitter as usize], &medium, end, u);
         if is_within_reach(lis, start, vertex) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
             ends.push(End { lane: connection.lane, point: connection.point });
@@ -41,8 +42,9 @@ pub fn uniforms(pixel: u32, sample: u32, depth: u32, seed: u32) -> [f64; 4] {
 }
 
 /// The vertex made from `point` on the emitter `[m]`.
-pub fn place(emitter: &Emitter, extinction: f64, point: DVec3, u: [f64; 4]) -> DVec3 {
-    point + flight(extinction, u[2]) * emit(emitter, point, u)
+pub fn place(emitter: &Emitter, medium: &dyn Medium, point: DVec3, u: [f64; 4]) -> DVec3 {
+    let direction = emit(emitter, point, u);
+    point + medium.flight(u[2]) * direction
 }
 
 /// Whether the shape may join `start` with `vertex`.
@@ -66,11 +68,13 @@ pub fn join(_: Step, columns: JoinColumns<'_, '_>) {
 mod tests {
     use super::*;
     use crate::connect::lis::reference::vertex_density;
+    use crate::media::reference::Homogeneous;
 
     /// Cells of the unit cube of random numbers are mapped to cells of space; where the map has the Jacobian J, the
     /// density must be 1 / |J|.
     #[test]
     fn the_density_is_one_over_the_jacobian() {
+        let medium = Homogeneous::isotropic(0.7);
         let plain = Emitter::disk(DVec3::new(0.3, -1.0, 2.0), DVec3::new(0.2, -0.4, 0.9), 0.5, [1.0; 3]);
         let sphere = Emitter::sphere(DVec3::ONE - 0.5 * DVec3::Y, 0.5, [1.0; 3]);
         for disk in [plain, plain.focused(0.0), plain.focused(7.0), plain.focused(200.0), sphere] {
@@ -80,12 +84,12 @@ mod tests {
                     let moved = |by: f64| {
                         let mut u = u;
                         u[k] += by;
-                        place(&disk, 0.7, DVec3::ONE, u)
+                        place(&disk, &medium, DVec3::ONE, u)
                     };
                     (moved(step) - moved(-step)) / (2.0 * step)
                 };
                 let jacobian = slope(0).cross(slope(1)).dot(slope(2)).abs();
-                let p = vertex_density(&disk, 0.7, DVec3::ONE, place(&disk, 0.7, DVec3::ONE, u)).value();
+                let p = vertex_density(&disk, &medium, DVec3::ONE, place(&disk, &medium, DVec3::ONE, u)).value();
                 assert!((p * jacobian - 1.0).abs() < 1e-5, "{disk:?}, u = {u:?}: {}", p * jacobian);
             }
         }

@@ -1,5 +1,5 @@
 //! ```text
-//! vertex: y = x_n + t d,   d drawn in proportion to the emission at x_n,   t = -ln(1 - u) / mu_t
+//! vertex: y = x_n + t d,   d drawn in proportion to the emission at x_n,   t a free flight
 //!         keep if |y - x| <= max_distance
 //! join:   chain = .. y,   point = x_n
 //! ```
@@ -12,24 +12,29 @@ use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{CandidateBatch, EndBatch};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
-use crate::transcendental::neg_ln;
-use crate::{Step, lanes, random};
+use crate::media::{MediumLanes, MediumX8};
+use crate::{Step, lanes, random, with_medium};
 
 /// The SIMD kernel; see [`VertexKernel`](super::VertexKernel).
 pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
-    let VertexColumns { medium, lights, lis, paths, connections, ends } = columns;
-    let mean_free_path = f32x8::splat((1.0 / f64::from(medium.extinction)) as f32);
+    with_medium!(columns.medium, |medium| make(step, columns, medium));
+}
+
+#[inline(always)]
+fn make(step: Step, columns: VertexColumns<'_, '_>, medium: impl MediumLanes) {
+    let VertexColumns { lights, lis, paths, immersion, connections, ends, .. } = columns;
     let reach_squared = f32x8::splat(lis.max_distance() * lis.max_distance());
     let count = core::mem::take(&mut connections.len);
     ends.len = 0;
     for b in 0..count.div_ceil(LANES) {
         let connection = connections.batch(b);
         let CandidateBatch { lane, emitter, start, point: end, .. } = connection;
-        let sequence = Sequence::new(step, paths, &lane.to_array());
+        let lane_of = lane.to_array();
+        let sequence = Sequence::new(step, paths, &lane_of);
+        let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
         let uniforms @ [_, _, flight, _] = sequence.uniforms(random::LIS_VERTEX);
         let direction = lights.emit(&emitter.to_array(), end, uniforms);
-        let flight = neg_ln(f32x8::ONE - flight) * mean_free_path;
-        let point = direction.mul_add(flight, end);
+        let point = direction.mul_add(medium.flight(f32x8::ONE - flight), end);
         let near = (point - start).length_squared().simd_le(reach_squared);
         let keep = lanes::bits(near) & lanes::first(count - b * LANES);
         connections.push_batch(keep, CandidateBatch { point, ..connection });

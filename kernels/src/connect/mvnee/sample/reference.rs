@@ -1,7 +1,7 @@
 //! Making MVNEE's connections, in f64 (Weber, Hanika, Dachsbacher 2017).
 //!
 //! ```text
-//! seeds:    t_k = t_{k-1} - ln(1 - u) / mu_t    while t_k < s
+//! seeds:    t_k = t_{k-1} + a free flight        while t_k < s
 //! vertices: x_k = x + t_k w + r (cos(phi) tangent + sin(phi) bitangent),   phi = 2 pi u'
 //! GGX:      r = alpha sqrt(u / (1 - u)),        alpha = 1.637618734 sigma
 //! Gaussian: r = sigma sqrt(-2 ln(1 - u))
@@ -17,26 +17,27 @@ use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::mvnee::reference::{Settings, sigma};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::sequence::Draws;
-use crate::medium_sample::reference::flight;
+use crate::media::reference::Medium;
 use crate::phase::reference::frame;
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
-    let CountColumns { medium, lengths, paths, connections, count, .. } = columns;
+    let CountColumns { medium, lengths, paths, immersion, connections, count, .. } = columns;
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
-        let inserted = count_seeds(f64::from(medium.extinction), (point - start).length(), lengths, &draws);
+        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let inserted = count_seeds(&medium, (point - start).length(), lengths, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
 
 /// The twin; see [`BuildKernel`](super::BuildKernel).
 pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
-    let BuildColumns { technique, medium, paths, connections, buckets, candidates, chains, .. } = columns;
+    let BuildColumns { technique, medium, paths, immersion, connections, buckets, candidates, chains, .. } = columns;
     let settings = Settings::from(technique);
     let mut inserted = Vec::new();
     for bucket in buckets.buckets() {
@@ -47,7 +48,8 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
             let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            place(&settings, f64::from(medium.extinction), start, point, &draws, &mut inserted);
+            let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+            place(&settings, &medium, start, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
@@ -72,11 +74,11 @@ impl Draws {
 }
 
 /// Number of seeds on an axis of length `distance` `[m]`; None if the path would exceed `lengths.max` segments.
-pub fn count_seeds(extinction: f64, distance: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
+pub fn count_seeds(medium: &dyn Medium, distance: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
     let mut reached = 0.0;
     let mut seeds = 0;
     while draws.depth + seeds < lengths.max {
-        reached += flight(extinction, draws.flight(seeds as usize));
+        reached += medium.flight(draws.flight(seeds as usize));
         if reached >= distance {
             return Some(seeds);
         }
@@ -86,8 +88,15 @@ pub fn count_seeds(extinction: f64, distance: f64, lengths: PathLengths, draws: 
 }
 
 /// Fills `inserted` with as many perturbed seeds, between `start` and `point` `[m]`.
-pub fn place(settings: &Settings, extinction: f64, start: DVec3, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
-    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| flight(extinction, draws.flight(k))).collect();
+pub fn place(
+    settings: &Settings,
+    medium: &dyn Medium,
+    start: DVec3,
+    point: DVec3,
+    draws: &Draws,
+    inserted: &mut [DVec3],
+) {
+    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| medium.flight(draws.flight(k))).collect();
     let distance = (point - start).length();
     segments.push(distance - segments.iter().sum::<f64>());
     let axis = (point - start).normalize_or_zero();
@@ -114,6 +123,7 @@ pub fn offset_radius(offset: Offset, sigma: f64, u: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::connect::mvnee::reference::{density, offset_density};
+    use crate::media::reference::Homogeneous;
 
     const FREE: PathLengths = PathLengths { min: 1, max: 1000 };
 
@@ -139,7 +149,8 @@ mod tests {
         let (extinction, distance, samples) = (1.5, 1.6, 20_000);
         let mut shares = [0.0; 4];
         for pixel in 0..samples {
-            let seeds = count_seeds(extinction, distance, FREE, &draws(pixel)).expect("room for all") as usize;
+            let seeds = count_seeds(&Homogeneous::isotropic(extinction), distance, FREE, &draws(pixel))
+                .expect("room for all") as usize;
             if seeds < shares.len() {
                 shares[seeds] += 1.0 / f64::from(samples);
             }
@@ -154,9 +165,9 @@ mod tests {
 
     #[test]
     fn connections_beyond_the_length_limit_are_dropped() {
-        let limit = |max: u32| count_seeds(1e3, 1.0, PathLengths { min: 1, max }, &draws(0));
+        let limit = |max: u32| count_seeds(&Homogeneous::isotropic(1e3), 1.0, PathLengths { min: 1, max }, &draws(0));
         assert_eq!([1, 2, 3, 50].map(limit), [None; 4]);
-        let direct = |max: u32| count_seeds(0.0, 1.0, PathLengths { min: 1, max }, &draws(0));
+        let direct = |max: u32| count_seeds(&Homogeneous::isotropic(0.0), 1.0, PathLengths { min: 1, max }, &draws(0));
         assert_eq!([2, 3].map(direct), [None, Some(0)]);
     }
 
@@ -164,13 +175,14 @@ mod tests {
     fn what_is_made_has_a_density() {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
         for offset in [Offset::Ggx, Offset::Gaussian] {
+            let medium = Homogeneous::isotropic(1.0);
             let settings = Settings { max_distance: f64::INFINITY, offset, slope: 0.8 };
             for pixel in 0..200 {
-                let seeds = count_seeds(1.0, (point - start).length(), FREE, &draws(pixel)).expect("room for all");
+                let seeds = count_seeds(&medium, (point - start).length(), FREE, &draws(pixel)).expect("room for all");
                 let mut chain = vec![start; seeds as usize + 2];
-                place(&settings, 1.0, start, point, &draws(pixel), &mut chain[1..=seeds as usize]);
+                place(&settings, &medium, start, point, &draws(pixel), &mut chain[1..=seeds as usize]);
                 chain[seeds as usize + 1] = point;
-                let p = density(&settings, 1.0, &chain, 1.0).value();
+                let p = density(&settings, &medium, &chain, 1.0).value();
                 assert!(p > 0.0 && p.is_finite(), "pixel {pixel}, {seeds} seeds: {p}");
             }
         }

@@ -1,5 +1,5 @@
 //! ```text
-//! count: m = number of k with t_0 + .. + t_k < s,  t_k = -ln(1 - u_k) / mu_t
+//! count: m = number of k with t_0 + .. + t_k < s,  t_k free flights
 //! build: seed k at t_0 + .. + t_k along the axis, moved by r (cos(2 pi v) tangent + sin(2 pi v) bitangent),
 //!        r = width sqrt(u / (1 - u))  or  width sqrt(-2 ln(1 - u)),   width^2 = c^2 slope^2 L R / (L + R)
 //! ```
@@ -18,30 +18,31 @@ use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
+use crate::media::{MediumLanes, MediumX8};
 use crate::random;
-use crate::tables::media::Medium;
 use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes};
-
-#[inline(always)]
-fn mean_free_path(medium: &Medium) -> f32x8 {
-    f32x8::splat((1.0 / f64::from(medium.extinction)) as f32)
-}
+use crate::{Step, lanes, with_medium};
 
 /// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
 #[inline(always)]
-fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
+fn flights(sequence: &Sequence, medium: impl MediumX8, k: usize) -> [f32x8; 4] {
     let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS.nth(k as u32));
-    uniforms.map(|u| neg_ln(f32x8::ONE - u) * mean_free_path)
+    uniforms.map(|u| medium.flight(f32x8::ONE - u))
 }
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
-    let CountColumns { medium, lengths, paths, connections, count: counts, .. } = columns;
-    let mean_free_path = mean_free_path(medium);
+    with_medium!(columns.medium, |medium| count_seeds(step, columns, medium));
+}
+
+#[inline(always)]
+fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
+    let CountColumns { lengths, paths, immersion, connections, count: counts, .. } = columns;
     for b in 0..connections.len.div_ceil(LANES) {
-        let sequence = Sequence::new(step, paths, &connections.lane.batch(b).to_array());
+        let lane_of = connections.lane.batch(b).to_array();
+        let sequence = Sequence::new(step, paths, &lane_of);
+        let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
         let axis = connections.point.batch(b) - connections.start.batch(b);
         let distance = axis.length_squared().sqrt();
         let longest = u32x8::splat(lengths.max - 1) - sequence.depth;
@@ -49,7 +50,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
-            for flight in flights(&sequence, mean_free_path, k) {
+            for flight in flights(&sequence, medium, k) {
                 along += flight;
                 inside &= along.simd_lt(distance) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
@@ -65,16 +66,22 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
 
 /// The SIMD kernel; see [`BuildKernel`](super::BuildKernel).
 pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
-    let BuildColumns { technique: mvnee, medium, paths, connections, buckets, candidates, chains, .. } = columns;
-    let mean_free_path = mean_free_path(medium);
+    with_medium!(columns.medium, |medium| place_seeds(step, columns, medium));
+}
+
+#[inline(always)]
+fn place_seeds(step: Step, columns: BuildColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
+    let BuildColumns { technique: mvnee, paths, immersion, connections, buckets, candidates, chains, .. } = columns;
     for bucket in buckets.buckets() {
         for (b, _) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
             if bucket.inserted > 0 {
-                let sequence = Sequence::new(step, paths, &candidate.lane.to_array());
+                let lane_of = candidate.lane.to_array();
+                let sequence = Sequence::new(step, paths, &lane_of);
+                let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
                 let chain = &mut chains.vertices[..bucket.inserted];
-                place(&sequence, mvnee, mean_free_path, &candidate, chain, b);
+                place(&sequence, mvnee, medium, &candidate, chain, b);
             }
         }
     }
@@ -85,7 +92,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
 fn place(
     sequence: &Sequence,
     mvnee: &Mvnee,
-    mean_free_path: f32x8,
+    medium: impl MediumX8,
     candidate: &CandidateBatch,
     chain: &mut [Column3<'_>],
     b: usize,
@@ -98,7 +105,7 @@ fn place(
     // Leave (step, L, place on the axis) of every seed in its place in the chain.
     let (mut along, mut before) = (f32x8::ZERO, f32x8::ZERO);
     for (k, four) in chain.chunks_mut(4).enumerate() {
-        for (seed, flight) in four.iter_mut().zip(flights(sequence, mean_free_path, k)) {
+        for (seed, flight) in four.iter_mut().zip(flights(sequence, medium, k)) {
             along += flight;
             before = flight.mul_add(flight, before);
             seed.set_batch(b, Vec3x8::new(flight, before, along));

@@ -6,7 +6,7 @@ pub mod simd;
 use crate::Step;
 use crate::columns::paths::PathColumns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
-use crate::tables::media::Medium;
+use crate::media::Medium;
 
 /// What building may touch.
 pub struct BuildColumns<'a, 'q> {

@@ -1,0 +1,96 @@
+//! Weights where extinction differs between channels, as [`spectral`](crate::media::spectral) derives them.
+//!
+//! ```text
+//! * = channel of the largest posterior_c(s) p_c(x_s .. x_n)
+//! W_i = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_i);      share_c(i) = its term over it
+//! sum = reach(n) W_0 + sum_i reach(i) W_i r_i,             factor_k = albedo^m (p_k / p_*)(x_s .. x_n)
+//! ```
+//!
+//! 1. Vertices are counted from the start s, and depths measured from there: both are negative for the vertices before
+//!    it, which makes the quotients the reciprocals that they have to be.
+//! 2. Logarithms are added before anything is exponentiated.
+
+use core::ops::RangeInclusive;
+
+use wide::{f32x8, u32x8};
+
+use super::simd::Batch;
+use crate::columns::Spectrum;
+use crate::columns::queues::WorthTable;
+use crate::connect::suffix::Suffix;
+use crate::media::spectral::{CHANNELS, Hues, largest};
+use crate::media::{MediumLanes, MediumX8};
+use crate::transcendental::exp;
+
+/// Largest exponent of a factor: a channel in which a path is likelier by more is not the reference only if almost
+/// nothing of it came as far as the start.
+const LARGEST_EXPONENT: f32 = 80.0;
+
+/// Eight candidates in all channels.
+pub(super) struct Colours {
+    /// The channel in which each is weighed.
+    pub reference: u32x8,
+    /// Extinction of all channels over that of the reference.
+    pub hues: Hues,
+    /// ln of the probability that a path was drawn for a channel, given its way to the start.
+    log_posterior: [f32x8; CHANNELS],
+}
+
+impl Colours {
+    /// Those of the candidates of `batch`, whose suffixes know their arcs.
+    #[inline(always)]
+    pub fn new<P>(
+        batch: &Batch<'_, P>,
+        medium: impl MediumLanes,
+        log_posterior: &Spectrum<'_>,
+        suffix: &Suffix<'_>,
+    ) -> Self {
+        let log_posterior: [f32x8; CHANNELS] =
+            core::array::from_fn(|c| log_posterior.channels()[c].gather(&batch.lane_of));
+        let first = u32x8::splat(0);
+        let depth = medium.in_channel(|| first).optical_depth_along(suffix.vertices[batch.inserted + 1].arc);
+        let inserted = f32x8::splat(batch.inserted as f32);
+        let quotients = Hues::new(medium, first).log_quotients(inserted, depth);
+        let reference = largest(core::array::from_fn(|c| log_posterior[c] + quotients[c]));
+        Self { reference, hues: Hues::new(medium, reference), log_posterior }
+    }
+
+    /// `posterior_c(s) (p_c / p_*)` of a walk from the start past `vertices` vertices over the reference's `depth`.
+    #[inline(always)]
+    fn walked(&self, vertices: f32, depth: f32x8) -> [f32x8; CHANNELS] {
+        let quotients = self.hues.log_quotients(f32x8::splat(vertices), depth);
+        core::array::from_fn(|c| exp(self.log_posterior[c] + quotients[c]))
+    }
+
+    /// W_0: the density with which walks, in all channels, go on from the start to the light, over that in the
+    /// reference.
+    #[inline(always)]
+    pub fn walked_to_the_light(&self, inserted: usize, suffix: &Suffix<'_>) -> f32x8 {
+        let [a, b, c] = self.walked(inserted as f32, suffix.vertices[inserted + 1].depth);
+        a + b + c
+    }
+
+    /// Multiplies the attempts of `starts`, counted from the light, by W_i, and fills the channels' shares of it.
+    #[inline(always)]
+    pub fn share(&self, inserted: usize, starts: RangeInclusive<usize>, suffix: &mut Suffix<'_>) {
+        let start = inserted + 1;
+        for a in starts {
+            let (vertices, depth) = (start as f32 - a as f32, suffix.vertices[start].depth - suffix.vertices[a].depth);
+            let terms @ [x, y, z] = self.walked(vertices, depth);
+            let sum = x + y + z;
+            suffix.vertices[a].attempt *= sum;
+            suffix.shares[a] = terms.map(|term| term / sum);
+        }
+    }
+
+    /// Multiplies the factors of batch `b` by the light that arrives in each channel over that in the reference.
+    #[inline(always)]
+    pub fn fill_quotients(&self, inserted: usize, suffix: &Suffix<'_>, b: usize, worth: &mut WorthTable<'_>) {
+        let depth = suffix.vertices[inserted + 1].depth;
+        let quotients = self.hues.log_quotients(f32x8::splat(inserted as f32), depth);
+        for (factor, quotient) in worth.factor.channels_mut().iter_mut().zip(quotients) {
+            let quotient = exp(quotient.fast_min(f32x8::splat(LARGEST_EXPONENT)));
+            factor.set_batch(b, factor.batch(b) * quotient);
+        }
+    }
+}
