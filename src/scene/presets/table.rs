@@ -1,7 +1,7 @@
 //! The presets: numbers, where they come from, and what was done to them.
 //!
-//! A new one needs a publication. Numbers have four significant digits at most, so that what `fogbow presets` prints
-//! is what is rendered; tests repeat the conversions.
+//! A new one needs a publication, or says plainly that it is an estimate and what that rests on. Numbers have four
+//! significant digits at most, so that what `fogbow presets` prints is what is rendered; tests repeat the conversions.
 
 use super::super::schema::{OneOrTwo, Phase, PhaseKind};
 use super::Preset;
