@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use fogbow::scene::document::Override;
+use fogbow::scene::presets::PRESETS;
 use fogbow::scene::schema::Scene;
 use fogbow::scene::{self, LoadedScene};
 use schemars::schema_for;
@@ -74,9 +75,16 @@ const WITHOUT_EFFECT: [&str; 3] = ["render.samples", "film.exposure", "punctual_
 /// Keys with nothing else to say here: phase functions have a test of their own, and what a light is follows from its
 /// normal and its exponent.
 const WITHOUT_CHOICE: [&str; 2] = ["medium.phase.type", "light.type"];
-/// Keys of other phase functions, and those that need a file of their own: see below, and the tests of models.
-const ELSEWHERE: [&str; 5] =
-    ["geometry", "medium.phase.alpha", "medium.phase.diameter_um", "medium.phase.file", "medium.phase.weight"];
+/// Keys of other phase functions, the preset in the place of coefficients, and what needs a file of its own: see below,
+/// and the tests of models.
+const ELSEWHERE: [&str; 6] = [
+    "geometry",
+    "medium.phase.alpha",
+    "medium.phase.diameter_um",
+    "medium.phase.file",
+    "medium.phase.weight",
+    "medium.preset",
+];
 
 /// The scene in a file, and what can be said about its keys.
 struct Keys {
@@ -251,6 +259,24 @@ fn scattering_and_absorption_change_the_hash_each_on_its_own() {
         assert_eq!(keys.with(&[all(0.0)]).expect("valid").hash(), keys.base().hash());
         assert_ne!(keys.with(&[all(0.125)]).expect("valid").hash(), keys.base().hash(), "{key}");
     }
+}
+
+#[test]
+fn a_preset_has_the_hash_of_its_coefficients() {
+    let keys = Keys::new();
+    let hash = |medium: toml::Table| keys.with(&[("medium".into(), medium.into())]).expect("valid").hash();
+    let mut hashes = BTreeSet::new();
+    for preset in &PRESETS {
+        let named = toml::Table::from_iter([("preset".into(), preset.name.into())]);
+        let written = toml::Table::from_iter([
+            ("scattering".into(), preset.scattering.to_vec().into()),
+            ("absorption".into(), preset.absorption.to_vec().into()),
+            ("phase".into(), Value::try_from(&preset.phase).expect("a table")),
+        ]);
+        assert_eq!(hash(named.clone()), hash(written), "{}", preset.name);
+        hashes.insert(hash(named));
+    }
+    assert_eq!(hashes.len(), PRESETS.len());
 }
 
 #[test]

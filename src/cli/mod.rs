@@ -5,6 +5,7 @@ mod compare;
 mod destinations;
 mod finish;
 mod info;
+mod presets;
 mod progress;
 mod render;
 mod signals;
@@ -44,6 +45,8 @@ enum Command {
     Compare(CompareArgs),
     /// Describe a scene and what it costs to render, or an image and its header.
     Info(InfoArgs),
+    /// List the media that a scene can name as its preset, with their coefficients and sources.
+    Presets(PresetsArgs),
 }
 
 /// How progress is shown.
@@ -166,6 +169,13 @@ struct InfoArgs {
     verbose: bool,
 }
 
+#[derive(Debug, Args)]
+struct PresetsArgs {
+    /// Print the list as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
 /// Runs the program with `args`, the program's name first.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(args) {
@@ -177,6 +187,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Compare(args)) => compare::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Presets(args)) => presets::run(&args).map(|()| ExitCode::SUCCESS),
         None => unreachable!("without arguments the parser prints help"),
     };
     outcome.unwrap_or_else(|error| fail(&error))

@@ -10,6 +10,7 @@ mod lights;
 mod loaded;
 mod model;
 mod phase;
+pub mod presets;
 mod punctual;
 mod ranges;
 pub mod schema;
@@ -61,6 +62,7 @@ pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
 /// The camera comes first: it says what positions are counted from, and with that the model's vertices are read.
 fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
+    presets::resolve(&mut scene, document)?;
     let asset = model::open(&scene, document, asset)?;
     let chosen = cameras::choose(&scene, document, asset.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
@@ -134,7 +136,7 @@ fn read(document: &Document) -> Result<Scene> {
 /// A medium that was meant to be one, but has no coefficients.
 fn no_medium(document: &Document) -> Option<Warning> {
     let medium = document.values.get("medium")?.as_table()?;
-    let is_empty = ["scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
+    let is_empty = ["preset", "scattering", "absorption"].iter().all(|key| !medium.contains_key(*key));
     let finding = "medium has neither scattering nor absorption, so it is vacuum";
     is_empty.then(|| Warning::new(document.place("medium"), finding))
 }

@@ -123,6 +123,12 @@ impl Default for Film {
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Medium {
+    /// A medium by name, instead of scattering and absorption: "milk", "skim_milk", "sea_water", "skin", "wax" and
+    /// others, which fogbow presets lists with their coefficients and sources. It has a phase function of its own,
+    /// which phase replaces if it is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "name"))]
+    pub preset: Option<String>,
     /// Scattering coefficient [1/m], >= 0. Extinction (scattering + absorption) must be the same in all channels.
     #[serde(default)]
     pub scattering: Spectrum,

@@ -62,7 +62,7 @@ fn help_lists_every_flag_that_scripts_rely_on() {
     }
     let run = Folder::empty().done(&["--help"]);
     assert!(run.stdout.starts_with("Renders light in fog: one homogeneous medium"), "no more than it can do\n{run}");
-    for command in ["render", "compare", "info"] {
+    for command in ["render", "compare", "info", "presets"] {
         assert!(run.stdout.contains(&format!("\n  {command} ")), "{command} is missing\n{run}");
     }
 }

@@ -13,6 +13,7 @@ mod lamps;
 mod left_out;
 mod models;
 mod phases;
+mod presets;
 mod progress;
 mod render;
 mod scenes;
