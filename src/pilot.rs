@@ -274,7 +274,8 @@ impl<'a> Pilot<'a> {
         const SHARE: u32 = SAMPLES / PARTS;
         let film = Film::new(frame, self.region, tile_size(self.region));
         let samples = part * SHARE..(part + 1) * SHARE;
-        let stats = self.renderer.render(frame, &SIMD, &film, samples, self.monitor);
+        let empty = Stats::new(false).with_work();
+        let stats = self.renderer.render_counting(empty, frame, &SIMD, &film, samples, self.monitor);
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
         let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);
@@ -301,7 +302,7 @@ fn cost(stats: &Stats, has_surfaces: bool) -> f64 {
     const EDGE: f64 = 9.0;
     const TERM: f64 = 9.0;
     const TRACED: f64 = 22.0;
-    let work = stats.work;
+    let work = stats.work.unwrap_or_default();
     let traced = if has_surfaces { stats.segments + work.traced } else { 0 };
     SAMPLE * stats.samples as f64
         + SEGMENT * stats.segments as f64

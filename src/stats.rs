@@ -72,8 +72,8 @@ pub struct Stats {
     pub stages: Vec<StageStats>,
     /// One entry for each of [`Technique::ALL`]; all but `tried` only filled if detailed.
     pub connections: [ConnectionStats; Technique::ALL.len()],
-    /// What connections cost.
-    pub work: Work,
+    /// What connections cost, if anybody asked for it.
+    pub work: Option<Work>,
     /// Contributions that were not finite.
     pub dropped: Dropped,
     /// Light by the length of its paths, if anybody asked for it.
@@ -119,7 +119,7 @@ impl Stats {
             segments: 0,
             stages: vec![StageStats::default(); Stage::ALL.len()],
             connections: [ConnectionStats::default(); Technique::ALL.len()],
-            work: Work::default(),
+            work: None,
             dropped: Dropped::default(),
             light_by_length: None,
         }
@@ -128,6 +128,11 @@ impl Stats {
     /// The same that also notes the light of `frame` by the length of its paths.
     pub fn by_length(self, frame: &Frame) -> Self {
         Self { light_by_length: Some(LightByLength::new(frame)), ..self }
+    }
+
+    /// The same that also counts what connections cost.
+    pub fn with_work(self) -> Self {
+        Self { work: Some(Work::default()), ..self }
     }
 
     /// Adds the counters of another worker.
@@ -143,10 +148,12 @@ impl Stats {
         for (stats, other) in self.connections.iter_mut().zip(other.connections) {
             stats.add(other);
         }
-        self.work.connections += other.work.connections;
-        self.work.edges += other.work.edges;
-        self.work.terms += other.work.terms;
-        self.work.traced += other.work.traced;
+        if let (Some(work), Some(other)) = (&mut self.work, other.work) {
+            work.connections += other.connections;
+            work.edges += other.edges;
+            work.terms += other.terms;
+            work.traced += other.traced;
+        }
         self.dropped.merge(&other.dropped);
         if let (Some(light), Some(other)) = (&mut self.light_by_length, &other.light_by_length) {
             light.merge(other);

@@ -88,7 +88,7 @@ pipeline! {
     mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
     /// Faint connections are dropped before they are traced.
     roulette (Roulette): roulette::Kernel = roulette::simd::run, roulette::reference::run;
-    /// Blocked connections lose their weight.
+    /// Blocked connections count nothing.
     occlusion (Occlusion): occlusion::Kernel = occlusion::simd::run, occlusion::reference::run;
     /// Contributions reach their paths.
     accumulate (Accumulate): accumulate::Kernel = accumulate::simd::run, accumulate::reference::run;

@@ -11,7 +11,9 @@ impl Wavefront<'_> {
     /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing
     /// has traced yet.
     pub(super) fn settle(&mut self, technique: Technique, purpose: Purpose, source: Source, mut bucket: Bucket) {
-        self.count_work(source, bucket);
+        if self.stats.work.is_some() {
+            self.count_work(source, bucket);
+        }
         self.mis_weight(source, bucket);
         let weighted = self.count(bucket);
         if self.frame.roulette > 0.0 {
@@ -21,7 +23,9 @@ impl Wavefront<'_> {
         if self.frame.is_solid() {
             // Tracing is dear, and few may be left.
             bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
-            self.stats.work.traced += bucket.len as u64 * (bucket.inserted as u64 + 1);
+            if let Some(work) = &mut self.stats.work {
+                work.traced += bucket.len as u64 * (bucket.inserted as u64 + 1);
+            }
         }
         if self.may_be_blocked(bucket) {
             self.occlusion(source, bucket);
@@ -50,10 +54,11 @@ impl Wavefront<'_> {
         let depth = |lane: &u32| u64::from(self.paths.depth_of(self.step.clock, *lane as usize));
         let terms = |lane: &u32| (depth(lane) + edges - 1).min(starts);
         let terms: u64 = self.candidates.of(source).lane.rows()[bucket.rows()].iter().map(terms).sum();
-        let work = &mut self.stats.work;
-        work.connections += rows;
-        work.edges += rows * edges;
-        work.terms += terms;
+        if let Some(work) = &mut self.stats.work {
+            work.connections += rows;
+            work.edges += rows * edges;
+            work.terms += terms;
+        }
     }
 
     /// Nothing lies between a point in front of the only disk and that disk, where nothing is solid.
@@ -61,12 +66,13 @@ impl Wavefront<'_> {
         bucket.inserted > 0 || self.frame.lights.emitters().len() > 1 || self.frame.is_solid()
     }
 
-    /// Candidates of the bucket that weigh something; only counted if statistics are detailed.
+    /// Candidates of the bucket that count anything; only counted if statistics are detailed.
     fn count(&self, bucket: Bucket) -> u64 {
         if !self.stats.detailed {
             return 0;
         }
-        self.worth.weight.rows()[bucket.rows()].iter().filter(|weight| **weight != 0.0).count() as u64
+        let counts = |row: &usize| self.worth.weight.rows()[*row] != 0.0 && self.worth.factor.row(*row) != [0.0; 3];
+        bucket.rows().filter(counts).count() as u64
     }
 
     /// Notes the contributions of a bucket by the lengths of their paths; a look that is taken at small images only.

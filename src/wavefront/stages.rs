@@ -363,7 +363,7 @@ impl Wavefront<'_> {
         });
     }
 
-    /// Blocked connections lose their weight.
+    /// Blocked connections count nothing.
     pub fn occlusion(&mut self, source: Source, bucket: Bucket) {
         self.stats.run(Stage::Occlusion, rows(bucket.len), || {
             let columns = occlusion::Columns {

@@ -96,10 +96,11 @@ columns! {
 /// `weight factor Le T` per channel, with the throughput T of the path up to the start.
 pub struct WorthTable<'q> {
     /// One over the sum of the densities with which all techniques make the path, relative to path tracing's, times the
-    /// profile of the emitter, >= 0; 0 once it is found faint or occluded; of an emitter that the camera sees,
+    /// profile of the emitter, >= 0; 0 once it is found faint; of an emitter that the camera sees,
     /// transmittance times profile.
     pub weight: Column<'q, f32>,
-    /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices.
+    /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices, the
+    /// quotient of channels where extinction is coloured, and whether anything is in the way.
     pub factor: Spectrum<'q>,
 }
 

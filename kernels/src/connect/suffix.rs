@@ -14,12 +14,12 @@ pub struct SuffixVertex {
     pub position: Vec3x8,
     /// Length of the path from here to the light (Lambda) `[m]`.
     pub arc: f32x8,
-    /// Optical depth of the path from here to the light, in the channel of the row's medium (tau); from the first start
-    /// on.
+    /// Optical depth of the path from here to the light, in the channel of the row's medium (tau); known where a
+    /// connection may start.
     pub depth: f32x8,
     /// One over the density of the direction in which the path leaves (p_w) `[sr]`.
     pub inverse_density: f32x8,
-    /// Squared length of the segment that arrives here, over p_w [m^2 sr].
+    /// Squared length of the segment that arrives here, over pi p_w [m^2 sr].
     pub spread: f32x8,
     /// Unit direction in which the path leaves.
     pub leaving: Vec3x8,
@@ -81,19 +81,19 @@ impl<'q> Suffix<'q> {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
-            shares: arena.alloc_slice_fill_copy(longest + 2, [zero; CHANNELS]),
             likelihoods: arena.alloc_slice_fill_with(longest + 1, |edges| LengthLikelihood::new(edges.max(1))),
+            shares: arena.alloc_slice_fill_copy(longest + 2, [zero; CHANNELS]),
         }
     }
 }
 
 /// What all starts of a candidate have in common.
 #[derive(Clone, Copy)]
-pub struct Arrival<M> {
+pub struct Arrival<'a, M> {
     /// The medium, in the channel in which each row is weighed.
     pub medium: M,
     /// Its extinction in all channels over that one, if they differ.
-    pub hues: Option<Hues>,
+    pub hues: Option<&'a Hues>,
     /// Density of the point on its light, p_A [1/m^2].
     pub inverse_area: f32x8,
     /// Squared length of the last segment, l_{n-1}^2 [m^2].

@@ -26,7 +26,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 #[inline(always)]
-fn aim(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
     let Columns { lights, share, requested, paths, vertex, ray, flight, weight, density: densities, .. } = columns;
     let share = f32x8::splat(share);
     for (b, requested) in requested.each_batch() {
@@ -56,7 +56,7 @@ fn aim(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
             (medium.extinction(end), medium.optical_depth(origin, end, t))
         };
         let free = (f32x8::ONE - share) * f32x8::splat(THINNED);
-        if medium.is_grey() {
+        if !M::COLOURED {
             let (extinction, depth) = in_channel(0);
             let thinned = free * exp(depth * f32x8::splat(1.0 - THINNED));
             let quotient = f32x8::ONE / (share * density).mul_add(exp(depth) / extinction, thinned);

@@ -25,7 +25,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 #[inline(always)]
-fn meet(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+fn meet<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
     let Columns { lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits, .. } = columns;
     for b in 0..hits.len.div_ceil(LANES) {
         let rows = lanes::first(hits.len - b * LANES);
@@ -48,7 +48,7 @@ fn meet(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
             let order = lanes::pack_order(seen);
             f32::store_packed(&mut worth.weight, views.len, order, exp(-first) * profile);
             for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
-                let quotient = if medium.is_grey() { f32x8::ONE } else { exp(first - depth(c)) };
+                let quotient = if M::COLOURED { exp(first - depth(c)) } else { f32x8::ONE };
                 f32::store_packed(factor, views.len, order, quotient);
             }
             views.push_batch(seen, view);

@@ -10,8 +10,8 @@ pub trait MediumLanes: Copy {
     /// The medium in one channel per row.
     type Channel: MediumX8;
 
-    /// Whether extinction is the same in all channels.
-    fn is_grey(&self) -> bool;
+    /// Whether extinction differs between channels.
+    const COLOURED: bool;
 
     /// The medium in the channel of every row, which is asked for only where that matters.
     fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> Self::Channel;

@@ -97,6 +97,12 @@ impl Medium {
         self.extinctions().into_iter().fold(0.0, f32::max)
     }
 
+    /// Longest mean free path of a channel `[m]`, in which limits on distances count: what they leave out would be missed
+    /// most where light goes far.
+    pub fn mean_free_path(&self) -> f64 {
+        1.0 / f64::from(self.extinctions().into_iter().fold(f32::INFINITY, f32::min))
+    }
+
     /// Whether extinction differs between channels.
     pub fn is_coloured(&self) -> bool {
         match &self.kind {
@@ -110,14 +116,18 @@ impl Medium {
     }
 }
 
-/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: once per kind in the program, and one of them at
-/// a time.
+/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: twice per kind in the program, for grey and for
+/// coloured extinction, and one of them at a time.
 #[macro_export]
 macro_rules! with_medium {
     ($medium:expr, |$lanes:ident| $body:expr) => {
         match &$medium.kind {
+            $crate::media::Kind::Homogeneous(medium) if medium.is_grey() => {
+                let $lanes = $crate::media::homogeneous::GreyLanes::new(medium);
+                $body
+            }
             $crate::media::Kind::Homogeneous(medium) => {
-                let $lanes = *medium;
+                let $lanes = $crate::media::homogeneous::ColouredLanes::new(medium);
                 $body
             }
         }

@@ -14,10 +14,10 @@ use core::ops::RangeInclusive;
 
 use wide::{f32x8, u32x8};
 
-use super::simd::Batch;
 use crate::columns::Spectrum;
 use crate::columns::queues::WorthTable;
 use crate::connect::suffix::Suffix;
+use crate::lanes::LANES;
 use crate::media::spectral::{CHANNELS, Hues, largest};
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::exp;
@@ -34,25 +34,30 @@ pub(super) struct Colours {
     pub hues: Hues,
     /// ln of the probability that a path was drawn for a channel, given its way to the start.
     log_posterior: [f32x8; CHANNELS],
+    /// Vertices between start and light.
+    inserted: usize,
+    /// The reference's optical depth between them.
+    depth: f32x8,
 }
 
 impl Colours {
-    /// Those of the candidates of `batch`, whose suffixes know their arcs.
+    /// Those of the candidates of the paths in eight lanes, whose suffixes know their arcs.
     #[inline(always)]
-    pub fn new<P>(
-        batch: &Batch<'_, P>,
+    pub fn new(
+        lane_of: [u32; LANES],
+        inserted: usize,
         medium: impl MediumLanes,
         log_posterior: &Spectrum<'_>,
         suffix: &Suffix<'_>,
     ) -> Self {
-        let log_posterior: [f32x8; CHANNELS] =
-            core::array::from_fn(|c| log_posterior.channels()[c].gather(&batch.lane_of));
+        let log_posterior: [f32x8; CHANNELS] = core::array::from_fn(|c| log_posterior.channels()[c].gather(&lane_of));
         let first = u32x8::splat(0);
-        let depth = medium.in_channel(|| first).optical_depth_along(suffix.vertices[batch.inserted + 1].arc);
-        let inserted = f32x8::splat(batch.inserted as f32);
-        let quotients = Hues::new(medium, first).log_quotients(inserted, depth);
+        let arc = suffix.vertices[inserted + 1].arc;
+        let depth = medium.in_channel(|| first).optical_depth_along(arc);
+        let quotients = Hues::new(medium, first).log_quotients(f32x8::splat(inserted as f32), depth);
         let reference = largest(core::array::from_fn(|c| log_posterior[c] + quotients[c]));
-        Self { reference, hues: Hues::new(medium, reference), log_posterior }
+        let depth = medium.in_channel(|| reference).optical_depth_along(arc);
+        Self { reference, hues: Hues::new(medium, reference), log_posterior, inserted, depth }
     }
 
     /// `posterior_c(s) (p_c / p_*)` of a walk from the start past `vertices` vertices over the reference's `depth`.
@@ -65,18 +70,17 @@ impl Colours {
     /// W_0: the density with which walks, in all channels, go on from the start to the light, over that in the
     /// reference.
     #[inline(always)]
-    pub fn walked_to_the_light(&self, inserted: usize, suffix: &Suffix<'_>) -> f32x8 {
-        let [a, b, c] = self.walked(inserted as f32, suffix.vertices[inserted + 1].depth);
+    pub fn walked_to_the_light(&self) -> f32x8 {
+        let [a, b, c] = self.walked(self.inserted as f32, self.depth);
         a + b + c
     }
 
     /// Multiplies the attempts of `starts`, counted from the light, by W_i, and fills the channels' shares of it.
     #[inline(always)]
-    pub fn share(&self, inserted: usize, starts: RangeInclusive<usize>, suffix: &mut Suffix<'_>) {
-        let start = inserted + 1;
+    pub fn share(&self, starts: RangeInclusive<usize>, suffix: &mut Suffix<'_>) {
         for a in starts {
-            let (vertices, depth) = (start as f32 - a as f32, suffix.vertices[start].depth - suffix.vertices[a].depth);
-            let terms @ [x, y, z] = self.walked(vertices, depth);
+            let vertices = (self.inserted + 1) as f32 - a as f32;
+            let terms @ [x, y, z] = self.walked(vertices, self.depth - suffix.vertices[a].depth);
             let sum = x + y + z;
             suffix.vertices[a].attempt *= sum;
             suffix.shares[a] = terms.map(|term| term / sum);
@@ -85,9 +89,8 @@ impl Colours {
 
     /// Multiplies the factors of batch `b` by the light that arrives in each channel over that in the reference.
     #[inline(always)]
-    pub fn fill_quotients(&self, inserted: usize, suffix: &Suffix<'_>, b: usize, worth: &mut WorthTable<'_>) {
-        let depth = suffix.vertices[inserted + 1].depth;
-        let quotients = self.hues.log_quotients(f32x8::splat(inserted as f32), depth);
+    pub fn fill_quotients(&self, b: usize, worth: &mut WorthTable<'_>) {
+        let quotients = self.hues.log_quotients(f32x8::splat(self.inserted as f32), self.depth);
         for (factor, quotient) in worth.factor.channels_mut().iter_mut().zip(quotients) {
             let quotient = exp(quotient.fast_min(f32x8::splat(LARGEST_EXPONENT)));
             factor.set_batch(b, factor.batch(b) * quotient);

@@ -37,11 +37,11 @@ const LEAST_LENGTH: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_medium!(columns.medium, |medium| with_phase!(&columns.medium.phase, |phase| weigh(
-        step, columns, medium, phase
-    )));
+    let phase = &columns.medium.phase;
+    with_medium!(columns.medium, |medium| with_phase!(phase, |phase| weigh(step, columns, medium, phase)));
 }
 
+#[inline(always)]
 fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media: M, phase: P) {
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
     let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
@@ -68,28 +68,27 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
 
         let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
-        let colours = (!media.is_grey()).then(|| Colours::new(&batch, media, log_posterior, suffix));
+        let colours = M::COLOURED.then(|| Colours::new(batch.lane_of, bucket.inserted, media, log_posterior, suffix));
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
         let arrival = Arrival {
             medium,
-            hues: colours.as_ref().map(|colours| colours.hues),
+            hues: colours.as_ref().map(|colours| &colours.hues),
             inverse_area: lights.gather(&batch.emitter_of, |emitter| emitter.density),
             last_squared,
             cos_light,
             skipped: f32x8::ZERO,
         };
-        let mut sum = batch.reach_of_walk(&starts, walk);
-        for a in 1..=needed.max(bucket.inserted + 1) {
-            suffix.vertices[a].depth = medium.optical_depth_along(suffix.vertices[a].arc);
-        }
         for a in nearest..=needed {
-            suffix.vertices[a].eligible = starts.eligible(a);
-            suffix.vertices[a].attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
+            let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
+            let vertex = &mut suffix.vertices[a];
+            (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
+            vertex.depth = medium.optical_depth_along(vertex.arc);
         }
+        let mut sum = batch.reach_of_walk(&starts, walk);
         if let Some(colours) = &colours {
-            sum *= colours.walked_to_the_light(bucket.inserted, suffix);
-            colours.share(bucket.inserted, nearest..=needed, suffix);
-            colours.fill_quotients(bucket.inserted, suffix, b, worth);
+            sum *= colours.walked_to_the_light();
+            colours.share(nearest..=needed, suffix);
+            colours.fill_quotients(b, worth);
         }
         let outside =
             if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
@@ -169,9 +168,9 @@ impl Starts {
 
 /// Eight candidates of one bucket.
 #[derive(Clone, Copy)]
-pub(super) struct Batch<'a, P> {
-    pub(super) inserted: usize,
-    pub(super) lane_of: [u32; LANES],
+struct Batch<'a, P> {
+    inserted: usize,
+    lane_of: [u32; LANES],
     emitter_of: [u32; LANES],
     lights: &'a Lights,
     phase: P,
@@ -188,6 +187,12 @@ fn segment(from: Vec3x8, to: Vec3x8) -> (f32x8, Vec3x8) {
     let edge = to - from;
     let length = edge.length_squared().sqrt();
     (length, edge * (f32x8::ONE / length.fast_max(f32x8::splat(LEAST_LENGTH))))
+}
+
+/// l^2 / (pi p_w) of a vertex where a segment of squared length l^2 arrives.
+#[inline(always)]
+fn spread(length_squared: f32x8, inverse_density: f32x8) -> f32x8 {
+    length_squared * inverse_density * f32x8::FRAC_1_PI
 }
 
 impl<P: PhaseX8> Batch<'_, P> {
@@ -234,7 +239,7 @@ impl<P: PhaseX8> Batch<'_, P> {
     #[inline(always)]
     fn arrive(&self, vertex: &mut SuffixVertex, length_squared: f32x8, arriving: Vec3x8, leaving: Vec3x8) {
         vertex.inverse_density = self.phase.inverse_density(arriving, leaving);
-        vertex.spread = length_squared * vertex.inverse_density;
+        vertex.spread = spread(length_squared, vertex.inverse_density);
     }
 
     /// Sum of the ratios of light importance sampling, and of its companion up to the distance `near`, over the starts
@@ -245,7 +250,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         &self,
         lis: &Lis,
         near: f32,
-        arrival: &Arrival<M>,
+        arrival: &Arrival<'_, M>,
         suffix: &mut Suffix<'_>,
         starts: &Starts,
         range: RangeInclusive<usize>,
@@ -379,7 +384,7 @@ impl<P: PhaseX8> Batch<'_, P> {
                 let [before, vertex, after] =
                     suffix.vertices.get_disjoint_mut([a - 1, a, a + 1]).expect("three vertices");
                 let length_squared = (before.position - vertex.position).length_squared();
-                before.spread = length_squared * before.inverse_density;
+                before.spread = spread(length_squared, before.inverse_density);
                 vertex.inverse_density = self.phase.inverse_density(after.leaving, vertex.leaving);
             }
         }

@@ -1,4 +1,4 @@
-//! Shadow segments: whether a candidate's connection is free.
+//! Shadow segments: what of a candidate's connection comes through.
 
 pub mod reference;
 pub mod simd;
@@ -20,10 +20,13 @@ pub struct Columns<'a, 'q> {
     pub candidates: &'a CandidateQueue<'q>,
     /// Read: the inserted vertices.
     pub chains: &'a ChainTable<'q>,
-    /// The weight becomes 0 where the connection is blocked.
+    /// Read: weight. The factor is multiplied by what comes through.
     pub worth: &'a mut WorthTable<'q>,
 }
 
+/// Multiplies the factor by 0 where a connection is blocked, and by 1 where it is free or weighs nothing: the
+/// transmittance of media whose extinction is known is part of the weight.
+///
 /// Tests every segment of every connection, over its true length, against every disk and sphere, front or back, and
 /// every triangle.
 ///

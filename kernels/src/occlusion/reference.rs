@@ -31,8 +31,9 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
         }
         chain.push(DVec3::from(candidates.point.row(row).map(f64::from)));
         let emitter = candidates.emitter.rows()[row] as usize;
-        if is_occluded(lights, emitter, &chain) || is_hidden(lights, surfaces, emitter, &chain) {
-            worth.weight.rows_mut()[row] = 0.0;
+        let weighs = worth.weight.rows()[row] != 0.0;
+        if weighs && (is_occluded(lights, emitter, &chain) || is_hidden(lights, surfaces, emitter, &chain)) {
+            worth.factor.set_row(row, [0.0; 3]);
         }
     }
 }

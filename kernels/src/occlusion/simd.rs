@@ -44,7 +44,10 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
         if !surfaces.is_empty() {
             free &= lanes::mask(unhidden(lights, surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
         }
-        worth.weight.set_batch(b, free.select(weight, f32x8::ZERO));
+        let blocked = !free & !weight.simd_eq(f32x8::ZERO);
+        for factor in worth.factor.channels_mut() {
+            factor.set_batch(b, blocked.select(f32x8::ZERO, factor.batch(b)));
+        }
     }
 }
 

@@ -97,9 +97,9 @@ impl Bridge {
         Self { roll, defensive: DEFENSIVE, counts, max_distance: f32::INFINITY, max_inserted: u32::MAX }
     }
 
-    /// With at most `mesc` expected segments, mu_t s, in any channel of `medium`.
+    /// With at most `mesc` expected segments, mu_t s, in the clearest channel of `medium`.
     pub fn with_mesc(self, medium: &Medium, mesc: f64) -> Self {
-        Self { max_distance: (mesc / f64::from(medium.largest_extinction())) as f32, ..self }
+        Self { max_distance: (mesc * medium.mean_free_path()) as f32, ..self }
     }
 
     /// Whether every path of at most `longest` segments can be made by a bridge from its first vertex.

@@ -29,7 +29,7 @@ const LEAST_LENGTH: f32 = 1e-30;
 pub fn ratios<M: MediumX8>(
     bridge: &Bridge,
     phase: &impl PhaseX8,
-    arrival: &Arrival<M>,
+    arrival: &Arrival<'_, M>,
     suffix: &Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     room: impl Fn(usize) -> f32x8,
@@ -61,7 +61,7 @@ pub fn ratios<M: MediumX8>(
             bridge.counts.probability(a, &cell)
         };
         let uniform = f32x8::splat(bridge.defensive) / room(a);
-        let count = match &arrival.hues {
+        let count = match arrival.hues {
             None => f32x8::splat(1.0 - bridge.defensive).mul_add(tabled(straight), uniform),
             Some(hues) => {
                 let counts = hues

@@ -63,10 +63,9 @@ pub struct Lis {
 }
 
 impl Lis {
-    /// The settings for `medium`, with the companion of the paper, in mean free paths of the clearest channel.
+    /// The settings for `medium`, with the companion of the paper.
     pub fn new(medium: &Medium, shape: Shape) -> Self {
-        let clearest = medium.extinctions().into_iter().fold(f32::INFINITY, f32::min);
-        Self { shape, near: (NEAR / f64::from(clearest)) as f32 }
+        Self { shape, near: (NEAR * medium.mean_free_path()) as f32 }
     }
 
     /// Longest way from a start to the vertex made from the light `[m]`; infinite for no limit.

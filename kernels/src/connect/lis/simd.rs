@@ -25,7 +25,7 @@ pub fn ratios<M: MediumX8>(
     lis: &Lis,
     phase: &impl PhaseX8,
     emission: f32x8,
-    arrival: &Arrival<M>,
+    arrival: &Arrival<'_, M>,
     suffix: &mut Suffix<'_>,
     starts: RangeInclusive<usize>,
     room: impl Fn(usize) -> f32x8,
@@ -33,17 +33,18 @@ pub fn ratios<M: MediumX8>(
     let [_, vertex, before, ..] = &suffix.vertices[..] else {
         return f32x8::ZERO;
     };
+    let skipped = arrival.medium.optical_depth_along(vertex.arc);
     let arrival = &Arrival {
         medium: arrival.medium,
         hues: arrival.hues,
         inverse_area: arrival.inverse_area * emission * vertex.inverse_density,
         last_squared: (vertex.position - before.position).length_squared(),
         cos_light: f32x8::ONE,
-        skipped: vertex.depth,
+        skipped,
     };
-    if let Some(hues) = &arrival.hues {
+    if let Some(hues) = arrival.hues {
         // From here on: shares times the density of the flight from the light, for which the hero counts, too.
-        let flight = hues.quotients(f32x8::ONE, vertex.depth);
+        let flight = hues.quotients(f32x8::ONE, skipped);
         for shares in &mut suffix.shares[*starts.start()..=*starts.end()] {
             *shares = core::array::from_fn(|c| shares[c] * flight[c]);
         }

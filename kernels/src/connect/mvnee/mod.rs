@@ -49,11 +49,11 @@ pub struct Mvnee {
 }
 
 impl Mvnee {
-    /// The settings for `medium`, with at most `mesc` expected segments in a connection, in any channel; infinite for
-    /// no limit.
+    /// The settings for `medium`, with at most `mesc` expected segments in a connection, in the clearest channel;
+    /// infinite for no limit.
     pub fn new(medium: &Medium, mesc: f64, offset: Offset) -> Self {
         Self {
-            max_distance: (mesc / f64::from(medium.largest_extinction())) as f32,
+            max_distance: (mesc * medium.mean_free_path()) as f32,
             offset,
             slope: slope::of(medium.phase.mean_cosine()) as f32,
         }

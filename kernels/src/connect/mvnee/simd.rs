@@ -4,10 +4,10 @@
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
 //!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
 //!     r += p_A P_l l_{n-1}^2 / cos_light * exp(tau(Lambda_a) - tau(s)) / p_w(a)
-//!          * prod_v offset_density(width_v, rho_v) * spread_v
+//!          * prod_v pi offset_density(width_v, rho_v) * spread_v
 //! ```
 //!
-//! 1. `spread_v = l^2 / phase` is the same for all starts and is computed once per vertex.
+//! 1. `spread_v = l^2 / (pi phase)` is the same for all starts and is computed once per vertex.
 //! 2. Two passes: from the start to the light for projections and L, back again for R and the product. L + R is known
 //!    only after the first; R as a difference would cancel, and sums of outer products of the edges, which give R
 //!    without a pass, cost more loads and cancel too when edges stand across the axis.
@@ -22,6 +22,7 @@ use wide::f32x8;
 use super::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::MediumX8;
+use crate::media::spectral::Hues;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 
@@ -29,7 +30,7 @@ use crate::vec3x8::Vec3x8;
 #[inline(always)]
 pub fn ratios<M: MediumX8>(
     mvnee: &Mvnee,
-    arrival: &Arrival<M>,
+    arrival: &Arrival<'_, M>,
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
 ) -> f32x8 {
@@ -51,7 +52,7 @@ pub fn ratios<M: MediumX8>(
 #[inline(always)]
 fn sum<M: MediumX8>(
     mvnee: &Mvnee,
-    arrival: &Arrival<M>,
+    arrival: &Arrival<'_, M>,
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     slope: f32,
@@ -75,16 +76,18 @@ fn sum<M: MediumX8>(
 
         let mut product = start.inverse_density;
         let mut after = axial.last_squared;
-        let inverse_total = f32x8::ONE / axial.total;
+        let widening = slope_squared / axial.total;
         for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
-            let width_squared = slope_squared * projection.before * (after * inverse_total);
-            let factor = factor(width_squared, projection.offset_squared, vertex.spread);
-            product *= factor * f32x8::FRAC_1_PI;
+            let width_squared = projection.before * (after * widening);
+            product *= factor(width_squared, projection.offset_squared, vertex.spread);
             after += projection.step_squared;
         }
         let straight = arrival.medium.optical_depth(start.position, suffix.vertices[0].position, distance);
         let detour = exp(start.depth - arrival.skipped - straight);
-        let ratio = scale * start.attempt * detour * product * seeds(arrival, suffix, a, straight);
+        let mut ratio = scale * start.attempt * detour * product;
+        if let Some(hues) = arrival.hues {
+            ratio *= seeds(hues, suffix, a, straight);
+        }
         sum += axial.possible.select(ratio, f32x8::ZERO);
     }
     sum
@@ -93,8 +96,7 @@ fn sum<M: MediumX8>(
 /// Density of the seeds between start `a` and the light, `straight` apart, over that of the row's own channel: the mean
 /// over the channels for which they may have been drawn.
 #[inline(always)]
-fn seeds<M: MediumX8>(arrival: &Arrival<M>, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
-    let Some(hues) = &arrival.hues else { return f32x8::ONE };
+fn seeds(hues: &Hues, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
     hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
 }
 

@@ -10,7 +10,7 @@ use crate::transcendental::exp;
 
 /// Ratio of the one start that the technique has, two edges from the light; `forward_share` is F.
 #[inline(always)]
-pub fn ratio<M: MediumX8>(arrival: &Arrival<M>, suffix: &Suffix<'_>, forward_share: f32x8) -> f32x8 {
+pub fn ratio<M: MediumX8>(arrival: &Arrival<'_, M>, suffix: &Suffix<'_>, forward_share: f32x8) -> f32x8 {
     let Arrival { medium, inverse_area, cos_light, .. } = *arrival;
     let (point, inserted, start) = (&suffix.vertices[0], &suffix.vertices[1], &suffix.vertices[2]);
     let cosine = inserted.leaving.dot(start.leaving);

@@ -8,7 +8,7 @@
 
 mod simd;
 
-pub use simd::HomogeneousX8;
+pub use simd::{ColouredLanes, GreyLanes, HomogeneousX8};
 
 /// A homogeneous medium.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,6 +14,14 @@ use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
+/// A homogeneous medium of the same extinction in all channels.
+#[derive(Clone, Copy)]
+pub struct GreyLanes(HomogeneousX8);
+
+/// A homogeneous medium before it is known which channel counts for each row.
+#[derive(Clone, Copy)]
+pub struct ColouredLanes<'a>(&'a Homogeneous);
+
 /// A homogeneous medium in one channel per row.
 #[derive(Clone, Copy)]
 pub struct HomogeneousX8 {
@@ -21,28 +29,53 @@ pub struct HomogeneousX8 {
     mean_free_path: f32x8,
 }
 
-impl MediumLanes for Homogeneous {
+impl GreyLanes {
+    /// Those of a grey `medium`.
+    #[inline(always)]
+    pub fn new(medium: &Homogeneous) -> Self {
+        let [extinction, mean_free_path] = [medium.extinction[0], medium.mean_free_path[0]].map(f32x8::splat);
+        Self(HomogeneousX8 { extinction, mean_free_path })
+    }
+}
+
+impl MediumLanes for GreyLanes {
     type Channel = HomogeneousX8;
 
+    const COLOURED: bool = false;
+
     #[inline(always)]
-    fn is_grey(&self) -> bool {
-        Homogeneous::is_grey(self)
+    fn in_channel(&self, _: impl FnOnce() -> u32x8) -> HomogeneousX8 {
+        self.0
     }
+
+    fn hues(&self) -> [f32; CHANNELS] {
+        [1.0; CHANNELS]
+    }
+}
+
+impl<'a> ColouredLanes<'a> {
+    /// Those of a coloured `medium`.
+    #[inline(always)]
+    pub fn new(medium: &'a Homogeneous) -> Self {
+        Self(medium)
+    }
+}
+
+impl MediumLanes for ColouredLanes<'_> {
+    type Channel = HomogeneousX8;
+
+    const COLOURED: bool = true;
 
     #[inline(always)]
     fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> HomogeneousX8 {
-        if Homogeneous::is_grey(self) {
-            let [extinction, mean_free_path] = [self.extinction[0], self.mean_free_path[0]].map(f32x8::splat);
-            return HomogeneousX8 { extinction, mean_free_path };
-        }
-        let channel = channel().to_array();
-        let [extinction, mean_free_path] = [&self.extinction, &self.mean_free_path]
-            .map(|of| f32x8::new(channel.map(|channel| of[(channel as usize).min(CHANNELS - 1)])));
+        let channel = channel().to_array().map(|channel| (channel as usize).min(CHANNELS - 1));
+        let [extinction, mean_free_path] =
+            [&self.0.extinction, &self.0.mean_free_path].map(|of| f32x8::new(channel.map(|channel| of[channel])));
         HomogeneousX8 { extinction, mean_free_path }
     }
 
-    fn hues(&self) -> [f32; 3] {
-        self.extinction
+    fn hues(&self) -> [f32; CHANNELS] {
+        self.0.extinction
     }
 }
 

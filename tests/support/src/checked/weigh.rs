@@ -138,20 +138,21 @@ pub(super) fn check_roulette(step: Step, columns: roulette::Columns<'_, '_>) {
 
 pub(super) fn check_occlusion(step: Step, columns: occlusion::Columns<'_, '_>) {
     let occlusion::Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
-    let before = worth.weight.rows().to_vec();
+    let before = worth.save();
     let [both] = run_both!(
         occlusion(step),
         [worth],
         occlusion::Columns { lights, surfaces, bucket, candidates, chains, worth: &mut *worth }
     );
-    let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.reals("weight"));
     for at in bucket.rows() {
         count_rows(1);
-        if kernel[at].to_bits() != twin[at].to_bits() {
+        let [before, kernel, twin] = [&before, &both.0, &both.1].map(|saved| saved.row(0, at));
+        if kernel != twin {
             count_decisions(1);
         }
-        if kernel[at] != 0.0 && kernel[at].to_bits() != before[at].to_bits() {
-            fail("occlusion", at, &format!("    a free connection's weight became {}", kernel[at]));
+        let free = both.0.vector("factor", at).into_iter().any(|factor| factor != 0.0);
+        if free && kernel != before {
+            fail("occlusion", at, &format!("    what a free connection counts became {kernel:?}"));
         }
     }
 }

@@ -33,9 +33,8 @@ const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
-    with_medium!(columns.medium, |medium| with_phase!(&columns.medium.phase, |phase| count_edges(
-        step, columns, medium, phase
-    )));
+    let phase = &columns.medium.phase;
+    with_medium!(columns.medium, |medium| with_phase!(phase, |phase| count_edges(step, columns, medium, phase)));
 }
 
 #[inline(always)]

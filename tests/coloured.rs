@@ -1,0 +1,158 @@
+//! Extinction that differs between channels: every channel is as if all had its extinction.
+
+use std::path::Path;
+
+use fogbow::frame::Frame;
+use fogbow::scene::{self, document::Override};
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::phase::PhaseFunction;
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::render;
+use fogbow_testing::statistics::{p_of_uniformity, p_of_z, z_of_means};
+use glam::DVec3;
+
+const SMALL: [u32; 2] = [16, 16];
+
+/// `frame` in grey extinction: that of one channel.
+fn grey(frame: &Frame, channel: usize) -> Frame {
+    frames::with_extinction(frame, frame.medium().extinctions()[channel])
+}
+
+/// Image mean and standard error per channel.
+fn means(frame: &Frame, samples: u32) -> [(f64, f64); 3] {
+    let (mean, error) = render(frame, SMALL, 0..samples).0.mean();
+    [0, 1, 2].map(|channel| (mean[channel], error[channel]))
+}
+
+/// The same in grey extinction, of which each channel has its own render.
+fn grey_means(frame: &Frame, active: Active, samples: u32) -> [(f64, f64); 3] {
+    [0, 1, 2].map(|channel| {
+        let frame = frames::with_techniques(&grey(frame, channel), active, 4.0);
+        means(&Frame { seed: 1000 + channel as u32, ..frame }, samples)[channel]
+    })
+}
+
+/// One comparison in 40000 fails by chance; there are some 400.
+fn assert_that_of_grey_extinction(name: &str, base: &Frame, samples: u32) {
+    let mut p_values = Vec::new();
+    for segments in 1..=5 {
+        let frame = frames::with_length(base, segments);
+        let truth = grey_means(&frame, Active::Every, 2 * samples);
+        for active in Active::ALL {
+            let seed = 100 * active as u32 + segments;
+            let found = means(&Frame { seed, ..frames::with_techniques(&frame, active, 4.0) }, samples);
+            for channel in 0..3 {
+                let (found, truth) = (found[channel], truth[channel]);
+                if (found, truth) == ((0.0, 0.0), (0.0, 0.0)) {
+                    continue;
+                }
+                let z = z_of_means(found, truth);
+                let case = format!("{name}, {active:?}, {segments} segments, channel {channel}");
+                assert!(z.abs() < 4.2, "{case}: {found:?} where grey fog has {truth:?}, z = {z}");
+                p_values.push(p_of_z(z));
+            }
+        }
+    }
+    // Channels of one path, and lengths with one truth, go together: this finds gross errors of the noise only.
+    let p = p_of_uniformity(&p_values);
+    assert!(p > 1e-9, "{name}: p-values are not uniform, p = {p}");
+}
+
+#[test]
+fn every_technique_has_the_means_of_grey_fog_in_every_channel() {
+    let [(name, lights), _] = frames::coloured(SMALL);
+    assert_that_of_grey_extinction(name, &lights, 800);
+}
+
+#[test]
+fn every_technique_has_the_means_of_grey_fog_among_surfaces() {
+    let [_, (name, room)] = frames::coloured(SMALL);
+    assert_that_of_grey_extinction(name, &room, 800);
+}
+
+#[test]
+fn few_starts_survival_aimed_flights_and_roulette_keep_the_means() {
+    for (name, base) in frames::coloured(SMALL) {
+        let base = Frame { aimed: 0.0, ..base };
+        let truth = grey_means(&base, Active::Every, 3000);
+        let few = frames::with_techniques(&base, Active::Bridge, 4.0).with_walk(2, 0.8);
+        for (kind, frame) in [
+            ("few starts", few.clone()),
+            ("aimed", Frame { aimed: 0.4, ..few.clone() }),
+            ("roulette", Frame { roulette: 0.2, ..few }),
+        ] {
+            for (channel, (found, truth)) in means(&frame, 4000).into_iter().zip(truth).enumerate() {
+                let z = z_of_means(found, truth);
+                assert!(z.abs() < 4.2, "{name}, {kind}, channel {channel}: {found:?} for {truth:?}, z = {z}");
+            }
+        }
+    }
+}
+
+/// A lamp seen through a medium that only absorbs: e^{-mu_c d} in every channel, without noise.
+#[test]
+fn lamps_seen_through_ink_have_its_transmittance() {
+    let extinction = [0.1, 0.7, 3.0];
+    let medium = Medium::coloured(extinction, [0.0; 3], PhaseFunction::isotropic());
+    let lamp = Emitter::disk(DVec3::new(0.0, 0.0, 2.0), -DVec3::Z, 1.0, [5.0; 3]);
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1e-3, 0.0, SMALL);
+    let frame = frames::plain(camera, medium, Lights::new(vec![lamp], Selection::Uniform), 4, 1);
+    for (found, extinction) in means(&frame, 4).into_iter().zip(extinction) {
+        let expected = 5.0 * (-2.0 * f64::from(extinction)).exp();
+        assert!((found.0 / expected - 1.0).abs() < 2e-6, "{found:?}, expected {expected}");
+    }
+}
+
+/// A channel without extinction is given a millionth of the densest one's, which nobody sees.
+#[test]
+fn a_clear_channel_stays_clear() {
+    let base = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let medium = Medium::coloured([0.0, 0.8, 1.6], [0.0, 0.9, 0.5], PhaseFunction::henyey_greenstein(0.6));
+    let clear = frames::with_medium(&base, medium);
+    for active in [Active::Path, Active::Every] {
+        let [red, ..] = means(&frames::with_techniques(&clear, active, 4.0), 400);
+        let vacuum = Frame { techniques: Default::default(), ..frames::with_medium(&base, Medium::vacuum()) };
+        let [expected, ..] = means(&vacuum, 400);
+        assert!((red.0 - expected.0).abs() < 4.0 * red.1.hypot(expected.1) + 1e-4 * expected.0, "{active:?}: {red:?}");
+    }
+}
+
+/// Variance of a sample, mean over the pixels, per channel.
+fn variances(frame: &Frame, size: [u32; 2], samples: u32) -> [f64; 3] {
+    let (film, _) = render(frame, size, 0..samples);
+    let mut sums = [0.0; 3];
+    for pixel in film.pixels() {
+        for (sum, error) in sums.iter_mut().zip(pixel.standard_error) {
+            *sum += error * error;
+        }
+    }
+    sums
+}
+
+/// No channel pays for the others: at most three times the variance of a grey render of it, twice with bridges.
+#[test]
+fn colour_costs_little_variance() {
+    let size = [32, 32];
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-coloured");
+    let frame = |channel: Option<f64>, technique: &str| {
+        let mut settings = vec![format!("film.size={size:?}"), format!("render.technique={technique}")];
+        settings.extend(["render.starts=\"all\"", "render.survival=1"].map(String::from));
+        settings.extend(channel.map(|scattering| format!("medium.scattering={scattering}")));
+        let settings = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+        scene::load(&folder, settings).unwrap_or_else(|error| panic!("{error}")).frame
+    };
+    for (technique, samples, limit) in
+        [("path", 2000, 3.0), ("nee", 1000, 3.0), ("mvnee", 400, 3.0), ("bridge", 100, 2.0)]
+    {
+        let coloured = frame(None, technique);
+        let scattering = coloured.medium().extinctions();
+        let found = variances(&coloured, size, samples);
+        for channel in 0..3 {
+            let grey = frame(Some(f64::from(scattering[channel])), technique);
+            let quotient = found[channel] / variances(&grey, size, samples)[channel.min(grey.channels() - 1)];
+            assert!(quotient < limit, "{technique}, channel {channel}: {quotient} x the variance of grey fog");
+        }
+    }
+}
