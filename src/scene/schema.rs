@@ -129,7 +129,8 @@ pub struct Medium {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "name"))]
     pub preset: Option<String>,
-    /// Scattering coefficient [1/m], >= 0. Extinction (scattering + absorption) must be the same in all channels.
+    /// Scattering coefficient [1/m], >= 0. Extinction (scattering + absorption) may differ between channels; one that
+    /// is clearer than a millionth of the densest is given that much.
     #[serde(default)]
     pub scattering: Spectrum,
     /// Absorption coefficient [1/m], >= 0.
@@ -206,7 +207,8 @@ pub struct Render {
     pub min_segments: u32,
     /// How bridges are rolled about their axis.
     pub roll: Roll,
-    /// Longest bridge, in expected segments (extinction times distance), > 0. Absent: no limit.
+    /// Longest bridge, in expected segments (extinction times distance, in the clearest channel), > 0. Absent: no
+    /// limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub bridge_mesc: Option<f64>,
@@ -226,7 +228,8 @@ pub struct Render {
     /// it off. "auto" is the mean of the image if there is geometry and the same pilot finds that more efficient,
     /// otherwise 0.
     pub roulette: NumberOrAuto,
-    /// Longest MVNEE connection, in expected segments (extinction times distance), > 0. Absent: no limit.
+    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel), > 0.
+    /// Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub mesc: Option<f64>,
