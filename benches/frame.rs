@@ -77,7 +77,7 @@ fn frame(c: &mut Criterion) {
 /// Elements are walks of 15 segments: random words, flight, one disk, scattering, and nothing else.
 fn floor(c: &mut Criterion) {
     let mut group = c.benchmark_group("bare walk");
-    let mut walk = floor::Walk::new(512);
+    let mut walk = floor::WalkLimits::new(512);
     group.throughput(Throughput::Elements(512));
     group.bench_function("15 segments", |b| b.iter(|| walk.run(15)));
     group.finish();

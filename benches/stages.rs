@@ -49,7 +49,7 @@ const LANE_STAGES: [(&str, Stage); 10] = [
     ("flight_weight", |w| w.flight_weight()),
     ("scatter", |w| w.scatter()),
     ("light_survey", |w| w.light_survey()),
-    ("light_sample", |w| w.light_sample(nee::REACH)),
+    ("light_sample", |w| w.light_sample(nee::SCOPE)),
 ];
 
 fn request_all(w: &mut Wavefront<'_>, live: usize) {
@@ -87,7 +87,7 @@ fn plain_loops(c: &mut Criterion) {
     let frame = nee_frame();
     let arena = Bump::new();
     let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
-    w.light_sample(nee::REACH);
+    w.light_sample(nee::SCOPE);
     let mut state = plain::State::record(&w, &frame);
     let mut group = c.benchmark_group("plain f32 loops");
     group.throughput(Throughput::Elements(ROWS as u64));
@@ -106,7 +106,7 @@ fn direct_rows(c: &mut Criterion) {
     for rows in [1, 8, 17, 64, 256, 400] {
         let arena = Bump::new();
         let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
-        w.light_sample(nee::REACH);
+        w.light_sample(nee::SCOPE);
         let rows = rows.min(w.candidates.connections.len);
         let bucket = Bucket { inserted: 0, start: 0, len: rows };
         group.throughput(Throughput::Elements(rows as u64));
@@ -127,7 +127,7 @@ fn single_vertex(c: &mut Criterion) {
     let frame = Frame { roulette: 1e6, ..frame };
     let arena = Bump::new();
     let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
-    w.light_sample(omnee::reach(frame.lengths));
+    w.light_sample(omnee::scope(frame.lengths));
     let bucket = Bucket { inserted: 1, ..w.candidates.connections.direct() };
     let mut group = c.benchmark_group("omnee");
     group.throughput(Throughput::Elements(bucket.len as u64));
@@ -197,7 +197,7 @@ fn lis_stages(c: &mut Criterion) {
     let mut group = c.benchmark_group("lis");
     for (name, pipeline) in PIPELINES {
         w.pipeline = SIMD;
-        w.light_sample(lis::reach(frame.lengths));
+        w.light_sample(lis::scope(frame.lengths));
         w.pipeline = pipeline;
         group.throughput(Throughput::Elements(w.candidates.connections.len as u64));
         group.bench_function(BenchmarkId::new("vertex", name), |b| b.iter(|| w.lis_vertex(&settings)));

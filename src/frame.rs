@@ -7,7 +7,7 @@ use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, Walk};
+use fogbow_kernels::{PathLengths, WalkLimits};
 
 use crate::film::Region;
 
@@ -25,7 +25,7 @@ pub struct Frame {
     /// The active connection techniques.
     pub techniques: Techniques,
     /// How far walks go, and where they connect from.
-    pub walk: Walk,
+    pub walk: WalkLimits,
     /// Share of the camera's flights that are drawn towards the lights, [0, 1).
     pub aimed: f32,
     /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all
@@ -77,7 +77,7 @@ impl Frame {
             self.techniques.bridge.as_ref().is_some_and(|bridge| bridge.reaches_everything(self.lengths.max));
         let suffices = reaches_everything && self.surfaces.is_empty();
         let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
-        Self { walk: Walk { segments, starts, survival }, ..self }
+        Self { walk: WalkLimits { segments, starts, survival }, ..self }
     }
 
     /// Whether first flights are drawn towards the lights.

@@ -265,7 +265,7 @@ fn one_vertex_of_a_bridge_matches_its_density() {
 /// The chains of once-more next event estimation from the first vertices of many walks.
 fn omnee_chains(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3; 3])) {
     after_walks(frame, samples, 1, |wavefront| {
-        wavefront.light_sample(omnee::reach(frame.lengths));
+        wavefront.light_sample(omnee::scope(frame.lengths));
         wavefront.omnee_build();
         let Wavefront { candidates: Candidates { connections, .. }, chains, .. } = wavefront;
         for row in 0..connections.len {

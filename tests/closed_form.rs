@@ -8,7 +8,7 @@ use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, Walk};
+use fogbow_kernels::{PathLengths, WalkLimits};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::quadrature::{Emission, LitFog};
 use fogbow_testing::render::{green, render};
@@ -144,7 +144,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
             media: Media::everywhere(medium),
             lights: Lights::new(vec![behind, front], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
-            walk: Walk::ALL,
+            walk: WalkLimits::ALL,
             aimed: 0.0,
             roulette: 0.0,
             lengths: PathLengths { min: 1, max: 5 },

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
-use fogbow_kernels::connect::lis::{Lis, Shape};
+use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::media::Medium;
@@ -221,7 +221,7 @@ fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
     let has = |bit: u32| bits >> bit & 1 == 1;
     // The counts of the paper are the quickest to tabulate.
     let bridge = Bridge::with_counts(Roll::Aligned, Arc::new(CountTable::poisson(medium.phase.twin().lobe())));
-    let lis = Shape::Bridge(bridge.clone());
+    let lis = Connector::Bridge(bridge.clone());
     Techniques {
         nee: has(0),
         mvnee: has(1).then(|| Mvnee::new(medium, mesc, Offset::Ggx)),
@@ -229,7 +229,7 @@ fn techniques(medium: &Medium, bits: u32, mesc: f64) -> Techniques {
         bridge: has(3).then_some(bridge),
         lis: (has(4) || has(5)).then(|| Lis {
             near: 0.0,
-            ..Lis::new(medium, if has(4) { lis } else { Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx)) })
+            ..Lis::new(medium, if has(4) { lis } else { Connector::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx)) })
         }),
     }
 }

@@ -5,14 +5,14 @@ use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::accumulate::reference::contribution;
 use fogbow_kernels::columns::queues::Candidate;
-use fogbow_kernels::connect::light_sample::Reach;
+use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
 use fogbow_kernels::tables::lights::{Emitter, Selection, Shape};
-use fogbow_kernels::{Walk, random};
+use fogbow_kernels::{WalkLimits, random};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts};
@@ -39,7 +39,7 @@ fn pixels_are_sampled_uniformly() {
             let film = direction / direction.dot(vector(camera.forward)) - vector(camera.corner);
             let coordinate = |step: [f32; 3]| film.dot(vector(step)) / vector(step).length_squared();
             let cell = |x: f64| ((x.rem_euclid(1.0) * 8.0) as usize).min(7);
-            cells[8 * cell(coordinate(camera.step_y)) + cell(coordinate(camera.step_x))] += 1.0;
+            cells[8 * cell(coordinate(camera.pixel_y)) + cell(coordinate(camera.pixel_x))] += 1.0;
         }
     });
     let p = p_of_counts(&cells, &[SAMPLES as f64 / 64.0; 64]);
@@ -122,9 +122,9 @@ fn random_walks_have_the_moments_of_the_phase_function() {
 }
 
 /// Light points for the first vertices of many walks.
-fn light_points(frame: &Frame, reach: Reach, mut visit: impl FnMut(DVec3, usize, DVec3)) {
+fn light_points(frame: &Frame, scope: Scope, mut visit: impl FnMut(DVec3, usize, DVec3)) {
     after_walks(frame, SAMPLES, 1, |wavefront| {
-        wavefront.light_sample(reach);
+        wavefront.light_sample(scope);
         let connections = &wavefront.candidates.connections;
         for row in 0..connections.len {
             let connection = connections.row(row);
@@ -155,11 +155,11 @@ fn coordinates(emitter: &Emitter, point: DVec3) -> [f64; 2] {
 #[test]
 fn light_points_are_uniform_on_disks_spheres_and_triangles() {
     // Everything is accepted, so that what is tested is the sampler alone.
-    let reach = Reach { facing: false, ..nee::REACH };
+    let scope = Scope { facing: false, ..nee::SCOPE };
     let lamps = frames::lamps(1.0, 0.3, Selection::Uniform, [64, 64]);
     for frame in [frame(0.3), lamps] {
         let mut cells = vec![vec![0.0; 64]; frame.lights.emitters().len()];
-        light_points(&frame, reach, |_, light, point| {
+        light_points(&frame, scope, |_, light, point| {
             let cell = coordinates(&frame.lights.emitters()[light], point).map(|x| ((x * 8.0) as usize).min(7));
             cells[light][8 * cell[0] + cell[1]] += 1.0;
         });
@@ -176,7 +176,7 @@ fn triangles_of_a_mesh_are_chosen_by_area() {
     let frame = frames::lamps(1.0, 0.3, Selection::IntensityDistance, [64, 64]);
     let emitters = frame.lights.emitters();
     let (mut found, mut expected) = (vec![0.0; emitters.len()], vec![0.0; emitters.len()]);
-    light_points(&frame, Reach { facing: false, ..nee::REACH }, |start, light, _| {
+    light_points(&frame, Scope { facing: false, ..nee::SCOPE }, |start, light, _| {
         found[light] += 1.0;
         for (light, emitter) in emitters.iter().enumerate() {
             expected[light] += light_density(&frame.lights, light, start) * emitter.area();
@@ -190,9 +190,9 @@ fn triangles_of_a_mesh_are_chosen_by_area() {
 fn lights_are_selected_with_their_probability() {
     for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
         let frame = frames::three_lights(0.3, selection, [64, 64]);
-        let reach = Reach { facing: false, ..nee::REACH };
+        let scope = Scope { facing: false, ..nee::SCOPE };
         let (mut found, mut expected) = ([0.0; 3], [0.0; 3]);
-        light_points(&frame, reach, |start, light, _| {
+        light_points(&frame, scope, |start, light, _| {
             found[light] += 1.0;
             (0..3).for_each(|light| expected[light] += selection_probability(&frame.lights, light, start));
         });
@@ -219,7 +219,7 @@ fn isotropic_media_forget_where_light_came_from() {
 #[test]
 fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
     for survival in [0.3_f32, 0.75, 1.0] {
-        let frame = Frame { walk: Walk { survival, ..Walk::ALL }, ..frame(0.5) };
+        let frame = Frame { walk: WalkLimits { survival, ..WalkLimits::ALL }, ..frame(0.5) };
         for vertices in 0..6 {
             // The camera is no vertex that a walk has to survive.
             let (mut alive, mut flights) = (0.0, Moments::default());

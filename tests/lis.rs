@@ -8,7 +8,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::reference::Start;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::reference::{density, vertex_density};
-use fogbow_kernels::connect::lis::{Lis, Shape};
+use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::emission::reference::normal;
 use fogbow_kernels::media::reference::Homogeneous;
@@ -28,19 +28,19 @@ const SUSPICIOUS: f64 = 1e-4;
 const EXTINCTION: f64 = 0.5;
 
 /// A frame whose starts see a light of this exponent from all sides, at distances of some mean free paths.
-fn frame(g: f32, exponent: Option<f64>, shape: impl Fn(&Frame) -> Shape) -> Frame {
+fn frame(g: f32, exponent: Option<f64>, connector: impl Fn(&Frame) -> Connector) -> Frame {
     let plain = Emitter::disk(DVec3::new(0.3, -0.2, 4.0), DVec3::new(0.3, 0.5, -1.0), 0.6, [80.0; 3]);
     let disk = exponent.map_or(plain, |exponent| plain.focused(exponent));
-    lit(g, Lights::new(vec![disk], Selection::Uniform), shape)
+    lit(g, Lights::new(vec![disk], Selection::Uniform), connector)
 }
 
 /// The same with other lights.
-fn lit(g: f32, lights: Lights, shape: impl Fn(&Frame) -> Shape) -> Frame {
+fn lit(g: f32, lights: Lights, connector: impl Fn(&Frame) -> Connector) -> Frame {
     let mut frame = frames::with_extinction(&frames::fog_facing(0.0, g, [64, 64]), EXTINCTION as f32);
     frame.lengths = PathLengths { min: 1, max: 60 };
     frame.lights = lights;
     frame.techniques = Techniques::default();
-    frame.techniques.lis = Some(Lis::new(frame.medium(), shape(&frame)));
+    frame.techniques.lis = Some(Lis::new(frame.medium(), connector(&frame)));
     frame
 }
 
@@ -70,7 +70,7 @@ fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(DVec3, &[DVe
 fn vertices_made_from_lights_follow_emission_and_flight() {
     // Cells of equal probability: side, and shares of the density's integrals over cosine, azimuth and flight.
     const CELLS: usize = 8;
-    let bridge = |frame: &Frame| Shape::Bridge(Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max));
+    let bridge = |frame: &Frame| Connector::Bridge(Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max));
     let disks = [None, Some(0.0), Some(3.0), Some(50.0), Some(5000.0)].map(|exponent| frame(0.6, exponent, bridge));
     let sphere = Emitter::sphere(DVec3::new(0.3, -0.2, 4.0), 0.6, [80.0; 3]);
     let sphere = lit(0.6, Lights::new(vec![sphere], Selection::Uniform), bridge);
@@ -120,11 +120,11 @@ fn walk_density(phase: &dyn Phase, chain: &[DVec3]) -> f64 {
     density
 }
 
-/// Another density of the inner vertices between start and vertex, where the shape has any.
-fn other_shape_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
-    match &settings(frame).shape {
-        Shape::Bridge(_) => walk_density(frame.medium().phase.twin(), to_vertex),
-        Shape::Mvnee(mvnee) => {
+/// Another density of the inner vertices between start and vertex, where the connector has any.
+fn other_connector_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
+    match &settings(frame).connector {
+        Connector::Bridge(_) => walk_density(frame.medium().phase.twin(), to_vertex),
+        Connector::Mvnee(mvnee) => {
             let settings = mvnee::reference::Settings::from(mvnee);
             let other =
                 mvnee::reference::Settings { offset: Offset::Gaussian, slope: 0.8 * settings.slope, ..settings };
@@ -143,9 +143,9 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
     // kernels make, and connections with another number of vertices count as nothing.
     let bridge = |frame: &Frame| {
         let bridge = Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max);
-        Shape::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
+        Connector::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
     };
-    let mvnee = |frame: &Frame| Shape::Mvnee(Mvnee::new(frame.medium(), f64::INFINITY, Offset::Ggx));
+    let mvnee = |frame: &Frame| Connector::Mvnee(Mvnee::new(frame.medium(), f64::INFINITY, Offset::Ggx));
     let mut p_values = Vec::new();
     for frame in [
         frame(0.5, None, bridge),
@@ -163,14 +163,14 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
             for (count, quotient) in quotients.iter_mut().enumerate() {
                 // Very short edges may be rounded to nothing.
                 let counts = count == edges && made > 0.0;
-                quotient.add(if counts { other * other_shape_density(&frame, to_vertex) / made } else { 0.0 });
+                quotient.add(if counts { other * other_connector_density(&frame, to_vertex) / made } else { 0.0 });
             }
         });
         for (edges, quotient) in quotients.iter().enumerate().skip(2) {
             let (mean, error) = (quotient.mean(), quotient.standard_error());
             let z = (mean - 1.0) / error;
-            let shape = settings(&frame).shape;
-            assert!(z.abs() < 4.0 && error < 0.05, "{shape:?}, {} edges: {mean} +- {error}", edges);
+            let connector = settings(&frame).connector;
+            assert!(z.abs() < 4.0 && error < 0.05, "{connector:?}, {} edges: {mean} +- {error}", edges);
             p_values.push(p_of_z(z));
         }
     }

@@ -42,7 +42,8 @@ fn fog_loses_what_long_paths_bring() {
         let found = found.expect("a share");
         assert!(found.matters() && found.sufficient.is_none_or(|limit| limit > 250), "{found:?}");
         let limit = found.likely.expect("a limit");
-        // What is left falls with the root of the length: an estimate that is wrong by two thirds names three times 300.
+        // What is left falls with the root of the length: an estimate that is wrong by two thirds names three times
+        // 300.
         assert!((100..=900).contains(&limit), "{found:?}");
         let enough = left_out("fog-facing", &[&format!("render.max_segments={limit}")]).expect("a share");
         assert!(!enough.matters(), "{found:?}, then {enough:?}");

@@ -8,7 +8,7 @@ use fogbow_kernels::vec3x8::Vec3x8;
 use wide::{f32x8, u32x8};
 
 /// Paths in lanes.
-pub struct Walk {
+pub struct WalkLimits {
     position: Vec<Vec3x8>,
     direction: Vec<Vec3x8>,
     round: u32,
@@ -16,7 +16,7 @@ pub struct Walk {
     pub hits: u32,
 }
 
-impl Walk {
+impl WalkLimits {
     /// Room for `paths` paths.
     pub fn new(paths: usize) -> Self {
         Self {

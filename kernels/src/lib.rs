@@ -44,7 +44,7 @@ pub struct Step {
 
 /// How far walks go, and where they connect from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walk {
+pub struct WalkLimits {
     /// Segments after which walks end: more than the depth of the last start, so that every start is reached. Lights
     /// farther along are found by connections alone.
     pub segments: u32,
@@ -54,7 +54,7 @@ pub struct Walk {
     pub survival: f32,
 }
 
-impl Walk {
+impl WalkLimits {
     /// Walks that go on, and connect from every vertex.
     pub const ALL: Self = Self { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fogbow_kernels::Walk;
+use fogbow_kernels::WalkLimits;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::{InfoArgs, say, warning_text};
@@ -98,8 +98,8 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
         say(format!("and {}", count(more, "more light")))?;
     }
-    if let shining @ 1.. = frame.lights.lights().len() - frame.lights.solids().len() {
-        let triangles = frame.lights.emitters().len() - frame.lights.solids().len();
+    if let shining @ 1.. = frame.lights.lights().len() - frame.lights.bodies().len() {
+        let triangles = frame.lights.emitters().len() - frame.lights.bodies().len();
         say(format!("emissive meshes: {shining}, with {}", count(triangles, "triangle")))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|technique| technique.name()).collect();
@@ -167,7 +167,7 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
 
 /// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its
 /// limit on the length of paths leaves out.
-fn measure(loaded: &LoadedScene) -> Result<(f64, Walk, Option<Truncation>)> {
+fn measure(loaded: &LoadedScene) -> Result<(f64, WalkLimits, Option<Truncation>)> {
     let renderer = Renderer::new(Workers { threads: 0, lanes: None, detailed_stats: false })
         .map_err(|error| Error::failure("fogbow", format!("threads cannot be started: {error}"), "free some memory"))?;
     let [width, height] = loaded.scene.film.size;

@@ -20,8 +20,8 @@ use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
 use fogbow_kernels::connect::density::Density;
-use fogbow_kernels::connect::light_sample::{Reach, reference as light_sample};
-use fogbow_kernels::connect::lis::{Lis, Shape, sample::reference as lis_sample};
+use fogbow_kernels::connect::light_sample::{Scope, reference as light_sample};
+use fogbow_kernels::connect::lis::{Connector, Lis, sample::reference as lis_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
@@ -115,7 +115,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
             None => walk.scatter(flight, u),
         }
         if frame.techniques.nee {
-            walk.connect_straight(Technique::Nee, nee::REACH);
+            walk.connect_straight(Technique::Nee, nee::SCOPE);
         }
         if let Some(mvnee) = &frame.techniques.mvnee {
             walk.connect_through_medium(mvnee);
@@ -129,8 +129,8 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if let Some(lis) = &frame.techniques.lis {
             walk.connect_from_light(lis);
         }
-        if let Some(reach) = frame.techniques.companion() {
-            walk.connect_straight(Technique::Lis, reach);
+        if let Some(scope) = frame.techniques.companion() {
+            walk.connect_straight(Technique::Lis, scope);
         }
     }
     walk.found
@@ -257,15 +257,15 @@ impl Walk<'_> {
     }
 
     /// Connects the last vertex in a straight line.
-    fn connect_straight(&mut self, technique: Technique, reach: Reach) {
-        if let Some((emitter, point)) = self.light_point(reach) {
-            self.try_connection(technique, reach.purpose, emitter, &[point]);
+    fn connect_straight(&mut self, technique: Technique, scope: Scope) {
+        if let Some((emitter, point)) = self.light_point(scope) {
+            self.try_connection(technique, scope.purpose, emitter, &[point]);
         }
     }
 
     /// Connects the last vertex by multiple-vertex next event estimation.
     fn connect_through_medium(&mut self, mvnee: &Mvnee) {
-        let Some((emitter, point)) = self.light_point(mvnee.reach()) else {
+        let Some((emitter, point)) = self.light_point(mvnee.scope()) else {
             return;
         };
         if let Some(mut rest) = self.seeds_to(mvnee, point, self.frame.lengths, self.frame.seed) {
@@ -287,7 +287,7 @@ impl Walk<'_> {
 
     /// Connects the last vertex through one inserted vertex.
     fn connect_once_more(&mut self) {
-        let Some((emitter, point)) = self.light_point(omnee::reach(self.frame.lengths)) else {
+        let Some((emitter, point)) = self.light_point(omnee::scope(self.frame.lengths)) else {
             return;
         };
         let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
@@ -297,7 +297,7 @@ impl Walk<'_> {
 
     /// Connects the last vertex by a bridge.
     fn connect_by_bridge(&mut self, bridge: &Bridge) {
-        let Some((emitter, point)) = self.light_point(bridge.reach()) else {
+        let Some((emitter, point)) = self.light_point(bridge.scope()) else {
             return;
         };
         if let Some(mut rest) = self.bridge_to(bridge, point, self.frame.lengths, self.frame.seed) {
@@ -322,7 +322,7 @@ impl Walk<'_> {
     /// Connects the last vertex with one made from a light.
     fn connect_from_light(&mut self, lis: &Lis) {
         let Frame { lights, lengths, seed, .. } = self.frame;
-        let Some((emitter, point)) = self.light_point(lis::reach(*lengths)) else {
+        let Some((emitter, point)) = self.light_point(lis::scope(*lengths)) else {
             return;
         };
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
@@ -331,9 +331,9 @@ impl Walk<'_> {
             return;
         }
         let (lengths, seed) = (lis::before_last(*lengths), random::lis_seed(*seed));
-        let inserted = match &lis.shape {
-            Shape::Bridge(bridge) => self.bridge_to(bridge, vertex, lengths, seed),
-            Shape::Mvnee(mvnee) => self.seeds_to(mvnee, vertex, lengths, seed),
+        let inserted = match &lis.connector {
+            Connector::Bridge(bridge) => self.bridge_to(bridge, vertex, lengths, seed),
+            Connector::Mvnee(mvnee) => self.seeds_to(mvnee, vertex, lengths, seed),
         };
         if let Some(mut rest) = inserted {
             rest.extend([vertex, point]);
@@ -342,12 +342,12 @@ impl Walk<'_> {
     }
 
     /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
-    fn light_point(&self, reach: Reach) -> Option<(usize, DVec3)> {
-        if !light_sample::may_start(reach.from_first(self.frame.walk.starts), self.depth(), self.first_start()) {
+    fn light_point(&self, scope: Scope) -> Option<(usize, DVec3)> {
+        if !light_sample::may_start(scope.from_first(self.frame.walk.starts), self.depth(), self.first_start()) {
             return None;
         }
-        let u = light_sample::uniforms(self.pixel, self.sample, self.depth(), reach.purpose, self.frame.seed);
-        light_sample::connect(&self.frame.lights, reach, self.last(), u)
+        let u = light_sample::uniforms(self.pixel, self.sample, self.depth(), scope.purpose, self.frame.seed);
+        light_sample::connect(&self.frame.lights, scope, self.last(), u)
     }
 
     /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives

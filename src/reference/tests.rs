@@ -11,9 +11,9 @@ use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, Walk as Limits};
+use fogbow_kernels::{PathLengths, WalkLimits};
 
-const FREE: Limits = Limits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let albedo = [albedo, 0.75 * albedo, 0.9 * albedo];
@@ -30,7 +30,7 @@ fn frame(albedo: f32, lengths: PathLengths) -> Frame {
             nee: true,
             mvnee: Some(Mvnee::new(&medium, 8.0, Offset::Ggx)),
             omnee: true,
-            lis: Some(Lis::new(&medium, Shape::Bridge(bridge.clone()))),
+            lis: Some(Lis::new(&medium, Connector::Bridge(bridge.clone()))),
             bridge: Some(bridge),
         },
         lengths,
@@ -70,7 +70,7 @@ fn contributions_keep_to_the_path_lengths() {
 #[test]
 fn walks_end_and_connect_where_they_are_told_to() {
     let lengths = PathLengths { min: 1, max: 6 };
-    let frame = Frame { walk: Limits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
+    let frame = Frame { walk: WalkLimits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
     let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
     let longest = |technique: Technique| {
         found.iter().filter(|c| c.technique == technique).map(|c| c.segments).max().expect("makes some path")
@@ -150,8 +150,10 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
     let shape = |roll: Roll| Bridge::new(roll, all.medium(), all.lengths.max);
     let bridge = |roll: Roll| Techniques { bridge: Some(shape(roll)), ..Techniques::default() };
     let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
-    let brief = Limits { segments: 2, starts: 1, survival: 1.0 };
-    let lis = |shape: Shape| only(Techniques { lis: Some(Lis::new(all.medium(), shape)), ..Techniques::default() });
+    let brief = WalkLimits { segments: 2, starts: 1, survival: 1.0 };
+    let lis = |connector: Connector| {
+        only(Techniques { lis: Some(Lis::new(all.medium(), connector)), ..Techniques::default() })
+    };
     let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..shape(Roll::Aligned) };
     for (name, frame) in [
         ("path", only(Techniques::default())),
@@ -159,12 +161,12 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ("aligned bridge", only(bridge(Roll::Aligned))),
         ("uniform bridge", only(bridge(Roll::Uniform))),
         ("limited bridge", only(Techniques { bridge: Some(limited.clone()), ..Techniques::default() })),
-        ("lis by bridges", lis(Shape::Bridge(shape(Roll::Aligned)))),
-        ("lis by limited bridges", lis(Shape::Bridge(limited))),
-        ("lis by mvnee", lis(Shape::Mvnee(Mvnee::new(all.medium(), 3.0, Offset::Ggx)))),
+        ("lis by bridges", lis(Connector::Bridge(shape(Roll::Aligned)))),
+        ("lis by limited bridges", lis(Connector::Bridge(limited))),
+        ("lis by mvnee", lis(Connector::Mvnee(Mvnee::new(all.medium(), 3.0, Offset::Ggx)))),
         ("all", all.clone()),
-        ("all, first two starts", Frame { walk: Limits { starts: 2, ..FREE }, ..all.clone() }),
-        ("all, survival", Frame { walk: Limits { survival: 0.7, ..FREE }, ..all.clone() }),
+        ("all, first two starts", Frame { walk: WalkLimits { starts: 2, ..FREE }, ..all.clone() }),
+        ("all, survival", Frame { walk: WalkLimits { survival: 0.7, ..FREE }, ..all.clone() }),
         ("path, aimed", Frame { aimed: 0.5, ..only(Techniques::default()) }),
         ("all, aimed", Frame { aimed: 0.5, ..all.clone() }),
         ("all, mostly aimed, roulette", Frame { aimed: 0.9, roulette: 0.3, ..all.clone() }),
@@ -172,7 +174,7 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ("bridge, one start", Frame { walk: brief, ..only(bridge(Roll::Aligned)) }),
         (
             "all, two starts, survival, roulette",
-            Frame { walk: Limits { segments: 3, starts: 2, survival: 0.8 }, roulette: 0.2, ..all.clone() },
+            Frame { walk: WalkLimits { segments: 3, starts: 2, survival: 0.8 }, roulette: 0.2, ..all.clone() },
         ),
     ] {
         for (n, (found, expected)) in means(&frame).into_iter().zip(&truth).enumerate() {

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
-use fogbow_kernels::connect::lis::{Lis, Shape};
+use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{LONGEST_PATH, PathLengths, Walk};
+use fogbow_kernels::{LONGEST_PATH, PathLengths, WalkLimits};
 use glam::DVec3;
 
 use super::cameras::Chosen;
@@ -60,7 +60,7 @@ pub fn frame(
     let camera = camera.pinhole(&scene.film, origin)?;
     let medium = check.medium(scene)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
-    let (seed, walk, roulette, aimed) = (scene.render.seed, Walk::ALL, 0.0, 0.0);
+    let (seed, walk, roulette, aimed) = (scene.render.seed, WalkLimits::ALL, 0.0, 0.0);
     let suns = model.as_ref().map_or_else(Vec::new, suns);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
@@ -170,13 +170,13 @@ impl Check<'_> {
             return Err(self.no_light(suns));
         }
         let solid = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
-        let solids = lights.iter().map(solid).collect::<Result<_>>()?;
+        let bodies = lights.iter().map(solid).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,
             LightSelection::IntensityDistance => Selection::IntensityDistance,
         };
-        Ok(Lights::with_meshes(solids, meshes, selection))
+        Ok(Lights::with_meshes(bodies, meshes, selection))
     }
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {
@@ -212,16 +212,16 @@ impl Check<'_> {
             Bridge { max_inserted, ..Bridge::new(roll, medium, longest).with_mesc(medium, bridge_mesc) }
         });
         let mvnee = Mvnee::new(medium, mesc, offset);
-        let shape = match render.lis {
-            LisShape::Bridge => bridge.clone().map(Shape::Bridge),
-            LisShape::Mvnee => Some(Shape::Mvnee(mvnee)),
+        let connector = match render.lis {
+            LisShape::Bridge => bridge.clone().map(Connector::Bridge),
+            LisShape::Mvnee => Some(Connector::Mvnee(mvnee)),
         };
         Ok(Techniques {
             nee: active(Technique::Nee),
             mvnee: active(Technique::Mvnee).then_some(mvnee),
             omnee: active(Technique::Omnee),
             bridge: bridge.filter(|_| active(Technique::Bridge)),
-            lis: shape.filter(|_| active(Technique::Lis)).map(|shape| Lis::new(medium, shape)),
+            lis: connector.filter(|_| active(Technique::Lis)).map(|connector| Lis::new(medium, connector)),
         })
     }
 

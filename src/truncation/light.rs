@@ -57,8 +57,8 @@ impl Light {
         self.first(0.0)
     }
 
-    /// The first limit, in eighths of a power of two, that leaves out no more than is tolerated, should the share be more
-    /// than estimated by so many standard `errors`.
+    /// The first limit, in eighths of a power of two, that leaves out no more than is tolerated, should the share be
+    /// more than estimated by so many standard `errors`.
     fn first(&self, errors: f64) -> Option<u32> {
         let next = |n: &u32| Some(n + ((n + 1).next_power_of_two() / 16).max(1));
         let limits = core::iter::successors(Some(1), next).take_while(|n| *n <= LONGEST_PATH);

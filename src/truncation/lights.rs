@@ -20,7 +20,7 @@ pub fn widened(frame: &Frame) -> Lights {
     let is_small =
         |emitter: &Emitter| emitter.radius < radius && emitter.bounds().0.distance(camera) > 2.0 * f64::from(radius);
     let widen = |emitter: &Emitter| if is_small(emitter) { with_radius(emitter, radius) } else { *emitter };
-    Lights::new(lights.solids().iter().map(widen).collect(), lights.selection())
+    Lights::new(lights.bodies().iter().map(widen).collect(), lights.selection())
 }
 
 /// A disk or sphere of the same intensity.

@@ -2,8 +2,8 @@
 
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
-use fogbow_kernels::connect::light_sample::Reach;
-use fogbow_kernels::connect::lis::{self, Lis, Shape};
+use fogbow_kernels::connect::light_sample::Scope;
+use fogbow_kernels::connect::lis::{self, Connector, Lis};
 use fogbow_kernels::connect::{Joint, Technique, nee, omnee};
 use fogbow_kernels::random::{self, Purpose};
 use fogbow_kernels::{PathLengths, Step};
@@ -23,54 +23,54 @@ impl Wavefront<'_> {
             self.light_survey();
         }
         if let Some(mvnee) = &techniques.mvnee {
-            self.connect_by(Technique::Mvnee, mvnee, mvnee.reach());
+            self.connect_by(Technique::Mvnee, mvnee, mvnee.scope());
         }
         if techniques.nee {
-            self.connect_straight(Technique::Nee, nee::REACH);
+            self.connect_straight(Technique::Nee, nee::SCOPE);
         }
         if techniques.omnee {
-            self.connect_once_more(omnee::reach(lengths));
+            self.connect_once_more(omnee::scope(lengths));
         }
         if let Some(bridge) = &techniques.bridge {
-            self.connect_by(Technique::Bridge, bridge, bridge.reach());
+            self.connect_by(Technique::Bridge, bridge, bridge.scope());
         }
         if let Some(lis) = &techniques.lis {
-            self.connect_from_light(lis, lis::reach(lengths));
+            self.connect_from_light(lis, lis::scope(lengths));
         }
-        if let Some(reach) = techniques.companion() {
-            self.connect_straight(Technique::Lis, reach);
+        if let Some(scope) = techniques.companion() {
+            self.connect_straight(Technique::Lis, scope);
         }
     }
 
     /// Connections in a straight line.
-    fn connect_straight(&mut self, technique: Technique, reach: Reach) {
-        self.light_sample(reach);
+    fn connect_straight(&mut self, technique: Technique, scope: Scope) {
+        self.light_sample(scope);
         let bucket = self.candidates.connections.direct();
         self.stats.connections(technique).tried += bucket.len as u64;
-        self.settle(technique, reach.purpose, Source::Connections, bucket);
+        self.settle(technique, scope.purpose, Source::Connections, bucket);
     }
 
     /// Connections through one vertex.
-    fn connect_once_more(&mut self, reach: Reach) {
-        self.light_sample(reach);
+    fn connect_once_more(&mut self, scope: Scope) {
+        self.light_sample(scope);
         self.omnee_build();
         let bucket = Bucket { inserted: 1, ..self.candidates.connections.direct() };
         self.stats.connections(Technique::Omnee).tried += bucket.len as u64;
-        self.settle(Technique::Omnee, reach.purpose, Source::Connections, bucket);
+        self.settle(Technique::Omnee, scope.purpose, Source::Connections, bucket);
     }
 
     /// Connections through as many vertices as the technique draws.
-    fn connect_by<T: Joint>(&mut self, technique: Technique, settings: &T, reach: Reach) {
-        self.light_sample(reach);
+    fn connect_by<T: Joint>(&mut self, technique: Technique, settings: &T, scope: Scope) {
+        self.light_sample(scope);
         self.join(settings, self.frame.lengths, self.step);
-        self.settle_buckets(technique, reach.purpose, 0);
+        self.settle_buckets(technique, scope.purpose, 0);
     }
 
     /// Connections to a vertex made from the light.
-    fn connect_from_light(&mut self, lis: &Lis, reach: Reach) {
-        self.light_sample(reach);
+    fn connect_from_light(&mut self, lis: &Lis, scope: Scope) {
+        self.light_sample(scope);
         self.join_from_light(lis);
-        self.settle_buckets(Technique::Lis, reach.purpose, 1);
+        self.settle_buckets(Technique::Lis, scope.purpose, 1);
     }
 
     /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one
@@ -79,9 +79,9 @@ impl Wavefront<'_> {
         self.lis_vertex(lis);
         let step = Step { seed: random::lis_seed(self.step.seed), ..self.step };
         let lengths = lis::before_last(self.frame.lengths);
-        match &lis.shape {
-            Shape::Bridge(bridge) => self.join(bridge, lengths, step),
-            Shape::Mvnee(mvnee) => self.join(mvnee, lengths, step),
+        match &lis.connector {
+            Connector::Bridge(bridge) => self.join(bridge, lengths, step),
+            Connector::Mvnee(mvnee) => self.join(mvnee, lengths, step),
         }
         self.lis_join();
     }

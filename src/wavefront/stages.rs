@@ -1,7 +1,7 @@
 //! The stages, one method each: what of the state a kernel may read and fill.
 
 use fogbow_kernels::columns::queues::Bucket;
-use fogbow_kernels::connect::light_sample::Reach;
+use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::connect::{light_sample, light_survey};
@@ -258,15 +258,15 @@ impl Wavefront<'_> {
         });
     }
 
-    /// A light point for every vertex within `reach`.
-    pub fn light_sample(&mut self, reach: Reach) {
+    /// A light point for every vertex within `scope`.
+    pub fn light_sample(&mut self, scope: Scope) {
         self.candidates.connections.len = 0;
         let size = self.stats.lane_rows(&self.live);
         let [ray, _] = self.rays.last_two(self.step.clock);
         self.stats.run(Stage::LightSample, size, || {
             let columns = light_sample::Columns {
                 lights: &self.frame.lights,
-                reach: reach.from_first(self.frame.walk.starts),
+                scope: scope.from_first(self.frame.walk.starts),
                 live: &self.live,
                 paths: &self.paths,
                 last_surface: &self.last_surface,

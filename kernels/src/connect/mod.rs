@@ -20,7 +20,7 @@ pub mod suffix;
 mod technique;
 
 use bridge::Bridge;
-use light_sample::Reach;
+use light_sample::Scope;
 use lis::Lis;
 use mvnee::Mvnee;
 
@@ -51,7 +51,7 @@ impl Techniques {
 
     /// The straight connections that keep light importance sampling company: none where next event estimation makes
     /// them all.
-    pub fn companion(&self) -> Option<Reach> {
+    pub fn companion(&self) -> Option<Scope> {
         self.lis.as_ref().filter(|_| !self.nee).map(Lis::companion)
     }
 

@@ -39,8 +39,8 @@ pub struct SuffixVertex {
 #[derive(Clone, Copy)]
 pub struct Projection {
     /// Squared distance between the projections of this vertex and the one before it [m^2].
-    pub step_squared: f32x8,
-    /// Sum of `step_squared` from the start up to this vertex (L) [m^2].
+    pub segment_squared: f32x8,
+    /// Sum of `segment_squared` from the start up to this vertex (L) [m^2].
     pub before: f32x8,
     /// Squared distance from the axis (rho^2) [m^2].
     pub offset_squared: f32x8,
@@ -76,7 +76,7 @@ impl<'q> Suffix<'q> {
             eligible: zero,
             on_surface: zero,
         };
-        let projection = Projection { step_squared: zero, before: zero, offset_squared: zero };
+        let projection = Projection { segment_squared: zero, before: zero, offset_squared: zero };
         Self {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),

@@ -35,8 +35,8 @@ pub struct Row {
     pub most_inserted: u32,
     /// Whether its ratios look at the vertices before a start.
     pub looks_back: bool,
-    /// The farthest start that it can use, counted from the light; more where [`Self::near`] says so.
-    pub farthest_start: usize,
+    /// Most edges from a start that it can use to the light; more where [`Self::near`] says so.
+    pub most_edges: usize,
     /// Where its ratios ask for phase functions.
     pub densities: Densities,
     /// Distance from a light within which it uses all starts, if that is why starts are remembered `[m]`; else
@@ -88,9 +88,9 @@ impl Techniques {
         most.min(longest.saturating_sub(2)) as usize
     }
 
-    /// The farthest start that any of them can use, counted from the light, but for those near one.
-    pub fn farthest_start(&self) -> usize {
-        self.rows().map(|(_, row)| row.farthest_start).max().unwrap_or(1)
+    /// Most edges from a start that any of them can use to the light, but for those near one.
+    pub fn most_edges(&self) -> usize {
+        self.rows().map(|(_, row)| row.most_edges).max().unwrap_or(1)
     }
 
     /// Where they ask for phase functions.
@@ -113,9 +113,9 @@ mod tests {
         let none = Techniques::default();
         assert_eq!((none.look_back(), none.most_inserted(20), none.near()), (false, 0, f32::INFINITY));
         let straight = Techniques { nee: true, ..Techniques::default() };
-        assert_eq!((straight.look_back(), straight.most_inserted(20), straight.farthest_start()), (false, 0, 1));
+        assert_eq!((straight.look_back(), straight.most_inserted(20), straight.most_edges()), (false, 0, 1));
         let once = Techniques { nee: true, omnee: true, ..Techniques::default() };
-        assert_eq!((once.look_back(), once.most_inserted(20), once.farthest_start()), (true, 1, 2));
+        assert_eq!((once.look_back(), once.most_inserted(20), once.most_edges()), (true, 1, 2));
         assert_eq!(once.most_inserted(2), 0);
         assert_eq!(once.rows().map(|(technique, _)| technique.name()).collect::<Vec<_>>(), ["nee", "omnee"]);
     }

@@ -72,7 +72,7 @@ pub fn meet_first(
 pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> Option<(usize, f64)> {
     let mut found = None;
     let mut bound = bound;
-    for (index, solid) in lights.solids().iter().enumerate() {
+    for (index, solid) in lights.bodies().iter().enumerate() {
         if let Some(distance) = meet(solid, origin, direction)
             && distance < bound
         {

@@ -33,7 +33,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let mut nearest = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
         let mut met = u32x8::splat(0);
         let mut any = f32x8::ZERO;
-        for (index, solid) in lights.solids().iter().enumerate() {
+        for (index, solid) in lights.bodies().iter().enumerate() {
             let distance = crossing(solid, origin, direction, nearest);
             let hit = distance.simd_lt(nearest);
             nearest = hit.select(distance, nearest);

@@ -1,7 +1,7 @@
 //! Camera rays in f64.
 //!
 //! ```text
-//! film = corner + x step_x + y step_y,      (x, y) = pixel + (u_0, u_1)
+//! film = corner + x pixel_x + y pixel_y,      (x, y) = pixel + (u_0, u_1)
 //! position = pinhole + near film,           direction = film / |film|
 //! ```
 //!
@@ -54,9 +54,9 @@ pub fn camera_ray(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (DVec3
     let words = random::words(pixel, sample, random::block(0, random::CAMERA), seed);
     let x = f64::from(pixel % camera.width) + random::uniform(words[0]);
     let y = f64::from(pixel / camera.width) + random::uniform(words[1]);
-    let [pinhole, corner, step_x, step_y] =
-        [camera.position, camera.corner, camera.step_x, camera.step_y].map(|v| DVec3::from(v.map(f64::from)));
-    let film = corner + x * step_x + y * step_y;
+    let [pinhole, corner, pixel_x, pixel_y] =
+        [camera.position, camera.corner, camera.pixel_x, camera.pixel_y].map(|v| DVec3::from(v.map(f64::from)));
+    let film = corner + x * pixel_x + y * pixel_y;
     (pinhole + f64::from(camera.near) * film, film.normalize_or_zero())
 }
 

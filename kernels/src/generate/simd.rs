@@ -1,6 +1,6 @@
 //! ```text
 //! (a, b) = first two uniforms of the CAMERA block
-//! v = corner + (px + a) step_x + (py + b) step_y          one metre ahead along the axis
+//! v = corner + (px + a) pixel_x + (py + b) pixel_y          one metre ahead along the axis
 //! position = pinhole + near v,   direction = v / |v|
 //! ```
 //!
@@ -91,16 +91,16 @@ fn fill(spectrum: &mut Spectrum<'_>, b: usize, mask: f32x8, value: f32x8) {
 struct Film {
     pinhole: Vec3x8,
     corner: Vec3x8,
-    step_x: Vec3x8,
-    step_y: Vec3x8,
+    pixel_x: Vec3x8,
+    pixel_y: Vec3x8,
     near: f32x8,
 }
 
 impl Film {
     fn new(camera: &Camera) -> Self {
-        let [pinhole, corner, step_x, step_y] =
-            [camera.position, camera.corner, camera.step_x, camera.step_y].map(Vec3x8::splat);
-        Self { pinhole, corner, step_x, step_y, near: f32x8::splat(camera.near) }
+        let [pinhole, corner, pixel_x, pixel_y] =
+            [camera.position, camera.corner, camera.pixel_x, camera.pixel_y].map(Vec3x8::splat);
+        Self { pinhole, corner, pixel_x, pixel_y, near: f32x8::splat(camera.near) }
     }
 
     /// Position and direction of the rays through pixels (x, y).
@@ -109,7 +109,7 @@ impl Film {
         let real = |v: u32x8| f32x8::from_i32x8(bytemuck::cast::<u32x8, i32x8>(v));
         let [a, b, ..] = words;
         let (x, y) = (real(x) + uniform_x8(a), real(y) + uniform_x8(b));
-        let v = self.step_y.mul_add(y, self.step_x.mul_add(x, self.corner));
+        let v = self.pixel_y.mul_add(y, self.pixel_x.mul_add(x, self.corner));
         (v.mul_add(self.near, self.pinhole), v * (f32x8::ONE / v.length_squared().sqrt()))
     }
 }

@@ -97,8 +97,8 @@ impl Medium {
         self.extinctions().into_iter().fold(0.0, f32::max)
     }
 
-    /// Longest mean free path of a channel `[m]`, in which limits on distances count: what they leave out would be missed
-    /// most where light goes far.
+    /// Longest mean free path of a channel `[m]`, in which limits on distances count: what they leave out would be
+    /// missed most where light goes far.
     pub fn mean_free_path(&self) -> f64 {
         1.0 / f64::from(self.extinctions().into_iter().fold(f32::INFINITY, f32::min))
     }

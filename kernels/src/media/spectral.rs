@@ -10,9 +10,9 @@
 //! posterior_c(s) = q_c p_c(x_0 .. x_s) / P_s,      T_k(s) = f_k(x_0 .. x_s) / P_s
 //! ```
 //!
-//! A complete path is weighed relative to free walks in one channel of its own, the *reference* `*`: that of the largest
-//! `posterior_c(s) p_c(x_s .. x_n)`, in which it is likeliest to have been made, so that no quotient leaves the range of
-//! its numbers. With `D_c` for the sum that weighs it where everything is as in channel c,
+//! A complete path is weighed relative to free walks in one channel of its own, the *reference* `*`: that of the
+//! largest `posterior_c(s) p_c(x_s .. x_n)`, in which it is likeliest to have been made, so that no quotient leaves the
+//! range of its numbers. With `D_c` for the sum that weighs it where everything is as in channel c,
 //!
 //! ```text
 //! D   = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_n) D_c,      D_c = reach(n) + sum_i reach(i) r_{i,c}
@@ -25,9 +25,9 @@
 //! D   = reach(n) W_0 + sum_i reach(i) r_{i,*} W_i,      W_i = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_i)
 //! ```
 //!
-//! for techniques that do not ask for the extinction, with the reciprocal of `p_c / p_*` where x_i lies before x_s. Those
-//! that do (the number of edges of a bridge, MVNEE's seeds, flights from the light) draw for the hero, and have the mean
-//! of their densities over the channels, of which each has its share of `W_i`.
+//! for techniques that do not ask for the extinction, with the reciprocal of `p_c / p_*` where x_i lies before x_s.
+//! Those that do (the number of edges of a bridge, MVNEE's seeds, flights from the light) draw for the hero, and have
+//! the mean of their densities over the channels, of which each has its share of `W_i`.
 //!
 //! Where a medium's extinction in all channels follows one density, quotients of walks need no more than the number of
 //! vertices m and the optical depth of the reference:

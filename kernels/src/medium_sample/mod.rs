@@ -7,14 +7,14 @@ use crate::columns::paths::{ImmersionColumns, PathColumns};
 use crate::columns::queues::FlightTable;
 use crate::lanes::LaneSet;
 use crate::media::Medium;
-use crate::{Step, Walk};
+use crate::{Step, WalkLimits};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
     /// The medium around everything.
     pub medium: &'a Medium,
     /// How readily walks go on.
-    pub walk: &'a Walk,
+    pub walk: &'a WalkLimits,
     /// Paths that do not survive the vertex they are at are removed.
     pub live: &'a mut LaneSet<'q>,
     /// Read: pixel, sample and birth of live lanes.
@@ -25,7 +25,7 @@ pub struct Columns<'a, 'q> {
     pub flights: &'a mut FlightTable<'q>,
 }
 
-/// Draws the random block of the current segment; turns its first word into a free flight of the medium, with
-/// `1 - u` the share that outlasts it and in the channel of the hero, and leaves the next two for [`scatter`](crate::scatter) and [`surface`](crate::surface). A
-/// path that has left the camera ends unless the fourth uniform is below `survival`.
+/// Draws the random block of the current segment; turns its first word into a free flight of the medium, with `1 - u`
+/// the share that outlasts it and in the channel of the hero, and leaves the next two for [`scatter`](crate::scatter)
+/// and [`surface`](crate::surface). A path that has left the camera ends unless the fourth uniform is below `survival`.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -9,7 +9,7 @@
 use super::Columns;
 use crate::columns::queues::Flight;
 use crate::media::reference::Medium as _;
-use crate::{Step, Walk, random};
+use crate::{Step, WalkLimits, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
@@ -35,7 +35,7 @@ pub fn words(pixel: u32, sample: u32, depth: u32, seed: u32) -> [u32; 4] {
 }
 
 /// Whether a walk goes on from a vertex whose number is `u`.
-pub fn survives(walk: &Walk, u: f64) -> bool {
+pub fn survives(walk: &WalkLimits, u: f64) -> bool {
     u < f64::from(walk.survival)
 }
 
@@ -64,7 +64,7 @@ mod tests {
             live.insert(lane);
         }
         let medium = Medium::homogeneous(2.0, [1.0; 3], PhaseFunction::henyey_greenstein(0.0));
-        let walk = Walk { segments: 9, starts: 1, survival: 0.75 };
+        let walk = WalkLimits { segments: 9, starts: 1, survival: 0.75 };
         let columns = Columns {
             medium: &medium,
             walk: &walk,

@@ -27,7 +27,7 @@ use crate::connect::Techniques;
 use crate::connect::suffix::Suffix;
 use crate::media::Medium;
 use crate::tables::lights::Lights;
-use crate::{PathLengths, Step, Walk};
+use crate::{PathLengths, Step, WalkLimits};
 
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
@@ -38,7 +38,7 @@ pub struct Columns<'a, 'q> {
     /// The techniques that compete.
     pub techniques: &'a Techniques,
     /// How far walks go, and where they connect from.
-    pub walk: &'a Walk,
+    pub walk: &'a WalkLimits,
     /// The path lengths that count.
     pub lengths: PathLengths,
     /// Whether there are surfaces; without them, nothing of `last_surface` but the depth is read.

@@ -6,9 +6,9 @@
 //! p_PT(i) = prod_{j=i..n-1} phase(c_j) exp(-tau_j) / l_j^2 * (mu_t(x_{j+1}), or cos_light for j = n - 1)
 //! ```
 //!
-//! where l_j is the length and tau_j the optical depth of the segment from x_j to x_{j+1}, and c_j the cosine of the turn at x_j. With p_k(i) for
-//! the density of technique k doing the same, the balance heuristic (Veach and Guibas 1995) gives, whichever technique
-//! made the path,
+//! where l_j is the length and tau_j the optical depth of the segment from x_j to x_{j+1}, and c_j the cosine of the
+//! turn at x_j. With p_k(i) for the density of technique k doing the same, the balance heuristic (Veach and Guibas
+//! 1995) gives, whichever technique made the path,
 //!
 //! ```text
 //! weight = 1 / (reach(n) + sum over starts i of reach(i) * sum over techniques k of p_k(i) / p_PT(i))
@@ -19,8 +19,8 @@
 //! `clamp(a cos theta + b, 0, 1)^2 / cos theta` of one with a cone.
 //!
 //! **Colour.** Where extinction differs between channels, everything above is so for one channel c, of weight 1 / D_c.
-//! Of what the walk brought to its vertex x_s, the share posterior_c was drawn for that channel. With w_c for posterior_c
-//! times the density of free walks along x_s .. x_n, and * for the channel of the largest,
+//! Of what the walk brought to its vertex x_s, the share posterior_c was drawn for that channel. With w_c for
+//! posterior_c times the density of free walks along x_s .. x_n, and * for the channel of the largest,
 //!
 //! ```text
 //! weight = w_* / (posterior_* sum_c w_c D_c),      factor_k = albedo_k^m (w_k / posterior_k) / (w_* / posterior_*)
@@ -43,7 +43,7 @@ use crate::media::Medium;
 use crate::media::reference;
 use crate::media::spectral::CHANNELS;
 use crate::tables::lights::Lights;
-use crate::{PathLengths, Step, Walk};
+use crate::{PathLengths, Step, WalkLimits};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
@@ -132,7 +132,7 @@ pub struct Competition<'a> {
     /// The active techniques.
     pub techniques: &'a Techniques,
     /// How far walks go, and where they connect from.
-    pub walk: &'a Walk,
+    pub walk: &'a WalkLimits,
     /// The path lengths that count.
     pub lengths: PathLengths,
 }
@@ -208,7 +208,7 @@ impl Competition<'_> {
         if let Some(mvnee) = &techniques.mvnee {
             sum += mvnee::reference::density(&mvnee.into(), medium, chain, light_density).over(traced);
         }
-        if techniques.omnee && depth <= omnee::reach(lengths).max_depth {
+        if techniques.omnee && depth <= omnee::scope(lengths).max_depth {
             sum += omnee::reference::density(medium.phase, chain, light_density).over(traced);
         }
         if let Some(lis) = &techniques.lis {
@@ -227,7 +227,7 @@ impl Competition<'_> {
 }
 
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
-pub fn reach(walk: &Walk, i: usize) -> f64 {
+pub fn reach(walk: &WalkLimits, i: usize) -> f64 {
     f64::from(walk.survival).powi(i as i32 - 1)
 }
 

@@ -30,7 +30,7 @@ use crate::phase::PhaseX8;
 use crate::tables::lights::Lights;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, Walk, lanes, with_medium, with_phase};
+use crate::{PathLengths, Step, WalkLimits, lanes, with_medium, with_phase};
 
 /// Shortest length by which a segment's direction is normalised `[m]`.
 const LEAST_LENGTH: f32 = 1e-30;
@@ -48,8 +48,8 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         columns;
     let Columns { worth, .. } = columns;
     fill_albedos(medium, bucket, worth);
-    let (densities, usable, lis) = (techniques.densities(), techniques.farthest_start(), techniques.lis.as_ref());
-    let near = techniques.companion().map_or(0.0, |reach| reach.max_distance);
+    let (densities, usable, lis) = (techniques.densities(), techniques.most_edges(), techniques.lis.as_ref());
+    let near = techniques.companion().map_or(0.0, |scope| scope.max_distance);
     for (b, rows) in bucket.batches() {
         let batch = Batch {
             inserted: bucket.inserted,
@@ -62,9 +62,10 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             log_survival: walk.survival.ln(),
         };
         let starts = batch.starts(paths, last_surface, walk, step, rows);
-        let (nearest, farthest) = (starts.nearest(), starts.farthest());
-        let farthest_near = techniques.mvnee.as_ref().map_or(0, |mvnee| batch.farthest_near(mvnee, outlook, &starts));
-        let needed = farthest.min(usable).max(farthest_near);
+        let (fewest_edges, most_edges) = (starts.fewest_edges(), starts.most_edges());
+        let most_edges_near =
+            techniques.mvnee.as_ref().map_or(0, |mvnee| batch.most_edges_near(mvnee, outlook, &starts));
+        let needed = most_edges.min(usable).max(most_edges_near);
 
         let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
@@ -78,7 +79,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             cos_light,
             skipped: f32x8::ZERO,
         };
-        for a in nearest..=needed {
+        for a in fewest_edges..=needed {
             let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
             let vertex = &mut suffix.vertices[a];
             (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
@@ -87,29 +88,29 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         let mut sum = batch.reach_of_walk(&starts, walk);
         if let Some(colours) = &colours {
             sum *= colours.walked_to_the_light();
-            colours.share(nearest..=needed, suffix);
+            colours.share(fewest_edges..=needed, suffix);
             colours.fill_quotients(b, worth);
         }
         let outside =
             if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
-        if techniques.nee && nearest == 1 {
+        if techniques.nee && fewest_edges == 1 {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
         }
-        if techniques.omnee && nearest <= 2 && needed >= 2 {
+        if techniques.omnee && fewest_edges <= 2 && needed >= 2 {
             sum += omnee::simd::ratio(&arrival, suffix, phase.forward_share());
         }
         if let Some(mvnee) = &techniques.mvnee {
-            sum += mvnee::simd::ratios(mvnee, &arrival, suffix, nearest..=farthest_near);
+            sum += mvnee::simd::ratios(mvnee, &arrival, suffix, fewest_edges..=most_edges_near);
         }
         if let Some(bridge) = &techniques.bridge {
             let most = f32x8::splat(bridge.max_inserted.saturating_add(1) as f32);
             let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
-            sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, nearest..=needed, room);
+            sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, fewest_edges..=needed, room);
         }
         if let Some(lis) = lis {
             // Copies: what is lent would have to stay in memory for the other techniques, too.
             let (batch, starts, arrival) = (batch, starts, arrival);
-            sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, nearest..=needed, lengths);
+            sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, fewest_edges..=needed, lengths);
         }
         let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
         let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
@@ -132,9 +133,9 @@ struct Starts {
     /// Segments of each path.
     segments: u32x8,
     /// First start, counted from the light, that is not too far along the walk.
-    nearest: u32x8,
+    fewest_edges: u32x8,
     /// Last start, counted from the light; 0 in dead rows.
-    farthest: u32x8,
+    most_edges: u32x8,
     /// Rows of which the last start is on a surface.
     surface: f32x8,
     /// Rows in use.
@@ -143,20 +144,20 @@ struct Starts {
 
 impl Starts {
     #[inline(always)]
-    fn nearest(&self) -> usize {
-        lanes::as_integer_mask(self.live).select(self.nearest, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
+    fn fewest_edges(&self) -> usize {
+        lanes::as_integer_mask(self.live).select(self.fewest_edges, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
     }
 
     #[inline(always)]
-    fn farthest(&self) -> usize {
-        self.farthest.reduce_max() as usize
+    fn most_edges(&self) -> usize {
+        self.most_edges.reduce_max() as usize
     }
 
     /// Rows of which vertex `a` may start a connection.
     #[inline(always)]
     fn eligible(&self, a: usize) -> f32x8 {
         let a = u32x8::splat(a as u32);
-        lanes::as_mask(self.farthest.simd_ge(a) & self.nearest.simd_le(a))
+        lanes::as_mask(self.most_edges.simd_ge(a) & self.fewest_edges.simd_le(a))
     }
 
     /// Depth of vertex `a`.
@@ -196,8 +197,8 @@ fn spread(length_squared: f32x8, inverse_density: f32x8) -> f32x8 {
 }
 
 impl<P: PhaseX8> Batch<'_, P> {
-    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the square of the
-    /// last segment's length and the cosine at the light.
+    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the square of
+    /// the last segment's length and the cosine at the light.
     #[inline(always)]
     fn walk_connection(
         &self,
@@ -257,17 +258,17 @@ impl<P: PhaseX8> Batch<'_, P> {
         lengths: PathLengths,
     ) -> f32x8 {
         let mut sum = f32x8::ZERO;
-        let (nearest, farthest) = range.into_inner();
-        if nearest == 1 {
+        let (fewest_edges, most_edges) = range.into_inner();
+        if fewest_edges == 1 {
             let start = &suffix.vertices[1];
             let possible = start.eligible & arrival.last_squared.simd_le(f32x8::splat(near * near));
             sum += possible.select(nee::simd::ratio(arrival, start), f32x8::ZERO);
         }
-        if farthest >= nearest.max(2) {
+        if most_edges >= fewest_edges.max(2) {
             let (left, most) = (u32x8::splat(lengths.max - 1), f32x8::splat(lis.most_edges()));
             let room = |a: usize| lanes::to_f32(left - starts.depth(a)).fast_min(most);
             let emission = self.lights.direction_density(&self.emitter_of, arrival.cos_light);
-            let starts = nearest.max(2)..=farthest;
+            let starts = fewest_edges.max(2)..=most_edges;
             sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
         }
         sum
@@ -279,7 +280,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         &self,
         paths: &PathColumns<'_>,
         last_surface: &LastSurfaceColumns<'_>,
-        walk: &Walk,
+        walk: &WalkLimits,
         step: Step,
         rows: u32,
     ) -> Starts {
@@ -288,9 +289,9 @@ impl<P: PhaseX8> Batch<'_, P> {
         let surface = lanes::as_mask(last_surface.simd_gt(u32x8::splat(0)));
         let first = last_surface.max(u32x8::splat(1));
         let live = lanes::mask(rows);
-        let farthest = segments.saturating_sub(first) & lanes::as_integer_mask(live);
-        let nearest = farthest.saturating_sub(u32x8::splat(walk.starts - 1)).max(u32x8::splat(1));
-        Starts { segments, nearest, farthest, surface, live }
+        let most_edges = segments.saturating_sub(first) & lanes::as_integer_mask(live);
+        let fewest_edges = most_edges.saturating_sub(u32x8::splat(walk.starts - 1)).max(u32x8::splat(1));
+        Starts { segments, fewest_edges, most_edges, surface, live }
     }
 
     /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their
@@ -307,7 +308,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         let mut outside = lanes::mask(lanes::ALL);
         for a in 1..=needed.max(self.inserted + 1) {
             let vertex = &mut suffix.vertices[a];
-            vertex.on_surface = starts.surface & lanes::as_mask(starts.farthest.simd_eq(u32x8::splat(a as u32)));
+            vertex.on_surface = starts.surface & lanes::as_mask(starts.most_edges.simd_eq(u32x8::splat(a as u32)));
             if !vertex.on_surface.any() {
                 continue;
             }
@@ -322,13 +323,13 @@ impl<P: PhaseX8> Batch<'_, P> {
     /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted
     /// vertex, or one of the walk from the first near one on.
     #[inline(always)]
-    fn farthest_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
+    fn most_edges_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
         if mvnee.max_distance.is_infinite() {
-            return starts.farthest();
+            return starts.most_edges();
         }
         let first_near = outlook.first_near.gather(&self.lane_of);
         let near = starts.segments.saturating_sub(first_near) & lanes::as_integer_mask(starts.live);
-        near.max(u32x8::splat(self.inserted as u32)).min(starts.farthest).reduce_max() as usize
+        near.max(u32x8::splat(self.inserted as u32)).min(starts.most_edges).reduce_max() as usize
     }
 
     /// Probability that a walk gets to start `a`.
@@ -339,7 +340,7 @@ impl<P: PhaseX8> Batch<'_, P> {
 
     /// Probability that a walk gets to the light by itself: 0 where it ends before.
     #[inline(always)]
-    fn reach_of_walk(&self, starts: &Starts, walk: &Walk) -> f32x8 {
+    fn reach_of_walk(&self, starts: &Starts, walk: &WalkLimits) -> f32x8 {
         let walks = lanes::as_mask(starts.segments.simd_le(u32x8::splat(walk.segments)));
         walks.select(self.survival_of(starts.segments), f32x8::ZERO)
     }
@@ -353,7 +354,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         exp(lanes::to_f32(depth.saturating_sub(u32x8::splat(1))) * f32x8::splat(self.log_survival))
     }
 
-    /// Extends the suffix beyond the start, along the history, to `farthest` segments, and notes how the path arrives
+    /// Extends the suffix beyond the start, along the history, to `most_edges` segments, and notes how the path arrives
     /// there.
     #[inline(always)]
     fn walk_history(
@@ -363,24 +364,24 @@ impl<P: PhaseX8> Batch<'_, P> {
         trail: &TrailTable<'_>,
         step: Step,
         suffix: &mut Suffix<'_>,
-        farthest: usize,
+        most_edges: usize,
     ) {
         let start = self.inserted + 1;
         if self.lights.selection_depends_on_start() {
             suffix.vertices[start].light_sum = outlook.light_sum.gather(&self.lane_of);
         }
-        if farthest <= start {
+        if most_edges <= start {
             return;
         }
         let whole = suffix.vertices[start].arc + current.arc.gather(&self.lane_of);
-        for a in start + 1..=farthest + 1 {
+        for a in start + 1..=most_edges + 1 {
             let mark = trail.gather(&self.lane_of, self.clock_of(step, a));
             let vertex = &mut suffix.vertices[a];
             (vertex.position, vertex.arc) = (mark.position, whole - mark.arc);
             (vertex.leaving, vertex.light_sum) = (mark.leaving, mark.light_sum);
         }
         if self.densities {
-            for a in start + 1..=farthest {
+            for a in start + 1..=most_edges {
                 let [before, vertex, after] =
                     suffix.vertices.get_disjoint_mut([a - 1, a, a + 1]).expect("three vertices");
                 let length_squared = (before.position - vertex.position).length_squared();

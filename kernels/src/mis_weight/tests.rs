@@ -14,7 +14,7 @@ use crate::emission::reference::profile;
 use crate::media::Medium;
 use crate::phase::PhaseFunction;
 use crate::tables::lights::{Emitter, Lights, Selection};
-use crate::{PathLengths, Walk};
+use crate::{PathLengths, WalkLimits};
 
 fn medium(extinction: f32, g: f32) -> Medium {
     Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(g))
@@ -32,7 +32,7 @@ fn both(medium: &Medium) -> Techniques {
 /// The weight of a path, with starts from `first_start` on, which is on a surface of the normal `surface`.
 fn weigh(
     (medium, lights, techniques): (&Medium, &Lights, &Techniques),
-    walk: &Walk,
+    walk: &WalkLimits,
     vertices: &[DVec3],
     first_start: usize,
     surface: Option<DVec3>,
@@ -56,7 +56,7 @@ fn ratios(
     competition.ratios(&path, start, 0)
 }
 
-const FREE: Walk = Walk { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
 const LENGTHS: PathLengths = PathLengths { min: 1, max: 1000 };
 
 #[test]
@@ -165,23 +165,23 @@ fn walks_that_end_stop_or_rarely_start_compete_less() {
     let bridge = Some(Bridge::new(Roll::Aligned, &medium, LENGTHS.max));
     let techniques = Techniques { nee: true, omnee: true, bridge, ..both(&medium) };
     let ratio = |start: usize| ratios((&medium, &lights, &techniques), LENGTHS.max, &path, start);
-    let weight = |walk: Walk, first: usize| weigh((&medium, &lights, &techniques), &walk, &path, first, None);
+    let weight = |walk: WalkLimits, first: usize| weigh((&medium, &lights, &techniques), &walk, &path, first, None);
     let close = |found: f64, sum: f64| assert!((found * sum - 1.0).abs() < 1e-12, "{found}, expected {}", 1.0 / sum);
     close(weight(FREE, 1), 1.0 + (1..5).map(ratio).sum::<f64>());
     close(weight(FREE, 3), 1.0 + ratio(3) + ratio(4));
-    close(weight(Walk { starts: 2, ..FREE }, 1), 1.0 + ratio(1) + ratio(2));
-    close(weight(Walk { starts: 1, ..FREE }, 4), 1.0 + ratio(4));
-    close(weight(Walk { segments: 5, ..FREE }, 4), 1.0 + ratio(4));
-    close(weight(Walk { segments: 4, ..FREE }, 4), ratio(4));
+    close(weight(WalkLimits { starts: 2, ..FREE }, 1), 1.0 + ratio(1) + ratio(2));
+    close(weight(WalkLimits { starts: 1, ..FREE }, 4), 1.0 + ratio(4));
+    close(weight(WalkLimits { segments: 5, ..FREE }, 4), 1.0 + ratio(4));
+    close(weight(WalkLimits { segments: 4, ..FREE }, 4), ratio(4));
     let q: f64 = 0.5;
     let survived: f64 = (1..5).map(|start| q.powi(start as i32 - 1) * ratio(start)).sum();
-    close(weight(Walk { survival: 0.5, ..FREE }, 1), q.powi(4) + survived);
+    close(weight(WalkLimits { survival: 0.5, ..FREE }, 1), q.powi(4) + survived);
 }
 
 #[test]
 fn a_path_that_nothing_makes_weighs_nothing() {
     let (medium, lights, path) = bent();
-    let short = Walk { segments: 4, ..FREE };
+    let short = WalkLimits { segments: 4, ..FREE };
     for techniques in [Techniques::default(), Techniques { omnee: true, ..Techniques::default() }] {
         assert_eq!(weigh((&medium, &lights, &techniques), &short, &path, 4, None), 0.0);
     }

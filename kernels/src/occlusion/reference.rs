@@ -43,7 +43,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
     for (index, ends) in chain.windows(2).enumerate() {
-        for (other, solid) in lights.solids().iter().enumerate() {
+        for (other, solid) in lights.bodies().iter().enumerate() {
             if index == last && other == emitter {
                 continue;
             }

@@ -34,7 +34,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
             }
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
-            for (index, solid) in lights.solids().iter().enumerate() {
+            for (index, solid) in lights.bodies().iter().enumerate() {
                 let own = lanes::as_mask(candidates.emitter.batch(b).simd_eq(u32x8::splat(index as u32)));
                 let spared = if last { own } else { f32x8::ZERO };
                 free &= spared | !crosses(solid, from, to);

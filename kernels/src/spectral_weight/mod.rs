@@ -7,10 +7,10 @@
 //! posterior_c' = posterior_c p_c / P,      T_k' = T_k f_k / P,      P = sum_c posterior_c p_c
 //! ```
 //!
-//! with f_c for the density of a free flight in channel c, over the distance that the path went: `mu_c e^{-tau_c}` where
-//! it scatters, and the probability `e^{-tau_c}` where it meets a surface before. The density p_c with which it was
-//! drawn is the same, but for [first flights](crate::first_flight) that may be aimed: they have a density of their own,
-//! of the flight as it was drawn, which then stands for f_c, too, even if a surface ends it.
+//! with f_c for the density of a free flight in channel c, over the distance that the path went: `mu_c e^{-tau_c}`
+//! where it scatters, and the probability `e^{-tau_c}` where it meets a surface before. The density p_c with which it
+//! was drawn is the same, but for [first flights](crate::first_flight) that may be aimed: they have a density of their
+//! own, of the flight as it was drawn, which then stands for f_c, too, even if a surface ends it.
 
 pub mod reference;
 pub mod simd;

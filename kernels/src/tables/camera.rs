@@ -3,7 +3,7 @@
 /// A pinhole and the film in front of it, in world space.
 ///
 /// The film point of pixel coordinates (x, y), with (0, 0) the upper left corner of the image, lies in direction
-/// `corner + x step_x + y step_y` from the pinhole, which is one metre ahead along the viewing axis.
+/// `corner + x pixel_x + y pixel_y` from the pinhole, which is one metre ahead along the viewing axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The pinhole `[m]`.
@@ -13,9 +13,9 @@ pub struct Camera {
     /// From the pinhole to the upper left corner of the film, one metre ahead.
     pub corner: [f32; 3],
     /// From one pixel to its right neighbour.
-    pub step_x: [f32; 3],
+    pub pixel_x: [f32; 3],
     /// From one pixel to the one below.
-    pub step_y: [f32; 3],
+    pub pixel_y: [f32; 3],
     /// Distance, along the viewing axis, of the plane on which paths start `[m]`, >= 0.
     pub near: f32,
     /// Pixels in a row of the whole image: pixel `i` is (i mod width, i div width).
@@ -48,8 +48,8 @@ impl Camera {
             position: position.as_vec3().to_array(),
             forward: forward.as_vec3().to_array(),
             corner: (forward - half_width * right + half_height * up).as_vec3().to_array(),
-            step_x: (pixel * right).as_vec3().to_array(),
-            step_y: (-pixel * up).as_vec3().to_array(),
+            pixel_x: (pixel * right).as_vec3().to_array(),
+            pixel_y: (-pixel * up).as_vec3().to_array(),
             near: near as f32,
             width: size[0],
         }
@@ -58,6 +58,6 @@ impl Camera {
     /// The same view of `from` pixels across and down with `to` pixels.
     pub fn at_size(&self, from: [u32; 2], to: [u32; 2]) -> Self {
         let step = |step: [f32; 3], axis: usize| step.map(|x| x * (from[axis] as f32 / to[axis] as f32));
-        Self { step_x: step(self.step_x, 0), step_y: step(self.step_y, 1), width: to[0], ..*self }
+        Self { pixel_x: step(self.pixel_x, 0), pixel_y: step(self.pixel_y, 1), width: to[0], ..*self }
     }
 }

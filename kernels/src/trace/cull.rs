@@ -56,7 +56,7 @@ impl Rays {
     fn new(tree: &Tree, origin: Vec3x8, direction: Vec3x8, max: f32x8) -> Self {
         let largest = |v: Vec3x8| v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs());
         let least = f32x8::splat(LEAST) * largest(direction);
-        let widening = f32x8::splat(WIDENING) * (f32x8::splat(tree.reach) + largest(origin));
+        let widening = f32x8::splat(WIDENING) * (f32x8::splat(tree.extent) + largest(origin));
         let (origin, direction) = ([origin.x, origin.y, origin.z], [direction.x, direction.y, direction.z]);
         let backwards = direction.map(|d| d.simd_lt(f32x8::ZERO));
         let inverse: [f32x8; 3] = core::array::from_fn(|axis| {

@@ -77,8 +77,8 @@ impl Ready {
         }
         let least = LEAST * longest;
         let inverse = d.map(|d| 1.0 / d.abs().max(least).copysign(d));
-        let reach = tree.reach + o[0].abs().max(o[1].abs()).max(o[2].abs());
-        let widening = WIDENING * reach;
+        let extent = tree.extent + o[0].abs().max(o[1].abs()).max(o[2].abs());
+        let widening = WIDENING * extent;
         let towards = |axis: usize| widening.copysign(d[axis]);
         let constant = |axis: usize, sign: f32| f32x8::splat(-(o[axis] + sign * towards(axis)) * inverse[axis]);
         let plane = |axis: usize, near: bool| if d[axis].is_sign_negative() == near { 3 + axis } else { axis };

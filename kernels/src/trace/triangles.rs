@@ -84,10 +84,10 @@ fn finish(leaf: &Leaf, ray: &Ready, max: f32, seen: Seen) -> Option<Crossings> {
     let mut weights = [b.to_array(), c.to_array()];
     let mut bits = lanes::bits(ahead);
     if unclear.any() {
-        let settled = distance.as_mut_array();
+        let decided = distance.as_mut_array();
         for lane in lanes::each(lanes::bits(unclear)) {
-            match settle(leaf, ray, &seen, lane) {
-                Some(hit) => [settled[lane], weights[0][lane], weights[1][lane]] = hit,
+            match decide(leaf, ray, &seen, lane) {
+                Some(hit) => [decided[lane], weights[0][lane], weights[1][lane]] = hit,
                 None => bits &= !(1 << lane),
             }
         }
@@ -111,7 +111,7 @@ fn entry(leaf: &Leaf, ray: &Ready) -> f32x8 {
 /// Distance and barycentrics of one lane in f64, from the same view along the ray.
 #[cold]
 #[inline(never)]
-fn settle(leaf: &Leaf, ray: &Ready, seen: &Seen, lane: usize) -> Option<[f32; 3]> {
+fn decide(leaf: &Leaf, ray: &Ready, seen: &Seen, lane: usize) -> Option<[f32; 3]> {
     let at = |rows: &[f32x8; 3]| rows.map(|row| f64::from(row.to_array()[lane]));
     let (x, y, z) = (at(&seen.x), at(&seen.y), at(&seen.z));
     let corner = |i: usize| DVec2::new(x[i], y[i]);

@@ -9,7 +9,7 @@ use fogbow::frame::Frame;
 use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
-use fogbow_kernels::connect::lis::{Lis, Shape};
+use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::phase::PhaseFunction;
@@ -17,7 +17,7 @@ use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
-use fogbow_kernels::{PathLengths, Walk};
+use fogbow_kernels::{PathLengths, WalkLimits};
 use glam::DVec3;
 
 pub use variety::variety;
@@ -81,12 +81,12 @@ impl Active {
             Self::BridgeUniform => Some(bridge_of(Roll::Uniform)),
             _ => None,
         };
-        let shape = match self {
-            Self::Lis | Self::Every => Some(Shape::Bridge(bridge_of(Roll::Aligned))),
-            Self::LisMvnee => Some(Shape::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx))),
+        let connector = match self {
+            Self::Lis | Self::Every => Some(Connector::Bridge(bridge_of(Roll::Aligned))),
+            Self::LisMvnee => Some(Connector::Mvnee(Mvnee::new(medium, mesc, Offset::Ggx))),
             _ => None,
         };
-        let lis = shape.map(|shape| Lis::new(medium, shape));
+        let lis = connector.map(|connector| Lis::new(medium, connector));
         let nee = matches!(self, Self::Nee | Self::Both | Self::Omnee | Self::Every);
         Techniques { nee, mvnee, omnee: matches!(self, Self::Omnee | Self::Every), bridge, lis }
     }
@@ -150,7 +150,7 @@ pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed:
         lights,
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),
-        walk: Walk::ALL,
+        walk: WalkLimits::ALL,
         aimed: 0.0,
         roulette: 0.0,
         lengths: PathLengths { min: 1, max: longest },
@@ -307,14 +307,14 @@ pub fn lamps(unit: f64, g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let surfaces = surfaces(&groups);
     let meshes = vec![shining(&surfaces, 4..12, [3.0, 2.0, 5.0]), shining(&surfaces, 12..14, [1.0, 4.0, 2.0])];
     let at = |x: f64, y: f64, z: f64| unit * DVec3::new(x, y, z);
-    let solids = vec![
+    let bodies = vec![
         Emitter::sphere(at(0.4, 1.6, 1.0), 0.2 * unit, [10.0, 9.0, 2.0]),
         Emitter::disk(at(-0.6, 1.9, 1.8), DVec3::new(0.1, -1.0, 0.0), 0.3 * unit, [5.0, 9.0, 8.0]),
     ];
     let extinction = (0.8 / unit) as f32;
     let medium = Medium::homogeneous(extinction, [0.95, 0.9, 0.8], PhaseFunction::henyey_greenstein(g));
     let camera = Camera::new(at(0.0, 1.0, -1.0), DVec3::Z, DVec3::Y, 1.0, 0.1 * unit, size);
-    let frame = plain(camera, medium, Lights::with_meshes(solids, meshes, selection), 7, 9);
+    let frame = plain(camera, medium, Lights::with_meshes(bodies, meshes, selection), 7, 9);
     with_techniques(&Frame { surfaces, ..frame }, Active::Every, 3.0)
 }
 

@@ -29,19 +29,19 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &'q Frame, lanes: usize, bounces: u
 
 /// Builds MVNEE's connections, bucket by bucket.
 pub fn build_mvnee(wavefront: &mut Wavefront<'_>, mvnee: &Mvnee) {
-    wavefront.light_sample(mvnee.reach());
+    wavefront.light_sample(mvnee.scope());
     wavefront.join(mvnee, wavefront.frame.lengths, wavefront.step);
 }
 
 /// Builds bridges, bucket by bucket.
 pub fn build_bridges(wavefront: &mut Wavefront<'_>, bridge: &Bridge) {
-    wavefront.light_sample(bridge.reach());
+    wavefront.light_sample(bridge.scope());
     wavefront.join(bridge, wavefront.frame.lengths, wavefront.step);
 }
 
 /// Builds the connections of light importance sampling; a bucket's rows insert one vertex more than it says.
 pub fn build_lis(wavefront: &mut Wavefront<'_>, lis: &Lis) {
-    wavefront.light_sample(lis::reach(wavefront.frame.lengths));
+    wavefront.light_sample(lis::scope(wavefront.frame.lengths));
     wavefront.join_from_light(lis);
 }
 

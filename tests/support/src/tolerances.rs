@@ -99,8 +99,8 @@ pub const WEIGHT: Tolerance = tolerance(1e-30, 1e-4);
 /// Relative error of a weight that follows from positions being f32. Rounding turns a segment of length `shortest`, at
 /// `distance` from the origin, by `6e-8 distance / shortest`. A lobe of width 1 - |g| turns that into a relative error
 /// of the phase function three times as large over the width, light that arrives at `cos_light` into one over that
-/// cosine, as often as its power enters; a candidate may have several such factors. The kernel takes the phase function of a walk's vertex from the
-/// directions that were sampled, the twin from the positions, so nothing cancels.
+/// cosine, as often as its power enters; a candidate may have several such factors. The kernel takes the phase function
+/// of a walk's vertex from the directions that were sampled, the twin from the positions, so nothing cancels.
 pub fn weight_conditioning(g: f64, distance: f64, shortest: f64, cos_light: f64) -> f64 {
     3.0 * 6e-8 * distance / shortest.max(1e-12) * (1.0 / (1.0 - g.abs()) + 1.0 / cos_light.max(1e-12))
 }

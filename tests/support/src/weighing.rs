@@ -12,7 +12,7 @@ use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::mis_weight;
 use fogbow_kernels::tables::lights::Lights;
-use fogbow_kernels::{PathLengths, Step, Walk};
+use fogbow_kernels::{PathLengths, Step, WalkLimits};
 use glam::DVec3;
 
 /// What paths are weighed in.
@@ -27,7 +27,7 @@ pub struct Weigher<'a> {
     /// The active techniques.
     pub techniques: &'a Techniques,
     /// How far walks go.
-    pub walk: Walk,
+    pub walk: WalkLimits,
     /// Longest path, in segments.
     pub longest: u32,
 }
@@ -48,7 +48,7 @@ pub struct Made<'a> {
 impl<'a> Weigher<'a> {
     /// Weighs with `kernel`, for walks that go on and paths of any length.
     pub fn new(kernel: mis_weight::Kernel, medium: &'a Medium, lights: &'a Lights, techniques: &'a Techniques) -> Self {
-        Self { kernel, medium, lights, techniques, walk: Walk::ALL, longest: 1000 }
+        Self { kernel, medium, lights, techniques, walk: WalkLimits::ALL, longest: 1000 }
     }
 
     /// The weight of a path. It stands in `lane` of two batches; all other lanes are dead and hold NaN.

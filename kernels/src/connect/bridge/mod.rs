@@ -54,7 +54,7 @@ use std::sync::Arc;
 
 use counts::CountTable;
 
-use super::light_sample::Reach;
+use super::light_sample::Scope;
 use super::{Densities, Row};
 use crate::media::Medium;
 use crate::random;
@@ -117,14 +117,14 @@ impl Bridge {
         Row {
             most_inserted: self.max_inserted,
             looks_back: true,
-            farthest_start: usize::MAX,
+            most_edges: usize::MAX,
             densities: Densities::None,
             near: f32::INFINITY,
         }
     }
 
     /// Every start within the distance limit connects, whichever way the light faces.
-    pub fn reach(&self) -> Reach {
-        Reach { max_distance: self.max_distance, ..Reach::new(random::BRIDGE_LIGHT) }
+    pub fn scope(&self) -> Scope {
+        Scope { max_distance: self.max_distance, ..Scope::new(random::BRIDGE_LIGHT) }
     }
 }

@@ -23,8 +23,8 @@ use crate::vec3x8::Vec3x8;
 /// Shortest length by which the axis is normalised `[m]`.
 const LEAST_LENGTH: f32 = 1e-30;
 
-/// Sum of the ratios of the starts `nearest ..= farthest`, counted from the light; `room(a)` are the most edges that a
-/// bridge from start `a` may have.
+/// Sum of the ratios of `starts`, counted from the light; `room(a)` are the most edges that a bridge from start `a` may
+/// have.
 #[inline(always)]
 pub fn ratios<M: MediumX8>(
     bridge: &Bridge,
@@ -37,13 +37,13 @@ pub fn ratios<M: MediumX8>(
     let mut sum = f32x8::ZERO;
     let (medium, lobe) = (arrival.medium, phase.lobe());
     let point = suffix.vertices[0].position;
-    let reach_squared = f32x8::splat(bridge.max_distance * bridge.max_distance);
-    let farthest = (*starts.end()).min(bridge.max_inserted.saturating_add(1) as usize);
-    for a in *starts.start()..=farthest {
+    let longest_squared = f32x8::splat(bridge.max_distance * bridge.max_distance);
+    let most_edges = (*starts.end()).min(bridge.max_inserted.saturating_add(1) as usize);
+    for a in *starts.start()..=most_edges {
         let start = &suffix.vertices[a];
         let to_light = point - start.position;
         let distance_squared = to_light.length_squared();
-        let possible = start.eligible & distance_squared.simd_le(reach_squared);
+        let possible = start.eligible & distance_squared.simd_le(longest_squared);
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST_LENGTH)));
 

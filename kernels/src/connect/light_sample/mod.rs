@@ -13,7 +13,7 @@ use crate::tables::lights::Lights;
 
 /// Which pairs of start and light point a technique connects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
+pub struct Scope {
     /// The random dimension of the technique's light point.
     pub purpose: Purpose,
     /// Longest distance between start and light point `[m]`; infinite if there is no limit.
@@ -26,7 +26,7 @@ pub struct Reach {
     pub max_depth: u32,
 }
 
-impl Reach {
+impl Scope {
     /// Every start and every light point, with `purpose` as the random dimension.
     pub const fn new(purpose: Purpose) -> Self {
         Self { purpose, max_distance: f32::INFINITY, facing: false, starts: u32::MAX, max_depth: u32::MAX }
@@ -43,7 +43,7 @@ pub struct Columns<'a, 'q> {
     /// The lights, and how connections choose among them.
     pub lights: &'a Lights,
     /// Which pairs of start and light point connect.
-    pub reach: Reach,
+    pub scope: Scope,
     /// The paths whose vertices may connect.
     pub live: &'a LaneSet<'q>,
     /// Read: pixel, sample and birth.

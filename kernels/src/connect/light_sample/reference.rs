@@ -20,7 +20,7 @@ use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::{Columns, Reach};
+use super::{Columns, Scope};
 use crate::columns::queues::Candidate;
 use crate::emission::reference::cosine;
 use crate::random::Purpose;
@@ -29,16 +29,16 @@ use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { lights, reach, live, paths, last_surface, vertex, before, connections, .. } = columns;
+    let Columns { lights, scope, live, paths, last_surface, vertex, before, connections, .. } = columns;
     for lane in live.each() {
         let depth = paths.depth_of(step.clock, lane);
-        if !may_start(reach, depth, last_surface.first_start(lane)) {
+        if !may_start(scope, depth, last_surface.first_start(lane)) {
             continue;
         }
         let start = vertex.position.row(lane);
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
-        let u = uniforms(pixel, sample, depth, reach.purpose, step.seed);
-        if let Some((emitter, point)) = connect(lights, reach, DVec3::from(start.map(f64::from)), u) {
+        let u = uniforms(pixel, sample, depth, scope.purpose, step.seed);
+        if let Some((emitter, point)) = connect(lights, scope, DVec3::from(start.map(f64::from)), u) {
             connections.push(Candidate {
                 lane: lane as u32,
                 emitter: emitter as u32,
@@ -51,13 +51,13 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 /// Whether the vertex at `depth` connects, of a path whose first eligible vertex is at depth `first` <= `depth`.
-pub fn may_start(reach: Reach, depth: u32, first: u32) -> bool {
-    depth <= reach.max_depth && depth - first < reach.starts
+pub fn may_start(scope: Scope, depth: u32, first: u32) -> bool {
+    depth <= scope.max_depth && depth - first < scope.starts
 }
 
 /// What decides on light, emitter and point.
 #[derive(Clone, Copy, Debug)]
-pub struct Draws {
+pub struct Uniforms {
     /// Uniform number for the light.
     pub light: f64,
     /// Random word for the emitter.
@@ -67,23 +67,23 @@ pub struct Draws {
 }
 
 /// The numbers of a vertex's light point.
-pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32) -> Draws {
+pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32) -> Uniforms {
     let words = |purpose: Purpose| random::words(pixel, sample, random::block(depth, purpose), seed);
     let [light, u, v, _] = words(purpose);
     let [emitter, ..] = words(purpose.emitter());
-    Draws { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
+    Uniforms { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
 }
 
 /// The emitter and the point that `start` is to be connected with, if they are within reach.
-pub fn connect(lights: &Lights, reach: Reach, start: DVec3, u: Draws) -> Option<(usize, DVec3)> {
+pub fn connect(lights: &Lights, scope: Scope, start: DVec3, u: Uniforms) -> Option<(usize, DVec3)> {
     let light = choose_light(lights, start, u.light)?;
     let index = lights.choose_emitter(light as u32, u.emitter) as usize;
     let emitter = &lights.emitters()[index];
     let point = point_on(emitter, u.point);
-    if reach.facing && cosine(emitter, point, point - start) <= 0.0 {
+    if scope.facing && cosine(emitter, point, point - start) <= 0.0 {
         return None;
     }
-    if (point - start).length() > f64::from(reach.max_distance) {
+    if (point - start).length() > f64::from(scope.max_distance) {
         return None;
     }
     Some((index, point))
@@ -264,13 +264,13 @@ mod tests {
     #[test]
     fn starts_are_counted_from_the_first_eligible_vertex() {
         let starts =
-            |reach: Reach, first: u32| (first..20).filter(|depth| may_start(reach, *depth, first)).collect::<Vec<_>>();
-        let all = Reach::new(random::BRIDGE_LIGHT);
+            |scope: Scope, first: u32| (first..20).filter(|depth| may_start(scope, *depth, first)).collect::<Vec<_>>();
+        let all = Scope::new(random::BRIDGE_LIGHT);
         assert_eq!(starts(all, 1).len(), 19);
         assert_eq!(starts(all.from_first(1), 1), [1]);
         assert_eq!(starts(all.from_first(3), 4), [4, 5, 6]);
-        assert_eq!(starts(Reach { max_depth: 5, ..all }, 4), [4, 5]);
-        assert_eq!(starts(Reach { max_depth: 5, ..all.from_first(1) }, 6), []);
+        assert_eq!(starts(Scope { max_depth: 5, ..all }, 4), [4, 5]);
+        assert_eq!(starts(Scope { max_depth: 5, ..all.from_first(1) }, 6), []);
     }
 
     #[test]
@@ -294,7 +294,7 @@ mod tests {
         }
         let columns = Columns {
             lights: &lights,
-            reach: Reach { max_distance: 50.0, ..Reach::new(random::BRIDGE_LIGHT) }.from_first(2),
+            scope: Scope { max_distance: 50.0, ..Scope::new(random::BRIDGE_LIGHT) }.from_first(2),
             live: &live,
             paths: &paths,
             last_surface: &last_surface,

@@ -23,11 +23,11 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { lights, reach, live, paths, last_surface, outlook, vertex, before, connections } = columns;
+    let Columns { lights, scope, live, paths, last_surface, outlook, vertex, before, connections } = columns;
     let n = live.batches();
     let [pixel, sample, birth, last_surface] =
         [&paths.pixel, &paths.sample, &paths.birth, &last_surface.depth].map(|column| column.view(n));
-    let limited = reach.starts < u32::MAX || reach.max_depth < u32::MAX;
+    let limited = scope.starts < u32::MAX || scope.max_depth < u32::MAX;
     let (starts, arriving, light_sum) = (vertex.position.view(n), before.direction.view(n), outlook.light_sum.view(n));
     for (b, live) in live.each_batch() {
         let start = starts.at(b);
@@ -35,32 +35,32 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let mut live = live;
         if limited {
             let nth = depth - last_surface[b].max(u32x8::splat(1));
-            let may = nth.simd_lt(u32x8::splat(reach.starts)) & depth.simd_le(u32x8::splat(reach.max_depth));
+            let may = nth.simd_lt(u32x8::splat(scope.starts)) & depth.simd_le(u32x8::splat(scope.max_depth));
             live &= lanes::bits(lanes::as_mask(may));
             if live == 0 {
                 continue;
             }
         }
-        if reach.max_distance.is_finite() {
-            let near = selection::may_be_within(lights, reach.max_distance, start);
+        if scope.max_distance.is_finite() {
+            let near = selection::may_be_within(lights, scope.max_distance, start);
             if lanes::bits(near) & live == 0 {
                 continue;
             }
         }
-        let block = random::block_x8(depth, reach.purpose);
+        let block = random::block_x8(depth, scope.purpose);
         let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
 
         let sum = if lights.selection_depends_on_start() { light_sum[b] } else { f32x8::ONE };
         let mut emitter = selection::choose(lights, start, sum, choice);
         if lights.has_meshes() {
-            let block = random::block_x8(depth, reach.purpose.emitter());
+            let block = random::block_x8(depth, scope.purpose.emitter());
             let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
             emitter = emitters_of(lights, emitter, words);
         }
         let point = point_on(lights, &emitter.to_array(), u, v);
         let to_start = start - point;
-        let mut keep = to_start.length_squared().simd_le(f32x8::splat(reach.max_distance * reach.max_distance));
-        if reach.facing {
+        let mut keep = to_start.length_squared().simd_le(f32x8::splat(scope.max_distance * scope.max_distance));
+        if scope.facing {
             keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }
         let (lane, arriving) = (lanes::indices(b), arriving.at(b));

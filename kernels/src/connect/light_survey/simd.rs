@@ -3,8 +3,8 @@
 //! first near = min(first near, depth) if |x - c_l| <= (near + R_l) 1.0001 for any light l
 //! ```
 //!
-//! 1. Batches in which no vertex may connect are left alone; in others all light sums are filled, as nobody reads those of
-//!    vertices that may not.
+//! 1. Batches in which no vertex may connect are left alone; in others all light sums are filled, as nobody reads those
+//!    of vertices that may not.
 
 use wide::u32x8;
 

@@ -13,7 +13,7 @@
 //! p        = p_A P_l p(y) q(x_i -> y)
 //! ```
 //!
-//! (half of p_dir where both sides shine), where q is the shape's density of its own inserted vertices, given both
+//! (half of p_dir where both sides shine), where q is the connector's density of its own inserted vertices, given both
 //! ends. Path tracing has the density of the way to y times `phase(c_y) exp(-mu_t t) cos theta / t^2`, and that of the
 //! way has mu_t where one to a light has its cosine, so that
 //!
@@ -22,9 +22,9 @@
 //! ```
 //!
 //! and what y brings in is a factor without t. From a start x_i the path has N = N' + 1 >= 2 edges, N' of them the
-//! shape's; whatever the shape calls s, L, l_{n-1} and m belongs to the way to y.
+//! connector's; whatever the connector calls s, L, l_{n-1} and m belongs to the way to y.
 //!
-//! **Counts.** `depth + N' + 1 <= K`: the shape has one edge less to spend. What is longer is dropped, not redrawn.
+//! **Counts.** `depth + N' + 1 <= K`: the connector has one edge less to spend. What is longer is dropped, not redrawn.
 //!
 //! **Companion.** Paths of a single edge cannot be made so. Starts within [`Lis::near`] of the light point, four mean
 //! free paths as in the paper, also connect by next event estimation, at whose ratio these paths are weighed; beyond,
@@ -35,7 +35,7 @@ pub mod sample;
 pub(crate) mod simd;
 
 use super::bridge::Bridge;
-use super::light_sample::Reach;
+use super::light_sample::Scope;
 use super::mvnee::Mvnee;
 use super::{Densities, Row};
 use crate::media::Medium;
@@ -46,7 +46,7 @@ pub const NEAR: f64 = 4.0;
 
 /// What joins a start with the vertex made from the light.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum Connector {
     /// A bridge.
     Bridge(Bridge),
     /// Seeds on the axis, perturbed.
@@ -57,57 +57,57 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lis {
     /// What joins a start with the vertex made from the light; its limits are on the way to that vertex.
-    pub shape: Shape,
+    pub connector: Connector,
     /// Distance from start to light point up to which the companion connects `[m]`, >= 0.
     pub near: f32,
 }
 
 impl Lis {
     /// The settings for `medium`, with the companion of the paper.
-    pub fn new(medium: &Medium, shape: Shape) -> Self {
-        Self { shape, near: (NEAR * medium.mean_free_path()) as f32 }
+    pub fn new(medium: &Medium, connector: Connector) -> Self {
+        Self { connector, near: (NEAR * medium.mean_free_path()) as f32 }
     }
 
     /// Longest way from a start to the vertex made from the light `[m]`; infinite for no limit.
     pub fn max_distance(&self) -> f32 {
-        match &self.shape {
-            Shape::Bridge(bridge) => bridge.max_distance,
-            Shape::Mvnee(mvnee) => mvnee.max_distance,
+        match &self.connector {
+            Connector::Bridge(bridge) => bridge.max_distance,
+            Connector::Mvnee(mvnee) => mvnee.max_distance,
         }
     }
 
-    /// Most edges from a start to the vertex made from the light, as far as the shape limits them.
+    /// Most edges from a start to the vertex made from the light, as far as the connector limits them.
     pub(crate) fn most_edges(&self) -> f32 {
-        match &self.shape {
-            Shape::Bridge(bridge) => bridge.max_inserted.saturating_add(1) as f32,
-            Shape::Mvnee(_) => f32::INFINITY,
+        match &self.connector {
+            Connector::Bridge(bridge) => bridge.max_inserted.saturating_add(1) as f32,
+            Connector::Mvnee(_) => f32::INFINITY,
         }
     }
 
     /// What others must know of it.
     pub fn row(&self) -> Row {
-        let (inserted, densities) = match &self.shape {
-            Shape::Bridge(bridge) => (bridge.max_inserted, Densities::Last),
-            Shape::Mvnee(_) => (u32::MAX, Densities::All),
+        let (inserted, densities) = match &self.connector {
+            Connector::Bridge(bridge) => (bridge.max_inserted, Densities::Last),
+            Connector::Mvnee(_) => (u32::MAX, Densities::All),
         };
         Row {
             most_inserted: inserted.saturating_add(1),
             looks_back: true,
-            farthest_start: usize::MAX,
+            most_edges: usize::MAX,
             densities,
             near: f32::INFINITY,
         }
     }
 
     /// The companion's connections.
-    pub fn companion(&self) -> Reach {
-        Reach { max_distance: self.near, facing: true, ..Reach::new(random::LIS_NEAR_LIGHT) }
+    pub fn companion(&self) -> Scope {
+        Scope { max_distance: self.near, facing: true, ..Scope::new(random::LIS_NEAR_LIGHT) }
     }
 }
 
 /// Every start connects that has two segments left, whichever way the light faces.
-pub fn reach(lengths: PathLengths) -> Reach {
-    Reach { max_depth: lengths.max.saturating_sub(2), ..Reach::new(random::LIS_LIGHT) }
+pub fn scope(lengths: PathLengths) -> Scope {
+    Scope { max_depth: lengths.max.saturating_sub(2), ..Scope::new(random::LIS_LIGHT) }
 }
 
 /// The path lengths of the way to the vertex made from the light: a segment comes after it.

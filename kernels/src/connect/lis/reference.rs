@@ -15,7 +15,7 @@
 
 use glam::DVec3;
 
-use super::{Lis, Shape};
+use super::{Connector, Lis};
 use crate::connect::bridge::reference::Start;
 use crate::connect::density::Density;
 use crate::connect::{bridge, mvnee, nee};
@@ -52,9 +52,9 @@ pub fn density(
         return Density::ZERO;
     };
     let made = vertex_density(emitter, medium, *point, *vertex);
-    let joined = match &lis.shape {
-        Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), medium, to_vertex, light_density),
-        Shape::Bridge(bridge) => {
+    let joined = match &lis.connector {
+        Connector::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), medium, to_vertex, light_density),
+        Connector::Bridge(bridge) => {
             // One of the segments comes after the vertex.
             let longest = longest.saturating_sub(1);
             bridge::reference::density(bridge, medium, longest, start, to_vertex, light_density)
@@ -96,9 +96,10 @@ mod tests {
         exponent.map_or(plain, |exponent| plain.focused(exponent))
     }
 
-    fn shapes() -> [Lis; 2] {
-        let bridge = Shape::Bridge(Bridge::new(Roll::Aligned, &MEDIUM, 9));
-        [bridge, Shape::Mvnee(Mvnee::new(&MEDIUM, f64::INFINITY, Offset::Ggx))].map(|shape| Lis::new(&MEDIUM, shape))
+    fn connectors() -> [Lis; 2] {
+        let bridge = Connector::Bridge(Bridge::new(Roll::Aligned, &MEDIUM, 9));
+        [bridge, Connector::Mvnee(Mvnee::new(&MEDIUM, f64::INFINITY, Offset::Ggx))]
+            .map(|connector| Lis::new(&MEDIUM, connector))
     }
 
     fn made(lis: &Lis, longest: u32, chain: &[DVec3]) -> f64 {
@@ -146,13 +147,13 @@ mod tests {
         let vertex = point + 0.5 * normal + 0.1 * DVec3::X;
         let between = DVec3::new(0.2, 0.3, 0.9);
         let made_vertex = vertex_density(&disk(Some(3.0)), &FOG, point, vertex).value();
-        for lis in shapes() {
+        for lis in connectors() {
             for inner in [vec![], vec![between]] {
                 let to_vertex = [vec![DVec3::ZERO], inner, vec![vertex]].concat();
                 let chain = [to_vertex.clone(), vec![point]].concat();
-                let joined = match &lis.shape {
-                    Shape::Bridge(bridge) => bridge::reference::density(bridge, &FOG, 7, &START, &to_vertex, 2.0),
-                    Shape::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), &FOG, &to_vertex, 2.0),
+                let joined = match &lis.connector {
+                    Connector::Bridge(bridge) => bridge::reference::density(bridge, &FOG, 7, &START, &to_vertex, 2.0),
+                    Connector::Mvnee(mvnee) => mvnee::reference::density(&mvnee.into(), &FOG, &to_vertex, 2.0),
                 };
                 let found = made(&lis, 8, &chain);
                 assert!((found / (joined.value() * made_vertex) - 1.0).abs() < 1e-12, "{lis:?}: {found}");
@@ -165,16 +166,16 @@ mod tests {
         let normal = DVec3::from(disk(None).normal.map(f64::from));
         let (point, vertex) = (DVec3::ONE, DVec3::ONE + 0.5 * normal);
         let chain = [DVec3::ZERO, vertex, point];
-        for lis in shapes() {
+        for lis in connectors() {
             assert!(made(&lis, 3, &chain) > 0.0 && made(&lis, 8, &[DVec3::ZERO, point]) == 0.0, "{lis:?}");
             assert_eq!(made(&lis, 8, &[DVec3::ZERO, DVec3::ONE - normal, point]), 0.0, "{lis:?}");
         }
-        assert_eq!(made(&shapes()[0], 2, &chain), 0.0);
+        assert_eq!(made(&connectors()[0], 2, &chain), 0.0);
     }
 
     #[test]
     fn the_companion_is_next_event_estimation_within_four_mean_free_paths() {
-        let [lis, _] = shapes();
+        let [lis, _] = connectors();
         let near = 4.0 / 0.75;
         let made = |distance: f64, normal: DVec3| {
             companion_density(&lis, &[DVec3::ZERO, distance * DVec3::Z], normal, 2.0).value()

@@ -1,18 +1,18 @@
 //! ```text
 //! y = vertex next to the light, at arc t
 //! scale = p_A (k + 2) / (2 pi) cos^k theta / phase(c_y),    half of it where both sides shine
-//! r     = scale * ratios of the shape on the suffix that ends at y, depths less tau(t)
+//! r     = scale * ratios of the connector on the suffix that ends at y, depths less tau(t)
 //! ```
 //!
-//! 1. The shape's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place of
-//!    p_A, and 1 in that of cos_light.
+//! 1. The connector's own kernel sees the suffix from y on, as if y were the light point: `scale` stands in the place
+//!    of p_A, and 1 in that of cos_light.
 //! 2. p_dir / cos theta is one power, so that grazing light needs no division.
 
 use core::ops::RangeInclusive;
 
 use wide::f32x8;
 
-use super::{Lis, Shape};
+use super::{Connector, Lis};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::connect::{bridge, mvnee};
 use crate::media::MediumX8;
@@ -56,8 +56,8 @@ pub fn ratios<M: MediumX8>(
         shares: &mut suffix.shares[1..],
     };
     let starts = starts.start() - 1..=starts.end() - 1;
-    match &lis.shape {
-        Shape::Bridge(bridge) => bridge::simd::ratios(bridge, phase, arrival, suffix, starts, |a| room(a + 1)),
-        Shape::Mvnee(mvnee) => mvnee::simd::ratios(mvnee, arrival, suffix, starts),
+    match &lis.connector {
+        Connector::Bridge(bridge) => bridge::simd::ratios(bridge, phase, arrival, suffix, starts, |a| room(a + 1)),
+        Connector::Mvnee(mvnee) => mvnee::simd::ratios(mvnee, arrival, suffix, starts),
     }
 }

@@ -19,7 +19,7 @@ pub mod slope;
 pub mod reference;
 pub(crate) mod simd;
 
-use super::light_sample::Reach;
+use super::light_sample::Scope;
 use super::{Densities, Row};
 use crate::media::Medium;
 use crate::random;
@@ -64,14 +64,14 @@ impl Mvnee {
         Row {
             most_inserted: u32::MAX,
             looks_back: true,
-            farthest_start: 1,
+            most_edges: 1,
             densities: Densities::All,
             near: self.max_distance,
         }
     }
 
     /// Every start within the distance limit connects, whichever way the light faces.
-    pub fn reach(&self) -> Reach {
-        Reach { max_distance: self.max_distance, ..Reach::new(random::MVNEE_LIGHT) }
+    pub fn scope(&self) -> Scope {
+        Scope { max_distance: self.max_distance, ..Scope::new(random::MVNEE_LIGHT) }
     }
 }

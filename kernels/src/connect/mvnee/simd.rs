@@ -58,7 +58,7 @@ fn sum<M: MediumX8>(
     slope: f32,
     factor: impl Fn(f32x8, f32x8, f32x8) -> f32x8,
 ) -> f32x8 {
-    let reach_squared = f32x8::splat(mvnee.max_distance * mvnee.max_distance);
+    let longest_squared = f32x8::splat(mvnee.max_distance * mvnee.max_distance);
     let slope_squared = f32x8::splat(slope * slope);
     let scale = arrival.inverse_area * arrival.last_squared / arrival.cos_light;
     let mut sum = f32x8::ZERO;
@@ -66,7 +66,7 @@ fn sum<M: MediumX8>(
         let start = suffix.vertices[a];
         let to_light = suffix.vertices[0].position - start.position;
         let distance_squared = to_light.length_squared();
-        let possible = start.eligible & distance_squared.simd_le(reach_squared);
+        let possible = start.eligible & distance_squared.simd_le(longest_squared);
         if !possible.any() {
             continue;
         }
@@ -80,7 +80,7 @@ fn sum<M: MediumX8>(
         for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
             let width_squared = projection.before * (after * widening);
             product *= factor(width_squared, projection.offset_squared, vertex.spread);
-            after += projection.step_squared;
+            after += projection.segment_squared;
         }
         let straight = arrival.medium.optical_depth(start.position, suffix.vertices[0].position, distance);
         let detour = exp(start.depth - arrival.skipped - straight);
@@ -118,14 +118,14 @@ fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, pos
     for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
         let from_start = vertex.position - start;
         let reached = from_start.dot(axis);
-        let step = reached - along;
-        possible &= step.simd_gt(f32x8::ZERO);
+        let segment = reached - along;
+        possible &= segment.simd_gt(f32x8::ZERO);
         if !possible.any() {
             return None;
         }
-        before = step.mul_add(step, before);
+        before = segment.mul_add(segment, before);
         *projection = Projection {
-            step_squared: step * step,
+            segment_squared: segment * segment,
             before,
             offset_squared: axis.mul_neg_add(reached, from_start).length_squared(),
         };

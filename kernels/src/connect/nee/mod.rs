@@ -11,13 +11,13 @@
 pub mod reference;
 pub(crate) mod simd;
 
-use super::light_sample::Reach;
+use super::light_sample::Scope;
 use super::{Densities, Row};
 use crate::random;
 
 /// Every start in front of the light connects, at any distance.
-pub const REACH: Reach = Reach { facing: true, ..Reach::new(random::NEE_LIGHT) };
+pub const SCOPE: Scope = Scope { facing: true, ..Scope::new(random::NEE_LIGHT) };
 
 /// What others must know of it.
 pub const ROW: Row =
-    Row { most_inserted: 0, looks_back: false, farthest_start: 1, densities: Densities::All, near: f32::INFINITY };
+    Row { most_inserted: 0, looks_back: false, most_edges: 1, densities: Densities::All, near: f32::INFINITY };

@@ -23,16 +23,16 @@ pub mod reference;
 pub mod sample;
 pub(crate) mod simd;
 
-use super::light_sample::Reach;
+use super::light_sample::Scope;
 use super::{Densities, Row};
 use crate::PathLengths;
 use crate::random;
 
 /// What others must know of it.
 pub const ROW: Row =
-    Row { most_inserted: 1, looks_back: true, farthest_start: 2, densities: Densities::All, near: f32::INFINITY };
+    Row { most_inserted: 1, looks_back: true, most_edges: 2, densities: Densities::All, near: f32::INFINITY };
 
 /// Every start connects that has two segments left, whichever way the light faces.
-pub fn reach(lengths: PathLengths) -> Reach {
-    Reach { max_depth: lengths.max.saturating_sub(2), ..Reach::new(random::OMNEE_LIGHT) }
+pub fn scope(lengths: PathLengths) -> Scope {
+    Scope { max_depth: lengths.max.saturating_sub(2), ..Scope::new(random::OMNEE_LIGHT) }
 }

@@ -104,7 +104,7 @@ struct Task {
 fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
     let Some(root) = binary.first() else {
         let (nodes, leaves) = (Pages::new(0, |_| Node::VACANT), Pages::new(0, |_| Leaf::VACANT));
-        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], reach: 0.0 };
+        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], extent: 0.0 };
     };
     let collapse = Collapse::new(binary);
     let (nodes, leaves) = (Vec::with_capacity(binary.len() / 4), Vec::with_capacity(binary.len()));
@@ -114,8 +114,8 @@ fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 
     let leaves = Pages::new(leaves.len(), |i| leaf(&order[leaves[i].clone()], &triangle));
     let nodes = Pages::new(nodes.len(), |i| nodes[i]);
     let bounds = corners_of(root.aabb());
-    let reach = bounds.as_flattened().iter().fold(0.0, |reach: f32, coordinate| reach.max(coordinate.abs()));
-    Tree { nodes, leaves, root: root_child, bounds, reach }
+    let extent = bounds.as_flattened().iter().fold(0.0, |extent: f32, coordinate| extent.max(coordinate.abs()));
+    Tree { nodes, leaves, root: root_child, bounds, extent }
 }
 
 struct Widening<'a, F> {

@@ -21,7 +21,7 @@ pub struct Tree {
     /// Lower and upper corner of the box around everything `[m]`.
     pub bounds: [[f32; 3]; 2],
     /// Size of the largest coordinate `[m]`.
-    pub reach: f32,
+    pub extent: f32,
 }
 
 /// Where a box leads: to an inner node or to a leaf.

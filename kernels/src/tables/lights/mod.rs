@@ -53,7 +53,7 @@ pub struct Lights {
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
     /// Emitters that are disks or spheres; they come first.
-    solids: usize,
+    bodies: usize,
     /// Emitter of each triangle, `u32::MAX` where it does not shine; empty if none does.
     of_triangle: Vec<u32>,
     selection: Selection,
@@ -69,8 +69,8 @@ impl Lights {
     ///
     /// # Panics
     /// If one is a triangle: these come in meshes.
-    pub fn new(solids: Vec<Emitter>, selection: Selection) -> Self {
-        Self::with_meshes(solids, Vec::new(), selection)
+    pub fn new(bodies: Vec<Emitter>, selection: Selection) -> Self {
+        Self::with_meshes(bodies, Vec::new(), selection)
     }
 
     /// Disks and spheres, and the triangles of each mesh that shines; triangles of one mesh, and only these, are chosen
@@ -78,14 +78,14 @@ impl Lights {
     ///
     /// # Panics
     /// If a solid is a triangle, or a mesh has something else, or nothing.
-    pub fn with_meshes(solids: Vec<Emitter>, meshes: Vec<Vec<Emitter>>, selection: Selection) -> Self {
-        assert!(solids.iter().all(|emitter| emitter.shape != Shape::Triangle), "a triangle without a mesh");
+    pub fn with_meshes(bodies: Vec<Emitter>, meshes: Vec<Vec<Emitter>>, selection: Selection) -> Self {
+        assert!(bodies.iter().all(|emitter| emitter.shape != Shape::Triangle), "a triangle without a mesh");
         let meshes = meshes::few(meshes);
         assert!(meshes.iter().all(|mesh| !mesh.is_empty()), "a mesh without triangles");
         assert!(meshes.iter().flatten().all(|emitter| emitter.shape == Shape::Triangle), "a mesh of something else");
-        let count = solids.len();
+        let count = bodies.len();
         let (mut emitters, mut lights) = (Vec::new(), Vec::new());
-        for pieces in solids.into_iter().map(|solid| vec![solid]).chain(meshes) {
+        for pieces in bodies.into_iter().map(|solid| vec![solid]).chain(meshes) {
             let first = emitters.len() as u32;
             lights.push(Light::of(&pieces, first));
             let weights: Vec<f64> = pieces.iter().map(meshes::weight).collect();
@@ -107,7 +107,7 @@ impl Lights {
             light.share = if selection == Selection::Uniform { uniform as f32 } else { light.intensity };
         }
         Self {
-            solids: count,
+            bodies: count,
             of_triangle: of_triangle(&emitters),
             selection,
             focused: emitters.iter().any(|emitter| emitter.focused),
@@ -135,13 +135,13 @@ impl Lights {
     }
 
     /// Disks and spheres.
-    pub fn solids(&self) -> &[Emitter] {
-        &self.emitters[..self.solids]
+    pub fn bodies(&self) -> &[Emitter] {
+        &self.emitters[..self.bodies]
     }
 
     /// Whether surfaces shine.
     pub fn has_meshes(&self) -> bool {
-        self.solids < self.emitters.len()
+        self.bodies < self.emitters.len()
     }
 
     /// Whether there are spheres.
@@ -244,7 +244,7 @@ mod tests {
         let mesh = vec![triangle(0.0, 1.0, 5, 2.0), triangle(3.0, 2.0, 2, 2.0)];
         let lights = Lights::with_meshes(vec![disk], vec![mesh], Selection::Intensity);
         assert_eq!(lights.lights().len(), 2);
-        assert_eq!(lights.solids().len(), 1);
+        assert_eq!(lights.bodies().len(), 1);
         let [.., a, b] = lights.emitters() else { panic!("two triangles") };
         assert!((a.density - 0.4).abs() < 1e-6 && (b.density - 0.4).abs() < 1e-6, "one over the area of both");
         assert_eq!([5, 2, 0, 9].map(|index| lights.of_triangle(index)), [Some(1), Some(2), None, None]);

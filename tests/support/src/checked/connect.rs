@@ -27,14 +27,14 @@ pub(super) fn check_light_survey(step: Step, columns: light_survey::Columns<'_, 
 }
 
 pub(super) fn check_light_sample(step: Step, columns: light_sample::Columns<'_, '_>) {
-    let light_sample::Columns { lights, reach, live, paths, last_surface, .. } = columns;
+    let light_sample::Columns { lights, scope, live, paths, last_surface, .. } = columns;
     let light_sample::Columns { outlook, vertex, before, connections, .. } = columns;
     let [both] = run_both!(
         light_sample(step),
         [connections],
         light_sample::Columns {
             lights,
-            reach,
+            scope,
             live,
             paths,
             last_surface,

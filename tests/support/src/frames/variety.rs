@@ -41,8 +41,8 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     for active in [Active::Both, Active::Every] {
         add(format!("cones, {active:?}"), with_techniques(&cones, active, 2.0));
     }
-    let shape = Shape::Bridge(bridge);
-    let lis = Some(Lis { near: 0.7, ..Lis::new(spots.medium(), shape) });
+    let connector = Connector::Bridge(bridge);
+    let lis = Some(Lis { near: 0.7, ..Lis::new(spots.medium(), connector) });
     let mvnee = Active::Mvnee.techniques(spots.medium(), spots.lengths.max, 1.0).mvnee;
     let techniques = Techniques { lis, mvnee, ..Techniques::default() };
     add("spotlights, limited".into(), Frame { techniques, ..spots.with_walk(3, 0.8) });

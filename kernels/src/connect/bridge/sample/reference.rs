@@ -75,7 +75,8 @@ fn is_on_surface(last_surface: &LastSurfaceColumns<'_>, lane: usize, depth: u32)
 }
 
 impl Draws {
-    /// The numbers that choose between the two distributions of the count, from the chosen one, and the knot in optical depth.
+    /// The numbers that choose between the two distributions of the count, from the chosen one, and the knot in optical
+    /// depth.
     pub fn count(&self) -> [f64; 3] {
         let [which, count, _, along] = self.uniforms(random::BRIDGE_COUNT);
         [which, count, along]

@@ -146,8 +146,8 @@ impl Placement {
         let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
         let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
 
-        let reach = end.length_squared().sqrt();
-        let along = normalise(end, reach);
+        let span = end.length_squared().sqrt();
+        let along = normalise(end, span);
         let leaving = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
         let inverse_sine = f32x8::ONE / leaving.sine.fast_max(least);
         let (px, py) = (along.x * inverse_sine, along.y * inverse_sine);
@@ -169,7 +169,7 @@ impl Placement {
         let a = tangent.mul_add(cos_azimuth, bitangent * sin_azimuth);
         let b = bitangent.mul_add(cos_azimuth, -(tangent * sin_azimuth));
 
-        let scale = distance / reach.fast_max(least);
+        let scale = distance / span.fast_max(least);
         let (axis, a, b) = (axis * scale, a * scale, b * scale);
         Self {
             x: axis.mul_add(along.x, b.mul_add(py, -(a * (px * along.z)))),

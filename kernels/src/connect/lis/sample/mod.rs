@@ -1,4 +1,4 @@
-//! Making the connections: a vertex from the light for each, then, once the shape has joined start and vertex, the
+//! Making the connections: a vertex from the light for each, then, once the connector has joined start and vertex, the
 //! light point behind it.
 
 pub mod reference;
@@ -34,12 +34,13 @@ pub struct VertexColumns<'a, 'q> {
 ///
 /// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a
 /// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the
-/// third the flight, for the hero of the path; where both sides of a light shine, it is the back if the fourth is below 1/2.
+/// third the flight, for the hero of the path; where both sides of a light shine, it is the back if the fourth is below
+/// 1/2.
 pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);
 
 /// What completing the connections may touch.
 pub struct JoinColumns<'a, 'q> {
-    /// Read: order and buckets, by the number of vertices that the shape inserts.
+    /// Read: order and buckets, by the number of vertices that the connector inserts.
     pub buckets: &'a BucketTable<'q>,
     /// Read: the points on the light, in the rows before sorting.
     pub ends: &'a EndQueue<'q>,

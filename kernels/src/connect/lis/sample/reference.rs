@@ -47,7 +47,7 @@ pub fn place(emitter: &Emitter, medium: &dyn Medium, point: DVec3, u: [f64; 4]) 
     point + medium.flight(u[2]) * direction
 }
 
-/// Whether the shape may join `start` with `vertex`.
+/// Whether the connector may join `start` with `vertex`.
 pub fn is_within_reach(lis: &Lis, start: DVec3, vertex: DVec3) -> bool {
     start.distance(vertex) <= f64::from(lis.max_distance())
 }

@@ -23,7 +23,7 @@ pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
 #[inline(always)]
 fn make(step: Step, columns: VertexColumns<'_, '_>, medium: impl MediumLanes) {
     let VertexColumns { lights, lis, paths, immersion, connections, ends, .. } = columns;
-    let reach_squared = f32x8::splat(lis.max_distance() * lis.max_distance());
+    let longest_squared = f32x8::splat(lis.max_distance() * lis.max_distance());
     let count = core::mem::take(&mut connections.len);
     ends.len = 0;
     for b in 0..count.div_ceil(LANES) {
@@ -35,7 +35,7 @@ fn make(step: Step, columns: VertexColumns<'_, '_>, medium: impl MediumLanes) {
         let uniforms @ [_, _, flight, _] = sequence.uniforms(random::LIS_VERTEX);
         let direction = lights.emit(&emitter.to_array(), end, uniforms);
         let point = direction.mul_add(medium.flight(f32x8::ONE - flight), end);
-        let near = (point - start).length_squared().simd_le(reach_squared);
+        let near = (point - start).length_squared().simd_le(longest_squared);
         let keep = lanes::bits(near) & lanes::first(count - b * LANES);
         connections.push_batch(keep, CandidateBatch { point, ..connection });
         ends.push_batch(keep, EndBatch { lane, point: end });
