@@ -131,28 +131,56 @@ fn variances(frame: &Frame, size: [u32; 2], samples: u32) -> [f64; 3] {
     sums
 }
 
-/// No channel pays for the others: at most three times the variance of a grey render of it, twice with bridges.
+/// Checks that no channel pays for the others: how much more variance each has than a grey render of it.
+fn assert_variances(name: &str, coloured: &Frame, size: [u32; 2], samples: u32, limit: f64) {
+    let found = variances(coloured, size, samples);
+    for channel in 0..3 {
+        let quotient = found[channel] / variances(&grey(coloured, channel), size, samples)[channel];
+        assert!(quotient < limit, "{name}, channel {channel}: {quotient} x the variance of grey fog");
+    }
+}
+
+/// Techniques, samples that tell their variance, and what colour may cost them.
+const COSTS: [(&str, u32, f64); 4] =
+    [("path", 2000, 3.0), ("nee", 1000, 3.0), ("mvnee", 400, 3.0), ("bridge", 100, 2.0)];
+
 #[test]
 fn colour_costs_little_variance() {
     let size = [32, 32];
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fog-coloured");
-    let frame = |channel: Option<f64>, technique: &str| {
-        let mut settings = vec![format!("film.size={size:?}"), format!("render.technique={technique}")];
-        settings.extend(["render.starts=\"all\"", "render.survival=1"].map(String::from));
-        settings.extend(channel.map(|scattering| format!("medium.scattering={scattering}")));
+    for (technique, samples, limit) in COSTS {
+        let settings = [
+            format!("film.size={size:?}"),
+            format!("render.technique={technique}"),
+            "render.starts=all".into(),
+            "render.survival=1".into(),
+        ];
         let settings = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
-        scene::load(&folder, settings).unwrap_or_else(|error| panic!("{error}")).frame
-    };
-    for (technique, samples, limit) in
-        [("path", 2000, 3.0), ("nee", 1000, 3.0), ("mvnee", 400, 3.0), ("bridge", 100, 2.0)]
-    {
-        let coloured = frame(None, technique);
-        let scattering = coloured.medium().extinctions();
-        let found = variances(&coloured, size, samples);
-        for channel in 0..3 {
-            let grey = frame(Some(f64::from(scattering[channel])), technique);
-            let quotient = found[channel] / variances(&grey, size, samples)[channel.min(grey.channels() - 1)];
-            assert!(quotient < limit, "{technique}, channel {channel}: {quotient} x the variance of grey fog");
+        let frame = scene::load(&folder, settings).unwrap_or_else(|error| panic!("{error}")).frame;
+        assert_variances(technique, &frame, size, samples, limit);
+    }
+}
+
+/// A lamp four mean free paths away in each of the media.
+#[test]
+fn presets_cost_little_variance() {
+    let size = [16, 16];
+    for preset in ["milk", "skim_milk", "sea_water", "skin", "wax"] {
+        let parse = |distance: f64, technique: &str| {
+            let text = format!(
+                "camera = {{ position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }}\nfilm.size = {size:?}\n\
+                 medium.preset = \"{preset}\"\nrender = {{ technique = \"{technique}\", max_segments = 24, \
+                 starts = \"all\", survival = 1 }}\n[[light]]\ntype = \"disk\"\ncenter = [0, 0, {distance:?}]\n\
+                 normal = [0, 0, -1]\nradius = {:?}\nradiance = 10\n",
+                0.2 * distance
+            );
+            scene::parse("scene.toml", &text).unwrap_or_else(|error| panic!("{error}")).frame
+        };
+        let extinction = parse(1.0, "path").medium().extinctions();
+        let distance = 12.0 / f64::from(extinction.into_iter().sum::<f32>());
+        for (technique, samples, limit) in COSTS {
+            let name = format!("{preset}, {technique}");
+            assert_variances(&name, &parse(distance, technique), size, samples, limit);
         }
     }
 }

@@ -56,3 +56,67 @@ pub fn update(
     let sum = largest.times(joint.iter().map(|term| term.over(largest)).sum());
     (joint.map(|term| term.ln() - sum.ln()), free.map(|free| free.over(sum)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::phase::PhaseFunction;
+
+    const THIRDS: [f64; CHANNELS] = [1.0 / 3.0; CHANNELS];
+
+    fn medium() -> Medium {
+        Medium::coloured([0.2, 1.0, 3.0], [1.0; 3], PhaseFunction::isotropic())
+    }
+
+    /// ln posterior_c and f_k / P after a flight of this `length`, before which all heroes were as probable.
+    fn after(medium: &Medium, length: f64, scatters: bool) -> ([f64; CHANNELS], [f64; CHANNELS]) {
+        let free = free_flights(medium, DVec3::ZERO, length * DVec3::X, scatters);
+        update(THIRDS.map(f64::ln), free, free)
+    }
+
+    #[test]
+    fn where_channels_are_alike_flights_say_nothing() {
+        let grey = Medium::homogeneous(0.7, [1.0; 3], PhaseFunction::isotropic());
+        for scatters in [true, false] {
+            let (posterior, quotients) = after(&grey, 1.3, scatters);
+            for channel in 0..CHANNELS {
+                assert!((posterior[channel].exp() - 1.0 / 3.0).abs() < 1e-15, "{posterior:?}");
+                assert!((quotients[channel] - 1.0).abs() < 1e-15, "{quotients:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_flights_speak_for_the_clearest_channel_and_short_ones_for_the_densest() {
+        let [long, short] = [40.0, 1e-3].map(|length| after(&medium(), length, true).0.map(f64::exp));
+        assert!(long[0] > 0.999_999 && short[2] > short[1] && short[1] > short[0], "{long:?}, {short:?}");
+        for posterior in [long, short] {
+            assert!((posterior.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{posterior:?}");
+        }
+        // A thousand mean free paths are more than a double can tell from nothing.
+        assert!(after(&medium(), 1000.0, true).0[2] < -2000.0);
+    }
+
+    /// Whichever channel is the hero, in the mean no channel gains or loses light: E[f_k / P] = 1, and e^{-tau_k} where
+    /// a surface is met by the flights that get there.
+    #[test]
+    fn the_mean_throughput_of_every_channel_is_that_of_grey_flights() {
+        let (medium, wall, cells) = (medium(), 0.8, 40_000);
+        let (mut scattered, mut met) = ([0.0; CHANNELS], [0.0; CHANNELS]);
+        for hero in 0..CHANNELS {
+            for cell in 0..cells {
+                let length = medium.twin(hero).flight((f64::from(cell) + 0.5) / f64::from(cells));
+                let (_, quotients) = after(&medium, length.min(wall), length < wall);
+                let sums = if length < wall { &mut scattered } else { &mut met };
+                for (sum, quotient) in sums.iter_mut().zip(quotients) {
+                    *sum += quotient / f64::from(cells) / 3.0;
+                }
+            }
+        }
+        for channel in 0..CHANNELS {
+            let passes = (-medium.twin(channel).extinction * wall).exp();
+            assert!((met[channel] - passes).abs() < 1e-4, "{met:?}");
+            assert!((scattered[channel] + passes - 1.0).abs() < 1e-3, "{scattered:?}");
+        }
+    }
+}

@@ -82,7 +82,7 @@ pub fn entries<'de, T: Deserialize<'de>, const N: usize, D: Deserializer<'de>>(
                 }
             }
             refuse_more(seq, N)?;
-            list.try_into().map_err(|_| de::Error::custom("is no list"))
+            list.try_into().map_err(|_| de::Error::custom("is not a list"))
         }
     }
     deserializer.deserialize_any(Entries(PhantomData))

@@ -43,3 +43,6 @@ impl Homogeneous {
         self.extinction == [self.extinction[0]; 3]
     }
 }
+
+#[cfg(test)]
+mod tests;
