@@ -14,6 +14,8 @@ use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::columns::queues::{Bucket, Request};
 use fogbow_kernels::connect::{Joint, lis, nee, omnee};
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::random;
 use fogbow_testing::frames::{self, Active};
@@ -35,11 +37,18 @@ fn nee_frame() -> Frame {
     frames::with_techniques(&mvnee_frame(), Active::Nee, 4.0)
 }
 
+/// The same in fog of three extinctions.
+fn coloured_frame() -> Frame {
+    let grey = nee_frame();
+    let medium = Medium::coloured([1.2, 1.7, 2.4], [1.0; 3], PhaseFunction::henyey_greenstein(0.9));
+    frames::with_techniques(&frames::with_medium(&grey, medium), Active::Nee, 4.0)
+}
+
 /// One stage as a function of the state.
 type Stage = fn(&mut Wavefront<'_>);
 
 /// The stages that work on lanes.
-const LANE_STAGES: [(&str, Stage); 10] = [
+const LANE_STAGES: [(&str, Stage); 11] = [
     ("generate", |w| w.generate()),
     ("remember", |w| w.remember()),
     ("medium_sample", |w| w.medium_sample()),
@@ -47,6 +56,7 @@ const LANE_STAGES: [(&str, Stage); 10] = [
     ("extend", |w| w.extend()),
     ("prune", |w| w.prune()),
     ("flight_weight", |w| w.flight_weight()),
+    ("spectral_weight", |w| w.spectral_weight()),
     ("scatter", |w| w.scatter()),
     ("light_survey", |w| w.light_survey()),
     ("light_sample", |w| w.light_sample(nee::SCOPE)),
@@ -61,12 +71,13 @@ fn request_all(w: &mut Wavefront<'_>, live: usize) {
 }
 
 fn lane_stages(c: &mut Criterion) {
-    let frame = nee_frame();
+    let [grey, coloured] = [nee_frame(), coloured_frame()];
     for (name, stage) in LANE_STAGES {
+        let frame = if name == "spectral_weight" { &coloured } else { &grey };
         let mut group = c.benchmark_group(name);
         for live in 1..=8 {
             let arena = Bump::new();
-            let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+            let mut w = wavefront(&arena, frame, ROWS, BOUNCES);
             thin_out(&mut w, live);
             request_all(&mut w, live);
             group.throughput(Throughput::Elements((ROWS / 8 * live) as u64));
@@ -75,7 +86,7 @@ fn lane_stages(c: &mut Criterion) {
             });
         }
         let arena = Bump::new();
-        let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+        let mut w = wavefront(&arena, frame, ROWS, BOUNCES);
         request_all(&mut w, 8);
         w.pipeline = REFERENCE;
         group.bench_function("twin", |b| b.iter(|| stage(&mut w)));

@@ -140,6 +140,8 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
     };
     let Wavefront {
         paths,
+        immersion,
+        log_posterior,
         last_surface,
         outlook,
         throughput,
@@ -149,13 +151,26 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         trail,
         flights,
         flight_weight,
+        flight_density,
         hits,
         candidates,
         worth,
         chains,
         ..
     } = wavefront;
-    let tables: [&mut dyn ColumnSet; 8] = [paths, last_surface, outlook, throughput, radiance, flights, hits, worth];
+    let tables: [&mut dyn ColumnSet; 11] = [
+        paths,
+        immersion,
+        log_posterior,
+        last_surface,
+        outlook,
+        throughput,
+        radiance,
+        flights,
+        flight_density,
+        hits,
+        worth,
+    ];
     tables.into_iter().for_each(|table| table.visit_mut(&mut fill));
     flight_weight.rows_mut().fill(f32::NAN);
     (0..vertices.slots() as u32).for_each(|slot| vertices.at_mut(slot).visit_mut(&mut fill));

@@ -60,10 +60,18 @@ struct Paths {
 
 impl Paths {
     fn save(wavefront: &Wavefront<'_>) -> Self {
-        let Wavefront { paths, last_surface, outlook, throughput, radiance, .. } = wavefront;
+        let Wavefront { paths, immersion, log_posterior, last_surface, outlook, throughput, radiance, .. } = wavefront;
         Self {
             live: wavefront.live.save(),
-            tables: vec![paths.save(), last_surface.save(), outlook.save(), throughput.save(), radiance.save()],
+            tables: vec![
+                paths.save(),
+                last_surface.save(),
+                outlook.save(),
+                throughput.save(),
+                radiance.save(),
+                immersion.save(),
+                log_posterior.save(),
+            ],
             vertices: wavefront.vertices.save(),
             rays: wavefront.rays.save(),
             trail: wavefront.trail.save(),
@@ -77,6 +85,8 @@ impl Paths {
         wavefront.outlook.restore(&self.tables[2]);
         wavefront.throughput.restore(&self.tables[3]);
         wavefront.radiance.restore(&self.tables[4]);
+        wavefront.immersion.restore(&self.tables[5]);
+        wavefront.log_posterior.restore(&self.tables[6]);
         wavefront.vertices.restore(&self.vertices);
         wavefront.rays.restore(&self.rays);
         wavefront.trail.restore(&self.trail);

@@ -4,11 +4,12 @@ use core::f32::consts::FRAC_1_SQRT_2;
 
 use fogbow::frame::Frame;
 use fogbow::wavefront::Wavefront;
-use fogbow_kernels::columns::paths::{LastSurface, Outlook, Path, Ray, Vertex};
+use fogbow_kernels::columns::paths::{Immersion, LastSurface, Outlook, Path, Ray, Vertex};
 use fogbow_kernels::columns::queues::{Flight, Request};
 use fogbow_kernels::columns::trail::Mark;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::lanes::LANES;
+use fogbow_kernels::media::Media;
 use fogbow_kernels::random;
 use glam::DVec3;
 
@@ -70,6 +71,13 @@ impl Numbers {
         (self.point() - DVec3::new(0.0, 0.0, 2.0)).normalize().as_vec3().to_array()
     }
 
+    /// Logarithms of three probabilities, which add up to 1; one may be as good as none.
+    fn log_posterior(&mut self) -> [f32; 3] {
+        let shares = [0, 1, 2].map(|_| if self.below(6) == 0 { 1e-30 } else { self.uniform() });
+        let sum: f64 = shares.iter().sum();
+        shares.map(|share| (share / sum).ln() as f32)
+    }
+
     fn edge_word(&mut self) -> u32 {
         if self.below(2) == 0 { WORDS[self.below(WORDS.len() as u32) as usize] } else { self.word() }
     }
@@ -92,6 +100,9 @@ pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usi
         let sample = numbers.below(1000);
         wavefront.requests.set_row(lane, Request { x: lane as u32, y: 0, sample });
         wavefront.paths.set_row(lane, Path { pixel: lane as u32, sample, birth: clock - depth });
+        let hero = if frame.medium().is_coloured() { numbers.below(3) } else { 0 };
+        wavefront.immersion.set_row(lane, Immersion { medium: Media::AROUND, hero });
+        wavefront.log_posterior.set_row(lane, numbers.log_posterior());
         let last_surface = if numbers.below(2) == 0 { 0 } else { numbers.below(depth + 1) };
         wavefront.last_surface.set_row(lane, LastSurface { depth: last_surface, normal: numbers.direction() });
         wavefront.throughput.set_row(lane, [0, 1, 2].map(|_| numbers.uniform() as f32));
