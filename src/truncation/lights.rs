@@ -5,8 +5,8 @@ use glam::DVec3;
 
 use crate::frame::Frame;
 
-/// Least radius of a light in mean free paths.
-const LEAST_RADIUS: f64 = 0.5;
+/// Least radius of a light in mean free paths of the densest channel.
+const LEAST_RADIUS: f32 = 0.5;
 
 /// The lights of `frame`, small ones wider and as much fainter; as they are where something is solid, which they might
 /// cut into, and where the camera would be inside.
@@ -15,7 +15,7 @@ pub fn widened(frame: &Frame) -> Lights {
     if frame.medium().never_scatters() || !frame.surfaces.is_empty() || lights.has_meshes() {
         return lights.clone();
     }
-    let radius = (LEAST_RADIUS * frame.medium().mean_free_path()) as f32;
+    let radius = LEAST_RADIUS / frame.medium().largest_extinction();
     let camera = DVec3::from(frame.camera.position.map(f64::from));
     let is_small =
         |emitter: &Emitter| emitter.radius < radius && emitter.bounds().0.distance(camera) > 2.0 * f64::from(radius);

@@ -1,7 +1,7 @@
 //! Contributions in f64.
 //!
 //! ```text
-//! C = weight factor Le T,      factor = albedo^inserted,      segments = depth + inserted + 1
+//! C = weight factor Le T,      segments = depth + inserted + 1
 //! ```
 
 use super::Columns;
@@ -12,7 +12,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } = columns;
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
-        if !counts(lengths, paths.depth_of(step.clock, lane), bucket.inserted) {
+        let weighs = worth.weight.rows()[row] != 0.0;
+        if !weighs || !counts(lengths, paths.depth_of(step.clock, lane), bucket.inserted) {
             continue;
         }
         let contribution = contribution(

@@ -33,8 +33,8 @@ pub struct Columns<'a, 'q> {
     pub live: &'a mut LaneSet<'q>,
     /// Filled: lights seen directly by the camera.
     pub views: &'a mut CandidateQueue<'q>,
-    /// Filled: what they count, in the rows of `views`: the transmittance of the way in the first channel, times
-    /// the profile, and as factors those of all channels over it.
+    /// Filled: what they count, in the rows of `views`: the transmittance of the way in the clearest channel,
+    /// times the profile, and as factors those of all channels over it.
     pub worth: &'a mut WorthTable<'q>,
     /// Filled: lights hit by a scattered path; what they count is still to be found.
     pub light_hits: &'a mut CandidateQueue<'q>,

@@ -37,8 +37,10 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             if paths.depth_of(step.clock, lane) == 0 {
                 let profile = profile(emitter, point, direction);
                 let arrives = transmittance(medium, DVec3::from(start.map(f64::from)), point);
-                worth.weight.rows_mut()[views.len] = (profile * arrives[0].value()) as f32;
-                worth.factor.set_row(views.len, arrives.map(|channel| channel.over(arrives[0]) as f32));
+                let clearest =
+                    arrives.into_iter().reduce(|a, b| if b.over(a) > 1.0 { b } else { a }).expect("channels");
+                worth.weight.rows_mut()[views.len] = (profile * clearest.value()) as f32;
+                worth.factor.set_row(views.len, arrives.map(|channel| channel.over(clearest) as f32));
                 views.push(candidate);
             } else {
                 light_hits.push(Candidate { arriving: before.direction.row(lane), ..candidate });

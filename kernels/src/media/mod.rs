@@ -85,6 +85,11 @@ impl Medium {
         }
     }
 
+    /// What is left of light after `events` scattering events, per channel.
+    pub fn albedos(&self, events: usize) -> [f32; 3] {
+        self.albedo.map(|albedo| albedo.powi(events as i32))
+    }
+
     /// Largest extinction anywhere, per channel [1/m].
     pub fn extinctions(&self) -> [f32; 3] {
         match &self.kind {

@@ -22,7 +22,7 @@
 //! In `D_c`, all but the random walk's own share are quotients over p_c, in which p_c itself cancels:
 //!
 //! ```text
-//! D   = reach(n) W_0 + sum_i reach(i) r_{i,*} W_i,      W_i = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_i)
+//! D   = reach(n) W_n + sum_i reach(i) r_{i,*} W_i,      W_i = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_i)
 //! ```
 //!
 //! for techniques that do not ask for the extinction, with the reciprocal of `p_c / p_*` where x_i lies before x_s.
@@ -79,18 +79,18 @@ impl Hues {
         self.log_quotients(vertices, depth).map(exp)
     }
 
-    /// The mean of `values`, one per channel, where channels have these `shares`.
-    #[inline(always)]
-    pub fn mean(&self, shares: [f32x8; CHANNELS], values: [f32x8; CHANNELS]) -> f32x8 {
-        let [a, b, c] = values;
-        shares[0].mul_add(a, shares[1].mul_add(b, shares[2] * c))
-    }
-
     /// The reference's optical `depth`, in all channels.
     #[inline(always)]
     pub fn depths(&self, depth: f32x8) -> [f32x8; CHANNELS] {
         self.ratio.map(|ratio| ratio * depth)
     }
+}
+
+/// The mean of `values`, one per channel, where channels have these `shares`.
+#[inline(always)]
+pub fn mean(shares: [f32x8; CHANNELS], values: [f32x8; CHANNELS]) -> f32x8 {
+    let [a, b, c] = values;
+    shares[0].mul_add(a, shares[1].mul_add(b, shares[2] * c))
 }
 
 /// The channel of the largest of `values`, the first of equals.

@@ -3,7 +3,7 @@
 //! ```text
 //! * = channel of the largest posterior_c(s) p_c(x_s .. x_n)
 //! W_i = sum_c posterior_c(s) (p_c / p_*)(x_s .. x_i);      share_c(i) = its term over it
-//! sum = reach(n) W_0 + sum_i reach(i) W_i r_i,             factor_k = albedo^m (p_k / p_*)(x_s .. x_n)
+//! sum = reach(n) W_n + sum_i reach(i) W_i r_i,             factor_k = albedo^m (p_k / p_*)(x_s .. x_n)
 //! ```
 //!
 //! 1. Vertices are counted from the start s, and depths measured from there: both are negative for the vertices before
@@ -67,7 +67,7 @@ impl Colours {
         core::array::from_fn(|c| exp(self.log_posterior[c] + quotients[c]))
     }
 
-    /// W_0: the density with which walks, in all channels, go on from the start to the light, over that in the
+    /// W_n: the density with which walks, in all channels, go on from the start to the light, over that in the
     /// reference.
     #[inline(always)]
     pub fn walked_to_the_light(&self) -> f32x8 {

@@ -120,8 +120,8 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
 
 /// What the throughput leaves out of a bucket's candidates: the albedos of their inserted vertices.
 fn fill_albedos(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
-    for (factor, albedo) in worth.factor.channels_mut().iter_mut().zip(medium.albedo) {
-        let inserted = f32x8::splat(albedo.powi(bucket.inserted as i32));
+    for (factor, albedos) in worth.factor.channels_mut().iter_mut().zip(medium.albedos(bucket.inserted)) {
+        let inserted = f32x8::splat(albedos);
         bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
     }
 }

@@ -126,7 +126,7 @@ pub fn with_extinction(frame: &Frame, extinction: f32) -> Frame {
     with_medium(frame, Medium::homogeneous(extinction, albedo, phase))
 }
 
-/// Frames of coloured extinction, by name: fog with three lights of which one channel is nearly clear, and a room.
+/// Frames of coloured extinction, by name: fog with three lights, and a room of which one channel is nearly clear.
 pub fn coloured(size: [u32; 2]) -> [(&'static str, Frame); 2] {
     let tint = |frame: &Frame, extinction: [f32; 3]| {
         let Medium { albedo, phase, .. } = frame.medium().clone();

@@ -17,6 +17,7 @@ use wide::f32x8;
 use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::media::MediumX8;
+use crate::media::spectral::mean;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::vec3x8::Vec3x8;
 
@@ -67,7 +68,7 @@ pub fn ratios<M: MediumX8>(
                 let counts = hues
                     .depths(straight)
                     .map(|depth| f32x8::splat(1.0 - bridge.defensive).mul_add(tabled(depth), uniform));
-                hues.mean(suffix.shares[a], counts)
+                mean(suffix.shares[a], counts)
             }
         };
         let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped);

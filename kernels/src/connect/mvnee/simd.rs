@@ -22,7 +22,7 @@ use wide::f32x8;
 use super::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::MediumX8;
-use crate::media::spectral::Hues;
+use crate::media::spectral::{Hues, mean};
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 
@@ -97,7 +97,7 @@ fn sum<M: MediumX8>(
 /// over the channels for which they may have been drawn.
 #[inline(always)]
 fn seeds(hues: &Hues, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
-    hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
+    mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
 }
 
 /// A suffix seen along the axis from its start to its light point.
