@@ -26,7 +26,7 @@ pub struct StageStats {
 /// Connections of one technique.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConnectionStats {
-    /// Starts that drew a light point within reach.
+    /// Starts that drew a light point within the scope.
     pub tried: u64,
     /// Connections that were built and weighed: not longer than the length limit.
     pub weighted: u64,

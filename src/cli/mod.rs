@@ -88,7 +88,7 @@ struct RenderArgs {
     /// Connection technique, or several separated by commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
     technique: Option<String>,
-    /// Longest MVNEE connection, in expected segments (extinction times distance).
+    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel).
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
     /// Longest path, in segments, including the camera and light segments.

@@ -13,7 +13,7 @@
 //! throughput of all that follows; a view from the camera needs no flight, and no weight. Where extinction is coloured,
 //! every flight leaves one per channel.
 //!
-//! Whatever made it, a candidate path X of n segments counts `C(X) = Le T / (reach(n) + sum of reach(i) r_i)`.
+//! Whatever made it, a candidate path X of n segments counts `C(X) = Le T factor / (reach(n) + sum of reach(i) r_i)`.
 //! Connections play roulette on it before they are tested for occlusion.
 
 use fogbow_kernels::columns::queues::SurfaceHit;

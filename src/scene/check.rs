@@ -19,7 +19,7 @@ use super::model;
 use super::phase;
 use super::ranges::{LARGEST, LARGEST_RADIANCE};
 use super::schema::{
-    self, LARGEST_FILM, LightSelection, LisShape, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
+    self, LARGEST_FILM, LightSelection, LisConnector, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
 };
 use super::surfaces;
 use crate::error::{Error, Result};
@@ -169,8 +169,8 @@ impl Check<'_> {
         if lights.is_empty() && meshes.is_empty() {
             return Err(self.no_light(suns));
         }
-        let solid = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
-        let bodies = lights.iter().map(solid).collect::<Result<_>>()?;
+        let body = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
+        let bodies = lights.iter().map(body).collect::<Result<_>>()?;
         let selection = match selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,
@@ -213,8 +213,8 @@ impl Check<'_> {
         });
         let mvnee = Mvnee::new(medium, mesc, offset);
         let connector = match render.lis {
-            LisShape::Bridge => bridge.clone().map(Connector::Bridge),
-            LisShape::Mvnee => Some(Connector::Mvnee(mvnee)),
+            LisConnector::Bridge => bridge.clone().map(Connector::Bridge),
+            LisConnector::Mvnee => Some(Connector::Mvnee(mvnee)),
         };
         Ok(Techniques {
             nee: active(Technique::Nee),

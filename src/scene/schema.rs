@@ -237,7 +237,7 @@ pub struct Render {
     pub perturbation: Perturbation,
     /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc and
     /// perturbation, apply to it.
-    pub lis: LisShape,
+    pub lis: LisConnector,
     /// How a connection picks its light.
     pub light_selection: LightSelection,
     /// Samples per pixel, 1 to 2147483648.
@@ -263,7 +263,7 @@ impl Default for Render {
             roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,
-            lis: LisShape::Bridge,
+            lis: LisConnector::Bridge,
             light_selection: LightSelection::IntensityDistance,
             samples: 64,
             seed: 1,
@@ -326,7 +326,7 @@ pub enum Perturbation {
 /// Shapes of the connections of light importance sampling.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LisShape {
+pub enum LisConnector {
     /// A bridge.
     Bridge,
     /// Multiple-vertex next event estimation, as published.

@@ -54,7 +54,8 @@ impl Dropped {
     }
 }
 
-/// Adds `weight factor Le T` of every candidate that weighs something to its path, unless the number of its segments, `depth + inserted + 1`, is outside `lengths`.
+/// Adds `weight factor Le T` of every candidate that weighs something to its path, unless the number of its segments,
+/// `depth + inserted + 1`, is outside `lengths`.
 pub type Kernel = fn(Step, Columns<'_, '_>);
 
 #[cfg(test)]

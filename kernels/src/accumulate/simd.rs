@@ -6,7 +6,7 @@
 //! 1. Products are taken for eight rows; sums go to the lanes one by one, in row order, so that a path's radiance does
 //!    not depend on its neighbours.
 //! 2. Emission and throughput are finite (the weight of a first flight is at most one over the share of free ones), so
-//!    only the weight can fail to be.
+//!    only the weight can fail to be: factors are albedos and bounded quotients of channels.
 //! 3. Paths of every length up to the longest are made and none longer, so only the lower limit is tested, and only
 //!    where there is one.
 

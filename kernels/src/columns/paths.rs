@@ -67,7 +67,7 @@ columns! {
         /// where the selection does not depend on the vertex.
         light_sum: f32,
         /// Depth of the first vertex of the path from which a light is within the distance limit of a technique that
-        /// has one; `u32::MAX` if none is. Conservative: starts before it are certainly out of reach of every limited
+        /// has one; `u32::MAX` if none is. Conservative: starts before it are certainly too far for every limited
         /// technique.
         first_near: u32,
     }

@@ -97,7 +97,7 @@ columns! {
 pub struct WorthTable<'q> {
     /// One over the sum of the densities with which all techniques make the path, relative to path tracing's, times the
     /// profile of the emitter, >= 0; 0 once it is found faint; of an emitter that the camera sees,
-    /// transmittance times profile.
+    /// the transmittance in the clearest channel times the profile.
     pub weight: Column<'q, f32>,
     /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices, the
     /// quotient of channels where extinction is coloured, and whether anything is in the way.

@@ -52,14 +52,14 @@ pub fn meet_first(
     bound: f64,
     flight: f64,
 ) -> (Option<(usize, f64)>, Option<SurfaceHit>) {
-    let solid = closest(lights, origin, direction, bound);
+    let body = closest(lights, origin, direction, bound);
     let [origin, direction] = [origin, direction].map(|v| v.as_vec3().to_array());
     let Some(hit) = trace::reference::closest(surfaces.geometry(), &Ray { origin, direction, max: f32::INFINITY })
     else {
-        return (solid, None);
+        return (body, None);
     };
-    if solid.is_some_and(|(_, distance)| distance <= hit.distance) {
-        return (solid, None);
+    if body.is_some_and(|(_, distance)| distance <= hit.distance) {
+        return (body, None);
     }
     let [second, third] = hit.barycentric.map(|weight| weight as f32);
     let met = SurfaceHit { lane: 0, triangle: hit.triangle as u32, distance: hit.distance as f32, second, third };
@@ -72,8 +72,8 @@ pub fn meet_first(
 pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> Option<(usize, f64)> {
     let mut found = None;
     let mut bound = bound;
-    for (index, solid) in lights.bodies().iter().enumerate() {
-        if let Some(distance) = meet(solid, origin, direction)
+    for (index, body) in lights.bodies().iter().enumerate() {
+        if let Some(distance) = meet(body, origin, direction)
             && distance < bound
         {
             bound = distance;
@@ -84,11 +84,11 @@ pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> 
 }
 
 /// Distance at which the ray meets a disk or sphere, front or back `[m]`. None from a disk's plane itself, or along it.
-pub fn meet(solid: &Emitter, origin: DVec3, direction: DVec3) -> Option<f64> {
-    let center = DVec3::from(solid.origin.map(f64::from));
-    let normal = DVec3::from(solid.normal.map(f64::from));
-    let radius = f64::from(solid.radius);
-    if solid.shape == Shape::Sphere {
+pub fn meet(body: &Emitter, origin: DVec3, direction: DVec3) -> Option<f64> {
+    let center = DVec3::from(body.origin.map(f64::from));
+    let normal = DVec3::from(body.normal.map(f64::from));
+    let radius = f64::from(body.radius);
+    if body.shape == Shape::Sphere {
         return meet_sphere(center, radius, origin, direction);
     }
     let towards = direction.dot(normal);

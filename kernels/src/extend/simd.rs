@@ -7,7 +7,8 @@
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number.
 //! 2. Triangles are traced one ray at a time, of those that are near any, up to the light or the end of the flight: as
 //!    far as anything may matter. Where triangles shine, the camera looks at all distances.
-//! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
+//! 3. In fog most batches meet nothing, and have nothing to list.
+//! 4. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
 
@@ -33,15 +34,19 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let mut nearest = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
         let mut met = u32x8::splat(0);
         let mut any = f32x8::ZERO;
-        for (index, solid) in lights.bodies().iter().enumerate() {
-            let distance = crossing(solid, origin, direction, nearest);
+        for (index, body) in lights.bodies().iter().enumerate() {
+            let distance = crossing(body, origin, direction, nearest);
             let hit = distance.simd_lt(nearest);
             nearest = hit.select(distance, nearest);
             met = bytemuck::cast::<f32x8, u32x8>(hit).select(u32x8::splat(index as u32), met);
             any |= hit;
         }
+        let bits = lanes::bits(any) & live;
+        if bits == 0 && surfaces.is_empty() {
+            continue;
+        }
         let mut found = Found {
-            bits: lanes::bits(any) & live,
+            bits,
             emitter: met.to_array(),
             distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
         };
@@ -113,17 +118,17 @@ impl Beams {
 
 /// Distance to a disk or sphere, or infinity where the ray does not meet it before `bound`.
 #[inline(always)]
-fn crossing(solid: &Emitter, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
-    let from_center = origin - Vec3x8::splat(solid.origin);
-    let radius_squared = f32x8::splat(solid.radius * solid.radius);
-    let (distance, inside) = if solid.shape == Shape::Sphere {
+fn crossing(body: &Emitter, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
+    let from_center = origin - Vec3x8::splat(body.origin);
+    let radius_squared = f32x8::splat(body.radius * body.radius);
+    let (distance, inside) = if body.shape == Shape::Sphere {
         let closest = -from_center.dot(direction);
         let half_squared = radius_squared - direction.mul_add(closest, from_center).length_squared();
         let half = half_squared.fast_max(f32x8::ZERO).sqrt();
         let near = closest - half;
         (near.simd_gt(f32x8::ZERO).select(near, closest + half), half_squared.simd_gt(f32x8::ZERO))
     } else {
-        let normal = Vec3x8::splat(solid.normal);
+        let normal = Vec3x8::splat(body.normal);
         let distance = -from_center.dot(normal) / direction.dot(normal);
         let across = direction.mul_add(distance, from_center).length_squared();
         (distance, across.simd_le(radius_squared))

@@ -3,7 +3,7 @@
 //! With the balance heuristic a complete path of n segments counts
 //!
 //! ```text
-//! weight = 1 / (reach(n) + sum over starts i of reach(i) r_i)
+//! weight = 1 / (reach(n) + sum over starts i of reach(i) r_i)          where extinction is grey; else see `media::spectral`
 //! ```
 //!
 //! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing

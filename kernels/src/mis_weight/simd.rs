@@ -320,7 +320,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         outside
     }
 
-    /// The farthest start, counted from the light, from which MVNEE may have a light within its reach: an inserted
+    /// The farthest start, counted from the light, from which MVNEE may have a light near enough: an inserted
     /// vertex, or one of the walk from the first near one on.
     #[inline(always)]
     fn most_edges_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {

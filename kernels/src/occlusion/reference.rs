@@ -43,11 +43,11 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
     for (index, ends) in chain.windows(2).enumerate() {
-        for (other, solid) in lights.bodies().iter().enumerate() {
+        for (other, body) in lights.bodies().iter().enumerate() {
             if index == last && other == emitter {
                 continue;
             }
-            if blocks(solid, ends[0], ends[1]) {
+            if blocks(body, ends[0], ends[1]) {
                 return true;
             }
         }
@@ -70,13 +70,13 @@ pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, emitter: usize, chain: &[
 
 /// Whether the segment from `a` to `b` crosses a disk, or enters a sphere; one that only touches a disk's plane does
 /// not.
-pub fn blocks(solid: &Emitter, a: DVec3, b: DVec3) -> bool {
-    let center = DVec3::from(solid.origin.map(f64::from));
-    let normal = DVec3::from(solid.normal.map(f64::from));
-    if solid.shape == Shape::Sphere {
+pub fn blocks(body: &Emitter, a: DVec3, b: DVec3) -> bool {
+    let center = DVec3::from(body.origin.map(f64::from));
+    let normal = DVec3::from(body.normal.map(f64::from));
+    if body.shape == Shape::Sphere {
         let edge = b - a;
         let along = ((center - a).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        return (a + along * edge - center).length() < f64::from(solid.radius);
+        return (a + along * edge - center).length() < f64::from(body.radius);
     }
     let (height_a, height_b) = ((a - center).dot(normal), (b - center).dot(normal));
     let crosses = (height_a > 0.0 && height_b < 0.0) || (height_a < 0.0 && height_b > 0.0);
@@ -84,7 +84,7 @@ pub fn blocks(solid: &Emitter, a: DVec3, b: DVec3) -> bool {
         return false;
     }
     let crossing = a + (b - a) * (height_a / (height_a - height_b));
-    (crossing - center).length() <= f64::from(solid.radius)
+    (crossing - center).length() <= f64::from(body.radius)
 }
 
 #[cfg(test)]

@@ -34,10 +34,10 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
             }
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
-            for (index, solid) in lights.bodies().iter().enumerate() {
+            for (index, body) in lights.bodies().iter().enumerate() {
                 let own = lanes::as_mask(candidates.emitter.batch(b).simd_eq(u32x8::splat(index as u32)));
                 let spared = if last { own } else { f32x8::ZERO };
-                free &= spared | !crosses(solid, from, to);
+                free &= spared | !crosses(body, from, to);
             }
             from = to;
         }
@@ -87,16 +87,16 @@ fn unhidden(
 
 /// Whether the segment from `a` to `b` crosses a disk or enters a sphere.
 #[inline(always)]
-fn crosses(solid: &Emitter, a: Vec3x8, b: Vec3x8) -> f32x8 {
-    let (center, normal) = (Vec3x8::splat(solid.origin), Vec3x8::splat(solid.normal));
+fn crosses(body: &Emitter, a: Vec3x8, b: Vec3x8) -> f32x8 {
+    let (center, normal) = (Vec3x8::splat(body.origin), Vec3x8::splat(body.normal));
     let (a, b) = (a - center, b - center);
-    if solid.shape == Shape::Sphere {
+    if body.shape == Shape::Sphere {
         let edge = b - a;
         let closest = -a.dot(edge) / edge.length_squared().fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let closest = closest.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-        return edge.mul_add(closest, a).length_squared().simd_lt(f32x8::splat(solid.radius * solid.radius));
+        return edge.mul_add(closest, a).length_squared().simd_lt(f32x8::splat(body.radius * body.radius));
     }
     let (fa, fb) = (a.dot(normal), b.dot(normal));
     let across = (b - a).mul_add(fa / (fa - fb), a).length_squared();
-    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(solid.radius * solid.radius))
+    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(body.radius * body.radius))
 }

@@ -22,12 +22,15 @@ pub struct Phase {
     pub g: Option<OneOrTwo>,
     /// For two_lobe only: share of the first lobe, from 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
     pub weight: Option<f64>,
     /// For draine only: weight of the squared cosine, from 0 to 1000; 0 is henyey_greenstein, 1 Cornette-Shanks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
     pub alpha: Option<f64>,
     /// For droplets only: diameter of the droplets in micrometres, from 5 to 50; fog and clouds have 10 to 30.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
     pub diameter_um: Option<f64>,
     /// For tabulated only: a CSV file with rows of cosine and value, in ascending order from -1 to 1; relative to the
     /// scene file.

@@ -108,7 +108,7 @@ pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec
 /// Density of making `chain`, the vertices from the start to the point on the light.
 ///
 /// Paths have at most `longest` segments; `light_density` is p_A P_l at the start. Zero if the chain is longer than the
-/// reach or has an edge without length.
+/// limit or has an edge without length.
 pub fn density(
     bridge: &Bridge,
     medium: &dyn Medium,

@@ -1,5 +1,5 @@
 //! ```text
-//! for each start a, counted from the light (N = a edges), within reach:
+//! for each start a, counted from the light (N = a edges), near enough:
 //!     x = tau(L),   crowding = (x / L)^N / M
 //!     r += p_A P_l crowding s^3 / cos_light * [ (1 - eps) P_table(N; tau(s), gamma) + eps / room ] (N - 1)! e^x / x^N * turn
 //!     turn = 1 / phase  (uniform roll),   2 pi p(psi) / phase  (aligned roll),   1 / p_w  (start on a surface)

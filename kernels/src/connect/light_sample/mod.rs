@@ -56,7 +56,7 @@ pub struct Columns<'a, 'q> {
     pub vertex: &'a VertexColumns<'q>,
     /// Read: the ray that arrives there.
     pub before: &'a RayColumns<'q>,
-    /// Filled, in lane order: every connection within reach.
+    /// Filled, in lane order: every connection within the scope.
     pub connections: &'a mut CandidateQueue<'q>,
 }
 

@@ -74,7 +74,7 @@ pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32
     Uniforms { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
 }
 
-/// The emitter and the point that `start` is to be connected with, if they are within reach.
+/// The emitter and the point that `start` is to be connected with, if that is within the scope.
 pub fn connect(lights: &Lights, scope: Scope, start: DVec3, u: Uniforms) -> Option<(usize, DVec3)> {
     let light = choose_light(lights, start, u.light)?;
     let index = lights.choose_emitter(light as u32, u.emitter) as usize;

@@ -16,7 +16,7 @@ use crate::Step;
 use crate::connect::light_sample::reference::light_sum;
 use crate::tables::lights::Lights;
 
-/// How much farther than its reach a light still counts as near, so that rounding cannot lose one.
+/// How much farther than the limit a light still counts as near, so that rounding cannot lose one.
 const NEAR_MARGIN: f64 = 1.0 + 1e-4;
 
 /// The twin; see [`Kernel`](super::Kernel).

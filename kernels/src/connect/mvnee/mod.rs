@@ -11,7 +11,7 @@
 //! r_i = p_A P_l exp(mu_t (L_i - s_i)) l_{n-1}^2 / (p_w(i) cos_light) * prod_j offset_density_j l_{i+j-1}^2 / phase_{i+j}
 //! ```
 //!
-//! and 0 if s_i exceeds the reach or the projections do not increase strictly from the start to the light.
+//! and 0 if s_i exceeds the limit or the projections do not increase strictly from the start to the light.
 
 pub mod sample;
 pub mod slope;

@@ -40,7 +40,7 @@ impl From<&Mvnee> for Settings {
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
-/// start. Zero if the chain is longer than the reach or turns back along its axis.
+/// start. Zero if the chain is longer than the limit or turns back along its axis.
 pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_density: f64) -> Density {
     let [start, inner @ .., point] = chain else {
         return Density::ZERO;

@@ -1,5 +1,5 @@
 //! ```text
-//! for each start a, counted from the light, within reach:
+//! for each start a, counted from the light, near enough:
 //!     w, s: axis and distance to the light point
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
 //!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
@@ -15,7 +15,8 @@
 //! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows
 //!    nor vanishes; all mu_t^m cancel.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
-//! 6. Starts that no lane has in reach cost only the test; starts that every lane refuses, the projections up to there.
+//! 6. Starts that are near enough in no lane cost only the test; starts that every lane refuses, the projections up to
+//!    there.
 
 use wide::f32x8;
 

@@ -77,7 +77,7 @@ impl Lights {
     /// together. Where meshes are many, neighbours are put together.
     ///
     /// # Panics
-    /// If a solid is a triangle, or a mesh has something else, or nothing.
+    /// If a body is a triangle, or a mesh has something else, or nothing.
     pub fn with_meshes(bodies: Vec<Emitter>, meshes: Vec<Vec<Emitter>>, selection: Selection) -> Self {
         assert!(bodies.iter().all(|emitter| emitter.shape != Shape::Triangle), "a triangle without a mesh");
         let meshes = meshes::few(meshes);
@@ -85,7 +85,7 @@ impl Lights {
         assert!(meshes.iter().flatten().all(|emitter| emitter.shape == Shape::Triangle), "a mesh of something else");
         let count = bodies.len();
         let (mut emitters, mut lights) = (Vec::new(), Vec::new());
-        for pieces in bodies.into_iter().map(|solid| vec![solid]).chain(meshes) {
+        for pieces in bodies.into_iter().map(|body| vec![body]).chain(meshes) {
             let first = emitters.len() as u32;
             lights.push(Light::of(&pieces, first));
             let weights: Vec<f64> = pieces.iter().map(meshes::weight).collect();
