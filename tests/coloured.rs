@@ -145,9 +145,8 @@ fn variances(frame: &Frame, size: [u32; 2], samples: u32) -> [f64; 3] {
 
 /// Checks that no channel pays for the others: how much more variance each has than a grey render of it.
 fn assert_variances(name: &str, coloured: &Frame, size: [u32; 2], samples: u32, limit: f64) {
-    let found = variances(coloured, size, samples);
-    for channel in 0..3 {
-        let quotient = found[channel] / variances(&grey(coloured, channel), size, samples)[channel];
+    for (channel, found) in variances(coloured, size, samples).into_iter().enumerate() {
+        let quotient = found / variances(&grey(coloured, channel), size, samples)[channel];
         assert!(quotient < limit, "{name}, channel {channel}: {quotient} x the variance of grey fog");
     }
 }

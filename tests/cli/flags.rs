@@ -26,7 +26,7 @@ fn an_override_is_checked_like_the_scene() {
         &["--set", "camera=3"],
         "--set camera=3: camera: this is the whole number `3`, expected a table, or the name of a camera in geometry\n",
     );
-    refused(&["--set", "medium.absorption=[1, 2, 3]"], "--set medium.absorption=[1, 2, 3]: extinction");
+    refused(&["--set", "medium.absorption=[1, -2, 3]"], "--set medium.absorption=[1, -2, 3]: medium.absorption is");
     refused(&["--technique", "bdpt"], "--technique bdpt: render.technique: unknown name `bdpt`");
     refused(&["--mesc", "0"], "--mesc 0: render.mesc is 0.0\n");
     for (flag, key, range) in

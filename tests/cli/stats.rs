@@ -21,15 +21,14 @@ fn number(statistics: &Value, pointer: &str) -> f64 {
 #[test]
 fn statistics_tell_what_every_stage_did() {
     let folder = Folder::with_scene();
-    let statistics = statistics(
-        &folder,
-        &["--technique", "nee,mvnee,omnee,bridge,lis", "--samples", "16", "--set", "render.roulette=0.1"],
-    );
+    let flags = ["--technique", "nee,mvnee,omnee,bridge,lis", "--samples", "16", "--set", "render.roulette=0.1"];
+    let statistics = statistics(&folder, &flags);
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
-    // Nothing is solid in this scene; lamps has what is.
-    for (index, name) in names.iter().enumerate().filter(|(_, name)| **name != "surface") {
+    // Nothing is solid in this scene, and its extinction is grey; lamps has what is solid.
+    let others = |(_, name): &(usize, &&str)| !["surface", "spectral_weight"].contains(name);
+    for (index, name) in names.iter().enumerate().filter(others) {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
         let lanes = stage("live_lanes_per_batch");
         assert!(stage("calls") >= 1.0 && stage("rows") >= stage("calls"), "{name}: {statistics:#}");
@@ -37,6 +36,14 @@ fn statistics_tell_what_every_stage_did() {
         assert!(stage("seconds") > 0.0, "{name}: {statistics:#}");
     }
     assert_eq!(number(&statistics, "/stages/0/rows"), 16.0 * 64.0, "every sample is generated once");
+}
+
+#[test]
+fn flights_are_weighed_by_channel_where_extinction_is_coloured() {
+    let folder = Folder::with_scene();
+    let statistics = statistics(&folder, &["--samples", "4", "--set", "medium.scattering=[0.5, 0.7, 1]"]);
+    let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
+    assert!(calls(Stage::SpectralWeight) >= 1.0 && calls(Stage::FlightWeight) == 0.0, "{statistics:#}");
 }
 
 #[test]

@@ -44,9 +44,9 @@ fn lanes_are_those_of_the_twin_in_every_channel() {
 fn hues_are_quotients_of_densities_of_walks() {
     let medium = Medium::coloured(EXTINCTION, [1.0; 3], PhaseFunction::isotropic());
     let (vertices, length) = (4, 2.5_f64);
-    for own in 0..3 {
+    for (own, reference) in EXTINCTION.into_iter().enumerate() {
         let hues = with_medium!(medium, |lanes| Hues::new(lanes, u32x8::splat(own as u32)));
-        let depth = f64::from(EXTINCTION[own]) * length;
+        let depth = f64::from(reference) * length;
         let found = hues.quotients(f32x8::splat(vertices as f32), f32x8::splat(depth as f32));
         let density = |channel: usize| {
             let extinction = f64::from(EXTINCTION[channel]);
