@@ -13,10 +13,10 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::columns::queues::{Bucket, Request};
-use fogbow_kernels::connect::{Joint, lis, nee, omnee};
+use fogbow_kernels::connect::{lis, nee, omnee};
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
-use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::pipeline::{Joint, Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::random;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded::{build_bridges, build_lis, build_mvnee, thin_out, wavefront};

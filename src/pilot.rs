@@ -302,7 +302,7 @@ fn cost(stats: &Stats, has_surfaces: bool) -> f64 {
     const EDGE: f64 = 9.0;
     const TERM: f64 = 9.0;
     const TRACED: f64 = 22.0;
-    let work = stats.work.unwrap_or_default();
+    let work = stats.work.expect("looks count work");
     let traced = if has_surfaces { stats.segments + work.traced } else { 0 };
     SAMPLE * stats.samples as f64
         + SEGMENT * stats.segments as f64

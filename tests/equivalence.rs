@@ -138,55 +138,36 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         ColumnMut::F32(values) => values.fill(f32::NAN),
         ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
     };
-    let Wavefront {
-        paths,
-        immersion,
-        log_posterior,
-        last_surface,
-        outlook,
-        throughput,
-        radiance,
-        vertices,
-        rays,
-        trail,
-        flights,
-        flight_weight,
-        flight_density,
-        hits,
-        candidates,
-        worth,
-        chains,
-        ..
-    } = wavefront;
+    let w = wavefront;
     let tables: [&mut dyn ColumnSet; 11] = [
-        paths,
-        immersion,
-        log_posterior,
-        last_surface,
-        outlook,
-        throughput,
-        radiance,
-        flights,
-        flight_density,
-        hits,
-        worth,
+        &mut w.paths,
+        &mut w.immersion,
+        &mut w.log_posterior,
+        &mut w.last_surface,
+        &mut w.outlook,
+        &mut w.throughput,
+        &mut w.radiance,
+        &mut w.flights,
+        &mut w.flight_density,
+        &mut w.hits,
+        &mut w.worth,
     ];
     tables.into_iter().for_each(|table| table.visit_mut(&mut fill));
-    flight_weight.rows_mut().fill(f32::NAN);
-    (0..vertices.slots() as u32).for_each(|slot| vertices.at_mut(slot).visit_mut(&mut fill));
-    (0..rays.slots() as u32).for_each(|slot| rays.at_mut(slot).visit_mut(&mut fill));
-    let (rows, slots) = (trail.lanes(), trail.slots() as u32);
+    w.flight_weight.rows_mut().fill(f32::NAN);
+    (0..w.vertices.slots() as u32).for_each(|slot| w.vertices.at_mut(slot).visit_mut(&mut fill));
+    (0..w.rays.slots() as u32).for_each(|slot| w.rays.at_mut(slot).visit_mut(&mut fill));
+    let (rows, slots) = (w.trail.lanes(), w.trail.slots() as u32);
     for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
-        trail.set_numbers(lane, slot, [f32::NAN; 8]);
+        w.trail.set_numbers(lane, slot, [f32::NAN; 8]);
     }
-    let Candidates { views, light_hits, connections, bridged } = candidates;
+    let Candidates { views, light_hits, connections, bridged } = &mut w.candidates;
     for queue in [views, light_hits, connections, bridged] {
         queue.visit_mut(&mut fill);
         // One light is all that every frame has.
         queue.emitter.rows_mut().fill(0);
     }
-    hits.emitter.rows_mut().fill(0);
-    for vertex in chains.vertices.iter_mut() {
+    w.hits.emitter.rows_mut().fill(0);
+    for vertex in w.chains.vertices.iter_mut() {
         vertex.channels_mut().into_iter().for_each(|channel| channel.rows_mut().fill(f32::NAN));
     }
 }

@@ -1,10 +1,14 @@
 //! The table of stages: one function pointer each.
 
+mod joint;
+
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
     remember, roulette, scatter, spectral_weight, surface,
 };
+
+pub use joint::Joint;
 
 /// Declares the table once: field, name, kernel type, and the module that holds `simd` and `reference`.
 macro_rules! pipeline {

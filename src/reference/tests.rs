@@ -3,9 +3,10 @@
 use super::*;
 use std::sync::Arc;
 
-use fogbow_kernels::connect::Techniques;
-use fogbow_kernels::connect::bridge::Roll;
-use fogbow_kernels::connect::mvnee::Offset;
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
+use fogbow_kernels::connect::lis::{Connector, Lis};
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::connect::{Technique, Techniques};
 use fogbow_kernels::media::{Media, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
@@ -55,11 +56,10 @@ fn contributions_keep_to_the_path_lengths() {
     let frame = frame(1.0, PathLengths { min: 2, max: 5 });
     let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
     assert!(found.iter().all(|contribution| (2..=5).contains(&contribution.segments)));
-    for technique in
-        [Technique::Path, Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge, Technique::Lis]
-    {
+    let connecting = [Technique::Nee, Technique::Mvnee, Technique::Omnee, Technique::Bridge, Technique::Lis];
+    for technique in [None].into_iter().chain(connecting.map(Some)) {
         // A path of one inserted vertex has three segments or more; the companion of nee is nee.
-        let shortest = if matches!(technique, Technique::Omnee | Technique::Lis) { 3 } else { 2 };
+        let shortest = if matches!(technique, Some(Technique::Omnee | Technique::Lis)) { 3 } else { 2 };
         for segments in shortest..=5 {
             let made = |c: &&Contribution| c.technique == technique && c.segments == segments;
             assert!(found.iter().filter(made).count() > 0, "{technique:?} makes no path of {segments} segments");
@@ -72,12 +72,12 @@ fn walks_end_and_connect_where_they_are_told_to() {
     let lengths = PathLengths { min: 1, max: 6 };
     let frame = Frame { walk: WalkLimits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
     let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
-    let longest = |technique: Technique| {
+    let longest = |technique: Option<Technique>| {
         found.iter().filter(|c| c.technique == technique).map(|c| c.segments).max().expect("makes some path")
     };
     // From the first vertex alone: straight on, through one vertex, and as far as paths go.
-    assert_eq!([Technique::Path, Technique::Nee, Technique::Omnee].map(longest), [3, 2, 3]);
-    assert_eq!(longest(Technique::Bridge), 6);
+    assert_eq!([None, Some(Technique::Nee), Some(Technique::Omnee)].map(longest), [3, 2, 3]);
+    assert_eq!(longest(Some(Technique::Bridge)), 6);
 }
 
 #[test]

@@ -4,7 +4,8 @@ use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::lis::{self, Connector, Lis};
-use fogbow_kernels::connect::{Joint, Technique, nee, omnee};
+use fogbow_kernels::connect::{Technique, nee, omnee};
+use fogbow_kernels::pipeline::Joint;
 use fogbow_kernels::random::{self, Purpose};
 use fogbow_kernels::{PathLengths, Step};
 

@@ -7,7 +7,6 @@
 pub mod bridge;
 pub mod buckets;
 pub mod density;
-mod joint;
 pub mod light_sample;
 pub mod light_survey;
 pub mod likelihood;
@@ -24,7 +23,6 @@ use light_sample::Scope;
 use lis::Lis;
 use mvnee::Mvnee;
 
-pub use joint::Joint;
 pub use technique::{Densities, Row, Technique};
 
 /// The connection techniques of a frame; path tracing is always among the competitors.

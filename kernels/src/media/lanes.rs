@@ -2,7 +2,6 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::connect::suffix::SuffixVertex;
 use crate::vec3x8::Vec3x8;
 
 /// A medium before it is known which channel counts for each row.
@@ -34,7 +33,7 @@ pub trait MediumX8: Copy {
     /// Extinction at a point [1/m].
     fn extinction(self, at: Vec3x8) -> f32x8;
 
-    /// `(tau / L)^N / M` [1/m] of the way from a start to the light, N edges of length L and optical depth tau, with M
-    /// the product of the extinctions at the N - 1 vertices between: in a homogeneous medium the extinction itself.
-    fn crowding(self, start: &SuffixVertex) -> f32x8;
+    /// `(tau / L)^N / M` [1/m] of a way of N `edges`, of length L = `arc` `[m]` and optical depth tau = `depth`, with M
+    /// the product of the extinctions at its N - 1 inner vertices: in a homogeneous medium the extinction itself.
+    fn crowding(self, edges: usize, arc: f32x8, depth: f32x8) -> f32x8;
 }

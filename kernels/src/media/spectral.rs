@@ -54,6 +54,8 @@ pub struct Hues {
     ratio: [f32x8; CHANNELS],
     /// ln k_c.
     log_ratio: [f32x8; CHANNELS],
+    /// Densities of what a connection has drawn for the hero already, over that of the reference.
+    drawn: [f32x8; CHANNELS],
 }
 
 impl Hues {
@@ -63,7 +65,7 @@ impl Hues {
         let extinction = medium.hues();
         let own = f32x8::new(reference.to_array().map(|channel| extinction[channel as usize]));
         let ratio = extinction.map(|channel| f32x8::splat(channel) / own);
-        Self { ratio, log_ratio: ratio.map(|ratio| -neg_ln(ratio)) }
+        Self { ratio, log_ratio: ratio.map(|ratio| -neg_ln(ratio)), drawn: [f32x8::ONE; CHANNELS] }
     }
 
     /// `ln (p_c / p_*)` of a walk past `vertices` vertices over the reference's optical `depth`, per channel. Both are
@@ -79,18 +81,25 @@ impl Hues {
         self.log_quotients(vertices, depth).map(exp)
     }
 
+    /// The same once a flight of the reference's optical `depth` has been drawn for the hero.
+    #[inline(always)]
+    pub fn after_flight(self, depth: f32x8) -> Self {
+        Self { drawn: self.quotients(f32x8::ONE, depth), ..self }
+    }
+
+    /// The mean density of all that is drawn for the hero, where channels have these `shares` and, beside what has been
+    /// drawn already, these `values`.
+    #[inline(always)]
+    pub fn mean(&self, shares: [f32x8; CHANNELS], values: [f32x8; CHANNELS]) -> f32x8 {
+        let [a, b, c] = core::array::from_fn(|channel| shares[channel] * self.drawn[channel]);
+        a.mul_add(values[0], b.mul_add(values[1], c * values[2]))
+    }
+
     /// The reference's optical `depth`, in all channels.
     #[inline(always)]
     pub fn depths(&self, depth: f32x8) -> [f32x8; CHANNELS] {
         self.ratio.map(|ratio| ratio * depth)
     }
-}
-
-/// The mean of `values`, one per channel, where channels have these `shares`.
-#[inline(always)]
-pub fn mean(shares: [f32x8; CHANNELS], values: [f32x8; CHANNELS]) -> f32x8 {
-    let [a, b, c] = values;
-    shares[0].mul_add(a, shares[1].mul_add(b, shares[2] * c))
 }
 
 /// The channel of the largest of `values`, the first of equals.

@@ -16,6 +16,7 @@
 mod colours;
 pub mod reference;
 pub mod simd;
+mod starts;
 #[cfg(test)]
 mod tests;
 

@@ -17,7 +17,8 @@ use wide::{f32x8, u32x8};
 
 use super::Columns;
 use super::colours::Colours;
-use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
+use super::starts::Starts;
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
@@ -61,7 +62,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             last_density: densities >= Densities::Last,
             log_survival: walk.survival.ln(),
         };
-        let starts = batch.starts(paths, last_surface, walk, step, rows);
+        let starts = Starts::new(&batch.lane_of, rows, bucket.inserted, paths, last_surface, walk, step);
         let (fewest_edges, most_edges) = (starts.fewest_edges(), starts.most_edges());
         let most_edges_near =
             techniques.mvnee.as_ref().map_or(0, |mvnee| batch.most_edges_near(mvnee, outlook, &starts));
@@ -123,47 +124,6 @@ fn fill_albedos(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
     for (factor, albedos) in worth.factor.channels_mut().iter_mut().zip(medium.albedos(bucket.inserted)) {
         let inserted = f32x8::splat(albedos);
         bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
-    }
-}
-
-/// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth
-/// `i` of a path of `n` segments is start `n - i`.
-#[derive(Clone, Copy)]
-struct Starts {
-    /// Segments of each path.
-    segments: u32x8,
-    /// First start, counted from the light, that is not too far along the walk.
-    fewest_edges: u32x8,
-    /// Last start, counted from the light; 0 in dead rows.
-    most_edges: u32x8,
-    /// Rows of which the last start is on a surface.
-    surface: f32x8,
-    /// Rows in use.
-    live: f32x8,
-}
-
-impl Starts {
-    #[inline(always)]
-    fn fewest_edges(&self) -> usize {
-        lanes::as_integer_mask(self.live).select(self.fewest_edges, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
-    }
-
-    #[inline(always)]
-    fn most_edges(&self) -> usize {
-        self.most_edges.reduce_max() as usize
-    }
-
-    /// Rows of which vertex `a` may start a connection.
-    #[inline(always)]
-    fn eligible(&self, a: usize) -> f32x8 {
-        let a = u32x8::splat(a as u32);
-        lanes::as_mask(self.most_edges.simd_ge(a) & self.fewest_edges.simd_le(a))
-    }
-
-    /// Depth of vertex `a`.
-    #[inline(always)]
-    fn depth(&self, a: usize) -> u32x8 {
-        self.segments - u32x8::splat(a as u32)
     }
 }
 
@@ -272,26 +232,6 @@ impl<P: PhaseX8> Batch<'_, P> {
             sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
         }
         sum
-    }
-
-    /// The eligible starts: those behind the last surface, as many as connect.
-    #[inline(always)]
-    fn starts(
-        &self,
-        paths: &PathColumns<'_>,
-        last_surface: &LastSurfaceColumns<'_>,
-        walk: &WalkLimits,
-        step: Step,
-        rows: u32,
-    ) -> Starts {
-        let segments = u32x8::splat(step.clock + self.inserted as u32 + 1) - paths.birth.gather(&self.lane_of);
-        let last_surface = last_surface.depth.gather(&self.lane_of);
-        let surface = lanes::as_mask(last_surface.simd_gt(u32x8::splat(0)));
-        let first = last_surface.max(u32x8::splat(1));
-        let live = lanes::mask(rows);
-        let most_edges = segments.saturating_sub(first) & lanes::as_integer_mask(live);
-        let fewest_edges = most_edges.saturating_sub(u32x8::splat(walk.starts - 1)).max(u32x8::splat(1));
-        Starts { segments, fewest_edges, most_edges, surface, live }
     }
 
     /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their

@@ -17,7 +17,6 @@ use wide::f32x8;
 use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::media::MediumX8;
-use crate::media::spectral::mean;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::vec3x8::Vec3x8;
 
@@ -68,11 +67,11 @@ pub fn ratios<M: MediumX8>(
                 let counts = hues
                     .depths(straight)
                     .map(|depth| f32x8::splat(1.0 - bridge.defensive).mul_add(tabled(depth), uniform));
-                mean(suffix.shares[a], counts)
+                hues.mean(suffix.shares[a], counts)
             }
         };
         let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped);
-        let crowded = medium.crowding(start) * distance;
+        let crowded = medium.crowding(a, start.arc, start.depth) * distance;
         let ratio = start.attempt * count * likelihood * distance_squared * crowded * turn;
         sum += possible.select(ratio, f32x8::ZERO);
     }

@@ -34,21 +34,15 @@ pub fn ratios<M: MediumX8>(
         return f32x8::ZERO;
     };
     let skipped = arrival.medium.optical_depth_along(vertex.arc);
+    let hues = arrival.hues.map(|hues| hues.after_flight(skipped));
     let arrival = &Arrival {
         medium: arrival.medium,
-        hues: arrival.hues,
+        hues: hues.as_ref(),
         inverse_area: arrival.inverse_area * emission * vertex.inverse_density,
         last_squared: (vertex.position - before.position).length_squared(),
         cos_light: f32x8::ONE,
         skipped,
     };
-    if let Some(hues) = arrival.hues {
-        // From here on: shares times the density of the flight from the light, for which the hero counts, too.
-        let flight = hues.quotients(f32x8::ONE, skipped);
-        for shares in &mut suffix.shares[*starts.start()..=*starts.end()] {
-            *shares = core::array::from_fn(|c| shares[c] * flight[c]);
-        }
-    }
     let suffix = &mut Suffix {
         vertices: &mut suffix.vertices[1..],
         projections: suffix.projections,

@@ -23,7 +23,7 @@ use wide::f32x8;
 use super::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::MediumX8;
-use crate::media::spectral::{Hues, mean};
+use crate::media::spectral::Hues;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 
@@ -98,7 +98,7 @@ fn sum<M: MediumX8>(
 /// over the channels for which they may have been drawn.
 #[inline(always)]
 fn seeds(hues: &Hues, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
-    mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
+    hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
 }
 
 /// A suffix seen along the axis from its start to its light point.

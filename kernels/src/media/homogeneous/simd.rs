@@ -8,7 +8,6 @@
 use wide::{f32x8, u32x8};
 
 use super::Homogeneous;
-use crate::connect::suffix::SuffixVertex;
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
@@ -101,7 +100,7 @@ impl MediumX8 for HomogeneousX8 {
     }
 
     #[inline(always)]
-    fn crowding(self, _: &SuffixVertex) -> f32x8 {
+    fn crowding(self, _: usize, _: f32x8, _: f32x8) -> f32x8 {
         self.extinction
     }
 }

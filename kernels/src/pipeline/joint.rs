@@ -1,10 +1,10 @@
 //! How two points are joined by as many vertices as a technique draws.
 
-use super::bridge::{self, Bridge};
-use super::buckets::{BuildColumns, CountColumns};
-use super::mvnee::{self, Mvnee};
+use super::{Pipeline, Stage};
 use crate::Step;
-use crate::pipeline::{Pipeline, Stage};
+use crate::connect::bridge::{self, Bridge};
+use crate::connect::buckets::{BuildColumns, CountColumns};
+use crate::connect::mvnee::{self, Mvnee};
 
 /// A technique that first counts the vertices that each connection inserts, and then, bucket by bucket, places them.
 pub trait Joint: Sized {
