@@ -8,8 +8,8 @@ use fogbow_kernels::connect::mvnee::Mvnee;
 use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
-use fogbow_kernels::connect::{Technique, bridge, lis, nee, omnee};
-use fogbow_kernels::random::{self, Purpose};
+use fogbow_kernels::connect::{Chain, Connection, bridge, lis};
+use fogbow_kernels::random;
 use fogbow_kernels::{PathLengths, occlusion, roulette};
 use glam::DVec3;
 
@@ -19,43 +19,35 @@ use crate::frame::Frame;
 impl Walk<'_> {
     /// Tries every active technique from the last vertex.
     pub(super) fn connect(&mut self) {
-        let techniques = &self.frame.techniques;
-        if techniques.nee {
-            self.connect_straight(Technique::Nee, nee::SCOPE);
-        }
-        if let Some(mvnee) = &techniques.mvnee {
-            self.connect_through_medium(mvnee);
-        }
-        if techniques.omnee {
-            self.connect_once_more();
-        }
-        if let Some(bridge) = &techniques.bridge {
-            self.connect_by_bridge(bridge);
-        }
-        if let Some(lis) = &techniques.lis {
-            self.connect_from_light(lis);
-        }
-        if let Some(scope) = techniques.companion() {
-            self.connect_straight(Technique::Lis, scope);
+        let Frame { techniques, lengths, .. } = self.frame;
+        for connection in techniques.connections(*lengths) {
+            self.try_technique(&connection);
         }
     }
 
-    /// Connects the last vertex in a straight line.
-    fn connect_straight(&mut self, technique: Technique, scope: Scope) {
-        if let Some((emitter, point)) = self.light_point(scope) {
-            self.try_connection(technique, scope.purpose, emitter, &[point]);
-        }
-    }
-
-    /// Connects the last vertex by multiple-vertex next event estimation.
-    fn connect_through_medium(&mut self, mvnee: &Mvnee) {
-        let Some((emitter, point)) = self.light_point(mvnee.scope()) else {
+    /// Draws a light point and joins the last vertex with it.
+    fn try_technique(&mut self, connection: &Connection<'_>) {
+        let Frame { lengths, seed, .. } = *self.frame;
+        let Some((emitter, point)) = self.light_point(connection.scope) else {
             return;
         };
-        if let Some(mut rest) = self.seeds_to(mvnee, point, self.frame.lengths, self.frame.seed) {
+        let inserted = match connection.chain {
+            Chain::Straight => Some(Vec::new()),
+            Chain::OnceMore => Some(vec![self.once_more(point)]),
+            Chain::Mvnee(mvnee) => self.seeds_to(mvnee, point, lengths, seed),
+            Chain::Bridge(bridge) => self.bridge_to(bridge, point, lengths, seed),
+            Chain::FromLight(lis) => self.from_light(lis, emitter, point),
+        };
+        if let Some(mut rest) = inserted {
             rest.push(point);
-            self.try_connection(Technique::Mvnee, random::MVNEE_LIGHT, emitter, &rest);
+            self.try_connection(connection, emitter, &rest);
         }
+    }
+
+    /// The vertex that once-more next event estimation inserts between the last one and `point`.
+    fn once_more(&self, point: DVec3) -> DVec3 {
+        let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
+        omnee_sample::place(self.frame.medium().phase.twin(), self.last(), point, u)
     }
 
     /// The vertices that multiple-vertex next event estimation inserts between the last one and `point`, in a path of
@@ -67,27 +59,6 @@ impl Walk<'_> {
         let mut inserted = vec![point; count as usize];
         mvnee_sample::place(&mvnee.into(), &medium, start, point, &draws, &mut inserted);
         Some(inserted)
-    }
-
-    /// Connects the last vertex through one inserted vertex.
-    fn connect_once_more(&mut self) {
-        let Some((emitter, point)) = self.light_point(omnee::scope(self.frame.lengths)) else {
-            return;
-        };
-        let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
-        let vertex = omnee_sample::place(self.frame.medium().phase.twin(), self.last(), point, u);
-        self.try_connection(Technique::Omnee, random::OMNEE_LIGHT, emitter, &[vertex, point]);
-    }
-
-    /// Connects the last vertex by a bridge.
-    fn connect_by_bridge(&mut self, bridge: &Bridge) {
-        let Some((emitter, point)) = self.light_point(bridge.scope()) else {
-            return;
-        };
-        if let Some(mut rest) = self.bridge_to(bridge, point, self.frame.lengths, self.frame.seed) {
-            rest.push(point);
-            self.try_connection(Technique::Bridge, random::BRIDGE_LIGHT, emitter, &rest);
-        }
     }
 
     /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
@@ -103,26 +74,21 @@ impl Walk<'_> {
         Some(inserted)
     }
 
-    /// Connects the last vertex with one made from a light.
-    fn connect_from_light(&mut self, lis: &Lis) {
+    /// The vertices between the last one and `point` on a light, of which the last is made from there.
+    fn from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Vec<DVec3>> {
         let Frame { lights, lengths, seed, .. } = self.frame;
-        let Some((emitter, point)) = self.light_point(lis::scope(*lengths)) else {
-            return;
-        };
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
         let vertex = lis_sample::place(&lights.emitters()[emitter], &self.medium(), point, u);
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
-            return;
+            return None;
         }
         let (lengths, seed) = (lis::before_last(*lengths), random::lis_seed(*seed));
-        let inserted = match &lis.connector {
+        let mut inserted = match &lis.connector {
             Connector::Bridge(bridge) => self.bridge_to(bridge, vertex, lengths, seed),
             Connector::Mvnee(mvnee) => self.seeds_to(mvnee, vertex, lengths, seed),
-        };
-        if let Some(mut rest) = inserted {
-            rest.extend([vertex, point]);
-            self.try_connection(Technique::Lis, random::LIS_LIGHT, emitter, &rest);
-        }
+        }?;
+        inserted.push(vertex);
+        Some(inserted)
     }
 
     /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
@@ -135,8 +101,9 @@ impl Walk<'_> {
     }
 
     /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
-    /// the roulette and is free. `purpose` is the random dimension of the technique's light point.
-    fn try_connection(&mut self, technique: Technique, purpose: Purpose, emitter: usize, rest: &[DVec3]) {
+    /// the roulette and is free.
+    fn try_connection(&mut self, connection: &Connection<'_>, emitter: usize, rest: &[DVec3]) {
+        let Connection { technique, scope: Scope { purpose, .. }, .. } = *connection;
         let mut worth = self.weigh(emitter, rest);
         let contribution = roulette::reference::largest(&self.contribution(emitter, worth));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);

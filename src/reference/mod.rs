@@ -5,8 +5,8 @@
 //!
 //! 1. to survive the vertex it leaves, x_j with j > 0;
 //! 2. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments;
-//! 3. to scatter, or to be reflected by the surface on which the flight ended, unless that was a disk or black or the
-//!    walk is over;
+//! 3. to scatter, or to be reflected by the surface on which the flight ended, unless that was a light or black, or
+//!    the walk is over;
 //! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
 //!
 //! A first flight that is drawn towards the lights leaves its weight, the density of a free flight over its own, in the

@@ -2,11 +2,10 @@
 
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
-use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::lis::{self, Connector, Lis};
-use fogbow_kernels::connect::{Technique, nee, omnee};
+use fogbow_kernels::connect::{Chain, Connection};
 use fogbow_kernels::pipeline::Joint;
-use fogbow_kernels::random::{self, Purpose};
+use fogbow_kernels::random;
 use fogbow_kernels::{PathLengths, Step};
 
 use super::stages::rows;
@@ -23,55 +22,35 @@ impl Wavefront<'_> {
         if frame.lights.selection_depends_on_start() || techniques.near().is_finite() {
             self.light_survey();
         }
-        if let Some(mvnee) = &techniques.mvnee {
-            self.connect_by(Technique::Mvnee, mvnee, mvnee.scope());
-        }
-        if techniques.nee {
-            self.connect_straight(Technique::Nee, nee::SCOPE);
-        }
-        if techniques.omnee {
-            self.connect_once_more(omnee::scope(lengths));
-        }
-        if let Some(bridge) = &techniques.bridge {
-            self.connect_by(Technique::Bridge, bridge, bridge.scope());
-        }
-        if let Some(lis) = &techniques.lis {
-            self.connect_from_light(lis, lis::scope(lengths));
-        }
-        if let Some(scope) = techniques.companion() {
-            self.connect_straight(Technique::Lis, scope);
+        for connection in techniques.connections(lengths) {
+            self.light_sample(connection.scope);
+            match connection.chain {
+                Chain::Straight => self.settle_direct(&connection, 0),
+                Chain::OnceMore => {
+                    self.omnee_build();
+                    self.settle_direct(&connection, 1);
+                }
+                Chain::Mvnee(mvnee) => self.join_and_settle(&connection, mvnee),
+                Chain::Bridge(bridge) => self.join_and_settle(&connection, bridge),
+                Chain::FromLight(lis) => {
+                    self.join_from_light(lis);
+                    self.settle_buckets(&connection, 1);
+                }
+            }
         }
     }
 
-    /// Connections in a straight line.
-    fn connect_straight(&mut self, technique: Technique, scope: Scope) {
-        self.light_sample(scope);
-        let bucket = self.candidates.connections.direct();
-        self.stats.connections(technique).tried += bucket.len as u64;
-        self.settle(technique, scope.purpose, Source::Connections, bucket);
+    /// What becomes of connections that all insert the same number of vertices.
+    fn settle_direct(&mut self, connection: &Connection<'_>, inserted: usize) {
+        let bucket = Bucket { inserted, ..self.candidates.connections.direct() };
+        self.stats.connections(connection.technique).tried += bucket.len as u64;
+        self.settle(connection.technique, connection.scope.purpose, Source::Connections, bucket);
     }
 
-    /// Connections through one vertex.
-    fn connect_once_more(&mut self, scope: Scope) {
-        self.light_sample(scope);
-        self.omnee_build();
-        let bucket = Bucket { inserted: 1, ..self.candidates.connections.direct() };
-        self.stats.connections(Technique::Omnee).tried += bucket.len as u64;
-        self.settle(Technique::Omnee, scope.purpose, Source::Connections, bucket);
-    }
-
-    /// Connections through as many vertices as the technique draws.
-    fn connect_by<T: Joint>(&mut self, technique: Technique, settings: &T, scope: Scope) {
-        self.light_sample(scope);
+    /// Joins through as many vertices as the technique draws.
+    fn join_and_settle<T: Joint>(&mut self, connection: &Connection<'_>, settings: &T) {
         self.join(settings, self.frame.lengths, self.step);
-        self.settle_buckets(technique, scope.purpose, 0);
-    }
-
-    /// Connections to a vertex made from the light.
-    fn connect_from_light(&mut self, lis: &Lis, scope: Scope) {
-        self.light_sample(scope);
-        self.join_from_light(lis);
-        self.settle_buckets(Technique::Lis, scope.purpose, 1);
+        self.settle_buckets(connection, 0);
     }
 
     /// Makes a vertex from the light for every connection and joins it with the start; a bucket's rows then insert one
@@ -118,15 +97,15 @@ impl Wavefront<'_> {
         });
     }
 
-    /// What becomes of connections that were sorted and built, to light points of `purpose`; `appended` vertices were
-    /// inserted since they were sorted.
-    fn settle_buckets(&mut self, technique: Technique, purpose: Purpose, appended: usize) {
+    /// What becomes of connections that were sorted and built; `appended` vertices were inserted since they were sorted.
+    fn settle_buckets(&mut self, connection: &Connection<'_>, appended: usize) {
+        let Connection { technique, scope, .. } = *connection;
         self.stats.connections(technique).tried += self.candidates.connections.len as u64;
         for index in 0..self.buckets.buckets().len() {
             let bucket = self.buckets.buckets()[index];
             if bucket.len > 0 {
                 let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
-                self.settle(technique, purpose, Source::Bridged, bucket);
+                self.settle(technique, scope.purpose, Source::Bridged, bucket);
             }
         }
     }

@@ -61,7 +61,7 @@ impl Wavefront<'_> {
         }
     }
 
-    /// Nothing lies between a point in front of the only disk and that disk, where nothing is solid.
+    /// Nothing lies between a point in front of the only emitter and that emitter, where nothing is solid.
     fn may_be_blocked(&self, bucket: Bucket) -> bool {
         bucket.inserted > 0 || self.frame.lights.emitters().len() > 1 || self.frame.is_solid()
     }

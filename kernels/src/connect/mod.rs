@@ -23,7 +23,7 @@ use light_sample::Scope;
 use lis::Lis;
 use mvnee::Mvnee;
 
-pub use technique::{Densities, Row, Technique};
+pub use technique::{Chain, Connection, Densities, Row, Technique};
 
 /// The connection techniques of a frame; path tracing is always among the competitors.
 #[derive(Clone, Debug, Default, PartialEq)]

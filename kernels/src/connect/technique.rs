@@ -1,6 +1,11 @@
 //! One row per connection technique: what the rest of the program must know of it.
 
+use super::bridge::Bridge;
+use super::light_sample::Scope;
+use super::lis::{self, Lis};
+use super::mvnee::Mvnee;
 use super::{Techniques, nee, omnee};
+use crate::PathLengths;
 
 /// The connection techniques.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,18 +68,63 @@ impl Technique {
     pub fn row(self, techniques: &Techniques) -> Option<Row> {
         match self {
             Self::Nee => techniques.nee.then_some(nee::ROW),
-            Self::Mvnee => techniques.mvnee.as_ref().map(super::mvnee::Mvnee::row),
+            Self::Mvnee => techniques.mvnee.as_ref().map(Mvnee::row),
             Self::Omnee => techniques.omnee.then_some(omnee::ROW),
-            Self::Bridge => techniques.bridge.as_ref().map(super::bridge::Bridge::row),
-            Self::Lis => techniques.lis.as_ref().map(super::lis::Lis::row),
+            Self::Bridge => techniques.bridge.as_ref().map(Bridge::row),
+            Self::Lis => techniques.lis.as_ref().map(Lis::row),
         }
     }
+
+    /// The connections that it tries from every vertex, in paths of `lengths`, if it is among `techniques`.
+    fn connection(self, techniques: &Techniques, lengths: PathLengths) -> Option<Connection<'_>> {
+        let (scope, chain) = match self {
+            Self::Nee => techniques.nee.then_some((nee::SCOPE, Chain::Straight)),
+            Self::Mvnee => techniques.mvnee.as_ref().map(|mvnee| (mvnee.scope(), Chain::Mvnee(mvnee))),
+            Self::Omnee => techniques.omnee.then(|| (omnee::scope(lengths), Chain::OnceMore)),
+            Self::Bridge => techniques.bridge.as_ref().map(|bridge| (bridge.scope(), Chain::Bridge(bridge))),
+            Self::Lis => techniques.lis.as_ref().map(|lis| (lis::scope(lengths), Chain::FromLight(lis))),
+        }?;
+        Some(Connection { technique: self, scope, chain })
+    }
+}
+
+/// What joins a vertex with a light point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Chain<'a> {
+    /// Nothing.
+    Straight,
+    /// One vertex.
+    OnceMore,
+    /// Seeds on the axis, perturbed.
+    Mvnee(&'a Mvnee),
+    /// A bridge.
+    Bridge(&'a Bridge),
+    /// A vertex made from the light, and what joins it.
+    FromLight(&'a Lis),
+}
+
+/// The connections that a technique tries from every vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connection<'a> {
+    /// Whose they are.
+    pub technique: Technique,
+    /// Which pairs of start and light point they connect.
+    pub scope: Scope,
+    /// How.
+    pub chain: Chain<'a>,
 }
 
 impl Techniques {
     /// The rows of the active techniques.
     pub fn rows(&self) -> impl Iterator<Item = (Technique, Row)> + '_ {
         Technique::ALL.into_iter().filter_map(|technique| Some((technique, technique.row(self)?)))
+    }
+
+    /// All connections of a vertex, one technique after the other, in paths of `lengths`.
+    pub fn connections(&self, lengths: PathLengths) -> impl Iterator<Item = Connection<'_>> {
+        let companion =
+            self.companion().map(|scope| Connection { technique: Technique::Lis, scope, chain: Chain::Straight });
+        Technique::ALL.into_iter().filter_map(move |technique| technique.connection(self, lengths)).chain(companion)
     }
 
     /// Whether any weight looks at the vertices before a start.

@@ -10,9 +10,8 @@
 //! weight = mu_t e^{-mu_t t} / ((1 - share) c mu_t e^{-c mu_t t} + share sum_l share_l q_l(t))
 //! ```
 //!
-//! with c the thinning of the flights that are not aimed.
-//!
-//! where the quotient of sines neither cancels nor becomes negative.
+//! where the quotient of sines neither cancels nor becomes negative, and c is the thinning of the flights that are not
+//! aimed.
 
 use glam::DVec3;
 

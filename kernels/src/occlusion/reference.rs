@@ -38,7 +38,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// Whether a disk or sphere blocks the chain from a start to a point on the emitter `light`, which does not block the
+/// Whether a disk or sphere blocks the chain from a start to a point on an `emitter`, which does not block the
 /// segment that ends on it.
 pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     let last = chain.len().saturating_sub(2);
@@ -55,7 +55,7 @@ pub fn is_occluded(lights: &Lights, emitter: usize, chain: &[DVec3]) -> bool {
     false
 }
 
-/// Whether a triangle blocks a segment of the chain to a point on the emitter `light`, which does not block the last.
+/// Whether a triangle blocks a segment of the chain to a point on an `emitter`, which does not block the last.
 pub fn is_hidden(lights: &Lights, surfaces: &Surfaces, emitter: usize, chain: &[DVec3]) -> bool {
     let (geometry, own) = (surfaces.geometry(), lights.emitters()[emitter].triangle as usize);
     let last = chain.len().saturating_sub(2);
