@@ -52,6 +52,11 @@ impl Frame {
         &self.media[Media::AROUND]
     }
 
+    /// Whether extinction differs from place to place, so that flights are tracked and transmittances estimated.
+    pub fn varies(&self) -> bool {
+        self.medium().grid().is_some()
+    }
+
     /// Longest walk, in segments: 1 where light is never scattered or reflected.
     pub fn walk_segments(&self) -> u32 {
         if self.stays_straight() { 1 } else { self.walk.segments.min(self.lengths.max) }
@@ -82,7 +87,7 @@ impl Frame {
 
     /// Whether first flights are drawn towards the lights.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium().never_scatters()
+        self.aimed > 0.0 && !self.medium().never_scatters() && !self.varies()
     }
 
     /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.

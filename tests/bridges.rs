@@ -48,7 +48,7 @@ fn with(frame: Frame, change: impl FnOnce(Bridge) -> Bridge) -> Frame {
 
 /// The medium of `frame`, as the twins ask it.
 fn medium(frame: &Frame) -> Homogeneous<'_> {
-    frame.medium().twin(0)
+    frame.medium().homogeneous_twin(0)
 }
 
 /// A start in the medium.

@@ -57,8 +57,12 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
     for (index, case) in density_ratios().iter().enumerate() {
         let path = vertices(case);
         let normal = DVec3::from(case.light_normal);
-        let settings =
-            mvnee::reference::Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: slope::of(case.g) };
+        let settings = mvnee::reference::Settings {
+            max_distance: f64::INFINITY,
+            max_depth: f64::INFINITY,
+            offset: Offset::Ggx,
+            slope: slope::of(case.g),
+        };
         for start in &case.starts {
             let phase = Exact(case.g);
             let medium = &Homogeneous::new(case.mu_t, &phase);

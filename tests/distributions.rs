@@ -52,7 +52,8 @@ fn free_flights_are_exponential() {
     let mut cells = vec![0.0; 60];
     after_walks(&frame, SAMPLES, 1, |wavefront| {
         for lane in 0..LANES {
-            let depth = f64::from(wavefront.flights.flight.rows()[lane]) * frame.medium().twin(0).extinction;
+            let depth =
+                f64::from(wavefront.flights.flight.rows()[lane]) * frame.medium().homogeneous_twin(0).extinction;
             cells[((depth / 0.2) as usize).min(59)] += 1.0;
         }
     });
@@ -110,7 +111,7 @@ fn random_walks_have_the_moments_of_the_phase_function() {
                 squared.add(way.length_squared());
             }
         }
-        let (g, mu_t, n) = (f64::from(g), frame.medium().twin(0).extinction, f64::from(EVENTS));
+        let (g, mu_t, n) = (f64::from(g), frame.medium().homogeneous_twin(0).extinction, f64::from(EVENTS));
         let power = g.powi(EVENTS);
         let mean = (1.0 - power) / (mu_t * (1.0 - g));
         let mean_square = 2.0 / (mu_t * mu_t) * (n / (1.0 - g) - g * (1.0 - power) / ((1.0 - g) * (1.0 - g)));
@@ -234,8 +235,8 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
             let expected = [share, 1.0 - share].map(|share| share * SAMPLES as f64);
             let p = p_of_counts(&counts, &expected);
             assert!(p > SUSPICIOUS, "{alive} instead of {} walks survive {vertices} vertices, p = {p}", expected[0]);
-            let z = (flights.mean() * frame.medium().twin(0).extinction - 1.0)
-                / (flights.standard_error() * frame.medium().twin(0).extinction);
+            let z = (flights.mean() * frame.medium().homogeneous_twin(0).extinction - 1.0)
+                / (flights.standard_error() * frame.medium().homogeneous_twin(0).extinction);
             assert!(z.abs() < 4.0, "flights of survivors of {vertices} vertices have a mean of {}", flights.mean());
         }
     }

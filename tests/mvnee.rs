@@ -46,7 +46,7 @@ fn numbers_of_seeds_are_poisson_distributed() {
     let (mut found, mut expected) = (vec![0.0; 25], vec![0.0; 25]);
     connections(&frame, SAMPLES, |chain| {
         found[(chain.len() - 2).min(24)] += 1.0;
-        let mean = chain[0].distance(chain[chain.len() - 1]) * frame.medium().twin(0).extinction;
+        let mean = chain[0].distance(chain[chain.len() - 1]) * frame.medium().homogeneous_twin(0).extinction;
         let mut share = (-mean).exp();
         for (m, expected) in expected.iter_mut().enumerate() {
             *expected += share;
@@ -62,7 +62,7 @@ fn numbers_of_seeds_are_poisson_distributed() {
 /// The twin's density of the inserted vertices of `chain`, given their number and the light point.
 fn density(frame: &Frame, settings: &mvnee::reference::Settings, chain: &[DVec3]) -> f64 {
     let medium = frame.medium().twin(0);
-    let mean = chain[0].distance(chain[chain.len() - 1]) * medium.extinction;
+    let mean = chain[0].distance(chain[chain.len() - 1]) * f64::from(frame.medium().largest_extinction());
     let count: f64 = (1..=chain.len() - 2).map(|m| mean / m as f64).product();
     mvnee::reference::density(settings, &medium, chain, 1.0).value() / (count * (-mean).exp())
 }

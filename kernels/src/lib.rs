@@ -19,6 +19,7 @@ pub mod media;
 pub mod medium_sample;
 pub mod mis_weight;
 pub mod occlusion;
+pub mod passage;
 pub mod phase;
 pub mod pipeline;
 pub mod prune;
@@ -31,6 +32,7 @@ pub mod surface;
 pub mod tables;
 pub mod trace;
 pub mod transcendental;
+pub mod transmittance;
 pub mod vec3x8;
 
 /// What every stage knows of the moment.

@@ -4,8 +4,8 @@ mod joint;
 
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
-    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
-    remember, roulette, scatter, spectral_weight, surface,
+    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
+    passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 pub use joint::Joint;
@@ -70,6 +70,8 @@ pipeline! {
     scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
     /// Reflection, for paths that met a surface.
     surface (Surface): surface::Kernel = surface::simd::run, surface::reference::run;
+    /// What paths have passed through.
+    passage (Passage): passage::Kernel = passage::simd::run, passage::reference::run;
     /// What vertices know of the lights.
     light_survey (LightSurvey): light_survey::Kernel = light_survey::simd::run, light_survey::reference::run;
     /// A light point for every vertex that may connect.
@@ -94,6 +96,8 @@ pipeline! {
     roulette (Roulette): roulette::Kernel = roulette::simd::run, roulette::reference::run;
     /// Blocked connections count nothing.
     occlusion (Occlusion): occlusion::Kernel = occlusion::simd::run, occlusion::reference::run;
+    /// What comes through where nobody knows how much.
+    transmittance (Transmittance): transmittance::Kernel = transmittance::simd::run, transmittance::reference::run;
     /// Contributions reach their paths.
     accumulate (Accumulate): accumulate::Kernel = accumulate::simd::run, accumulate::reference::run;
 }

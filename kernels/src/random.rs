@@ -63,6 +63,12 @@ impl Purpose {
         Self::one(self.first + EMITTER)
     }
 
+    /// Number of its first block at every depth.
+    #[inline(always)]
+    pub const fn number(self) -> u32 {
+        self.first
+    }
+
     /// Numbers of all blocks that it may ask for at a depth.
     pub fn numbers(self) -> impl Iterator<Item = u32> {
         (self.first..self.first + self.blocks).chain(self.light.then_some(self.first + EMITTER))
@@ -105,6 +111,10 @@ purposes! {
     LIS_VERTEX = Purpose::one(10);
     /// The hero of a path: channel, -, -, -.
     HERO = Purpose::one(11);
+    /// The streams of a flight's collisions.
+    TRACKING = Purpose::one(12);
+    /// The streams of the transmittance of connections to light points of a purpose, one per segment; view the first.
+    TRANSMITTANCE = Purpose::row(0x10, 0x10);
     /// The seeds' free flights: block k has those of seeds 4 k .. 4 k + 4.
     MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_PATH / 4);
     /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.
@@ -140,8 +150,11 @@ const INCREMENT: u32 = 1_013_904_223;
 
 /// Four words for a key of four: the hash pcg4d (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 2020).
 pub fn words(pixel: u32, sample: u32, block: u32, seed: u32) -> [u32; 4] {
-    let [mut x, mut y, mut z, mut w] =
-        [pixel, sample, block, seed].map(|v| v.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT));
+    hash([pixel, sample, block, seed])
+}
+
+fn hash(key: [u32; 4]) -> [u32; 4] {
+    let [mut x, mut y, mut z, mut w] = key.map(|v| v.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT));
     let mut round = || {
         x = x.wrapping_add(y.wrapping_mul(w));
         y = y.wrapping_add(z.wrapping_mul(x));
@@ -158,8 +171,12 @@ pub fn words(pixel: u32, sample: u32, block: u32, seed: u32) -> [u32; 4] {
 /// [`words`] for eight rows.
 #[inline(always)]
 pub fn words_x8(pixel: u32x8, sample: u32x8, block: u32x8, seed: u32) -> [u32x8; 4] {
-    let lcg = |v: u32x8| v * u32x8::splat(MULTIPLIER) + u32x8::splat(INCREMENT);
-    let mut v = [lcg(pixel), lcg(sample), lcg(block), lcg(u32x8::splat(seed))];
+    hash_x8([pixel, sample, block, u32x8::splat(seed)])
+}
+
+#[inline(always)]
+fn hash_x8(key: [u32x8; 4]) -> [u32x8; 4] {
+    let mut v = key.map(|v| v * u32x8::splat(MULTIPLIER) + u32x8::splat(INCREMENT));
     for _ in 0..2 {
         let [x, y, z, w] = v;
         let x = x + y * w;
@@ -169,6 +186,30 @@ pub fn words_x8(pixel: u32x8, sample: u32x8, block: u32x8, seed: u32) -> [u32x8;
         v = [x, y, z, w].map(|v| v ^ v >> 16_u32);
     }
     v
+}
+
+/// Words without end, for decisions of which nobody knows the number: those of a block, hashed again with a counter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stream(pub [u32; 4]);
+
+impl Stream {
+    /// Number `part` of the streams that belong to a block.
+    pub fn new(pixel: u32, sample: u32, block: u32, seed: u32, part: u32) -> Self {
+        let [a, b, c, d] = words(pixel, sample, block, seed);
+        Self([a, b, c.wrapping_add(part), d])
+    }
+
+    /// Words number `4 counter` and on.
+    pub fn words(self, counter: u32) -> [u32; 4] {
+        let [a, b, c, d] = self.0;
+        hash([a, b, c, d.wrapping_add(counter)])
+    }
+
+    /// [`Stream::words`] of eight streams.
+    #[inline(always)]
+    pub fn words_x8([a, b, c, d]: [u32x8; 4], counter: u32x8) -> [u32x8; 4] {
+        hash_x8([a, b, c, d + counter])
+    }
 }
 
 /// Bits dropped so that the centre of every cell is a representable number.

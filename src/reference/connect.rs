@@ -36,7 +36,7 @@ impl Walk<'_> {
             Chain::OnceMore => Some(vec![self.once_more(point)]),
             Chain::Mvnee(mvnee) => self.seeds_to(mvnee, point, lengths, seed),
             Chain::Bridge(bridge) => self.bridge_to(bridge, point, lengths, seed),
-            Chain::FromLight(lis) => self.from_light(lis, emitter, point),
+            Chain::FromLight(lis) => self.vertices_from_light(lis, emitter, point),
         };
         if let Some(mut rest) = inserted {
             rest.push(point);
@@ -54,8 +54,8 @@ impl Walk<'_> {
     /// `lengths` up to there.
     fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, medium) = (self.last(), self.medium());
-        let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
-        let count = mvnee_sample::count_seeds(&medium, (point - start).length(), lengths, &draws)?;
+        let draws = Draws { seed, ..self.draws() };
+        let count = mvnee_sample::count_seeds(&mvnee.into(), &medium, start, point, lengths, &draws)?;
         let mut inserted = vec![point; count as usize];
         mvnee_sample::place(&mvnee.into(), &medium, start, point, &draws, &mut inserted);
         Some(inserted)
@@ -64,21 +64,22 @@ impl Walk<'_> {
     /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
     fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, medium) = (self.last(), self.medium());
-        let draws = Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed };
+        let draws = Draws { seed, ..self.draws() };
         let arriving = (start - self.path[self.path.len() - 2]).normalize();
         let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
         let from = bridge::reference::Start { depth: self.depth(), position: start, arriving, on_surface };
         let count = bridge_sample::count_edges(bridge, &medium, lengths, &from, point, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(bridge, medium.phase, &from, point, &draws, &mut inserted);
+        bridge_sample::place(bridge, self.frame.medium().phase.twin(), &from, point, &draws, &mut inserted);
         Some(inserted)
     }
 
     /// The vertices between the last one and `point` on a light, of which the last is made from there.
-    fn from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Vec<DVec3>> {
+    fn vertices_from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Vec<DVec3>> {
         let Frame { lights, lengths, seed, .. } = self.frame;
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
-        let vertex = lis_sample::place(&lights.emitters()[emitter], &self.medium(), point, u);
+        let vertex =
+            lis_sample::place(&lights.emitters()[emitter], &self.frame.medium().homogeneous_twin(self.hero), point, u);
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
             return None;
         }
@@ -117,6 +118,8 @@ impl Walk<'_> {
         let Frame { lights, surfaces, .. } = self.frame;
         let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
         if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
+            let through = self.comes_through(&chain, purpose);
+            worth.factor = worth.factor.map(|channel| channel * through);
             self.add(Some(technique), emitter, worth, rest.len() - 1);
         }
     }

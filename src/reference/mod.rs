@@ -21,13 +21,16 @@ mod connect;
 use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::connect::density::Density;
+use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::emission::reference as emission;
-use fogbow_kernels::media::reference::{Homogeneous, Medium as _};
+use fogbow_kernels::media::reference::Twin;
 use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth};
+use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
     accumulate, extend, first_flight, generate, light_hit, medium_sample, random, scatter, spectral_weight,
+    transmittance,
 };
 use glam::DVec3;
 
@@ -72,7 +75,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
             break;
         }
-        let mut flight = walk.medium().flight(random::uniform(words[0]));
+        let mut flight = walk.fly(random::uniform(words[0]));
         let aims = segment == 0 && frame.aims();
         if aims {
             flight = walk.aim(flight);
@@ -86,7 +89,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         match surface {
             Some(hit) if surface_stage::is_black(&frame.surfaces, hit, walk.direction) => break,
             Some(hit) => walk.reflect(hit, u),
-            None if frame.medium().never_scatters() => break,
+            None if frame.medium().never_scatters() || flight.is_infinite() => break,
             None => walk.scatter(flight, u),
         }
         walk.connect();
@@ -116,8 +119,13 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// The medium around everything, in the channel of the hero.
-    fn medium(&self) -> Homogeneous<'_> {
+    fn medium(&self) -> Twin<'_> {
         self.frame.medium().twin(self.hero)
+    }
+
+    /// What the random numbers of the last vertex are drawn from.
+    fn draws(&self) -> Draws {
+        Draws { pixel: self.pixel, sample: self.sample, depth: self.depth(), seed: self.frame.seed }
     }
 
     /// Depth of the last vertex.
@@ -127,6 +135,12 @@ impl Walk<'_> {
 
     fn last(&self) -> DVec3 {
         self.path[self.path.len() - 1]
+    }
+
+    /// A free flight, for a number `u` where extinction is the same everywhere.
+    fn fly(&self, u: f64) -> f64 {
+        let ray = (self.last(), self.direction);
+        medium_sample::reference::flight(self.frame.medium(), self.hero, ray, u, &self.draws())
     }
 
     /// The camera's flight: `free`, or one drawn towards a light.
@@ -147,12 +161,14 @@ impl Walk<'_> {
             let length = surface.map_or(flight, |hit| f64::from(hit.distance));
             let end = sight.0 + length * sight.1;
             let free = spectral_weight::reference::free_flights(medium, sight.0, end, surface.is_none());
-            let mixed =
-                |c: usize| first_flight::reference::mixed_density(&medium.twin(c), lights, share, sight, flight);
+            let mixed = |c: usize| {
+                first_flight::reference::mixed_density(&medium.homogeneous_twin(c), lights, share, sight, flight)
+            };
             let drawn = if aimed { [0, 1, 2].map(|c| Density::new(mixed(c))) } else { free };
             (self.log_posterior, quotients) = spectral_weight::reference::update(self.log_posterior, drawn, free);
         } else if aimed {
-            quotients = [first_flight::reference::weight(&medium.twin(0), lights, share, sight, flight); CHANNELS];
+            quotients =
+                [first_flight::reference::weight(&medium.homogeneous_twin(0), lights, share, sight, flight); CHANNELS];
         }
         for (throughput, quotient) in self.throughput.iter_mut().zip(quotients) {
             *throughput *= quotient;
@@ -175,7 +191,8 @@ impl Walk<'_> {
                 0 => {
                     let weight = emission::profile(emitter, point, self.direction);
                     let factor = light_hit::reference::transmittance(self.frame.medium(), self.last(), point);
-                    Worth { weight, factor: factor.map(Density::value) }
+                    let through = self.comes_through(&[self.last(), point], random::CAMERA);
+                    Worth { weight, factor: factor.map(|channel| through * channel.value()) }
                 }
                 _ => self.weigh(index, &[point]),
             };
@@ -227,6 +244,12 @@ impl Walk<'_> {
             current: self.depth() as usize,
             log_posterior: self.log_posterior,
         })
+    }
+
+    /// What a chain of segments leaves of light, over what its weight takes that for.
+    pub(super) fn comes_through(&self, chain: &[DVec3], purpose: Purpose) -> f64 {
+        let grid = self.frame.medium().grid();
+        grid.map_or(1.0, |grid| transmittance::reference::factor(grid, chain, purpose, &self.draws()))
     }
 
     /// What a candidate of this worth adds to the pixel.

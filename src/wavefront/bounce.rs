@@ -1,5 +1,7 @@
 //! One segment of every path.
 
+use fogbow_kernels::random;
+
 use super::{Source, Wavefront};
 
 impl Wavefront<'_> {
@@ -34,7 +36,9 @@ impl Wavefront<'_> {
             return;
         }
         self.light_hit();
-        self.contribute(Source::Views, self.candidates.views.direct());
+        let views = self.candidates.views.direct();
+        self.transmittance(Source::Views, views, random::CAMERA);
+        self.contribute(Source::Views, views);
         let bucket = self.candidates.light_hits.direct();
         self.mis_weight(Source::LightHits, bucket);
         self.contribute(Source::LightHits, bucket);
@@ -50,6 +54,9 @@ impl Wavefront<'_> {
         self.scatter();
         if self.surface_hits.len > 0 {
             self.surface();
+        }
+        if self.frame.varies() && self.frame.techniques.any() {
+            self.passage();
         }
     }
 }

@@ -14,12 +14,13 @@ mod work;
 use bumpalo::Bump;
 use fogbow_kernels::Step;
 use fogbow_kernels::columns::paths::{
-    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns, RayTable, VertexTable,
+    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayTable, VertexTable,
 };
 use fogbow_kernels::columns::queues::{
-    CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, Request, RequestColumns, SurfaceHitQueue, WorthTable,
+    CandidateQueue, ChainTable, EndQueue, EstimateColumns, FlightTable, HitQueue, Request, RequestColumns,
+    SurfaceHitQueue, WorthTable,
 };
-use fogbow_kernels::columns::trail::TrailTable;
+use fogbow_kernels::columns::trail::{PassageTrail, TrailTable};
 use fogbow_kernels::columns::{Column, Spectrum};
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::connect::suffix::Suffix;
@@ -102,6 +103,10 @@ pub struct Wavefront<'q> {
     pub rays: RayTable<'q>,
     /// Where they were before.
     pub trail: TrailTable<'q>,
+    /// What they have passed through, where extinction varies.
+    pub passage: PassageColumns<'q>,
+    /// What they had passed through before.
+    pub passage_trail: PassageTrail<'q>,
     /// The steps they are about to take.
     pub flights: FlightTable<'q>,
     /// What the first flights count, where extinction is grey.
@@ -118,6 +123,8 @@ pub struct Wavefront<'q> {
     pub candidates: Candidates<'q>,
     /// What the candidates at hand count.
     pub worth: WorthTable<'q>,
+    /// What comes through one segment of each, where that is not known.
+    pub estimates: EstimateColumns<'q>,
     /// Light points behind the connections of light importance sampling, which end at vertices made from them.
     pub ends: EndQueue<'q>,
     /// The connections, by number of inserted vertices.
@@ -156,6 +163,8 @@ impl<'q> Wavefront<'q> {
             vertices: VertexTable::new_in(arena, lanes),
             rays: RayTable::new_in(arena, lanes),
             trail: TrailTable::new_in(arena, lanes, remembered(frame)),
+            passage: PassageColumns::new_in(arena, lanes),
+            passage_trail: PassageTrail::new_in(arena, lanes, if frame.varies() { remembered(frame) } else { 0 }),
             flights: FlightTable::new_in(arena, lanes),
             flight_weight: Column::new_in(arena, lanes),
             flight_density: Spectrum::new_in(arena, lanes, channels),
@@ -169,6 +178,7 @@ impl<'q> Wavefront<'q> {
                 bridged: CandidateQueue::new_in(arena, bridged),
             },
             worth: WorthTable::new_in(arena, bridged, channels),
+            estimates: EstimateColumns::new_in(arena, if frame.varies() { bridged + LANES } else { 0 }),
             ends: EndQueue::new_in(arena, lanes),
             buckets: BucketTable::new_in(arena, lanes, longest),
             chains: ChainTable::new_in(arena, bridged, longest),

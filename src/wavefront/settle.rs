@@ -30,6 +30,7 @@ impl Wavefront<'_> {
         if self.may_be_blocked(bucket) {
             self.occlusion(source, bucket);
         }
+        self.transmittance(source, bucket, purpose);
         let free = self.count(bucket);
         self.contribute(source, bucket);
         let stats = self.stats.connections(technique);

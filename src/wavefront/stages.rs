@@ -10,8 +10,8 @@ use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::Threshold;
 use fogbow_kernels::{
-    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion, prune,
-    remember, roulette, scatter, spectral_weight, surface,
+    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
+    passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 use super::{Source, Wavefront};
@@ -76,6 +76,8 @@ impl Wavefront<'_> {
                 live: &mut self.live,
                 paths: &self.paths,
                 immersion: &self.immersion,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
                 flights: &mut self.flights,
             };
             (self.pipeline.medium_sample)(self.step, columns);
@@ -153,6 +155,7 @@ impl Wavefront<'_> {
             let columns = prune::Columns {
                 segments: self.frame.walk_segments(),
                 scatters: !self.frame.medium().never_scatters(),
+                flights: &self.flights,
                 on_surface: &self.on_surface,
                 paths: &self.paths,
                 live: &mut self.live,
@@ -340,6 +343,8 @@ impl Wavefront<'_> {
                 outlook: &self.outlook,
                 vertex: self.vertices.at(self.step.clock),
                 trail: &self.trail,
+                passage: &self.passage,
+                passage_trail: &self.passage_trail,
                 suffix: &mut self.suffix,
                 worth: &mut self.worth,
             };
@@ -360,6 +365,43 @@ impl Wavefront<'_> {
                 worth: &mut self.worth,
             };
             (self.pipeline.roulette)(self.step, columns);
+        });
+    }
+
+    /// What the paths have passed through on their way to the next vertex.
+    pub fn passage(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        let (vertex, next) = self.vertices.step(self.step.clock);
+        self.stats.run(Stage::Passage, size, || {
+            let columns = passage::Columns {
+                medium: self.frame.medium(),
+                live: &self.live,
+                on_surface: &self.on_surface,
+                paths: &self.paths,
+                vertex,
+                next,
+                passage: &mut self.passage,
+                trail: &mut self.passage_trail,
+            };
+            (self.pipeline.passage)(self.step, columns);
+        });
+    }
+
+    /// What comes through of candidates with light points of `purpose`, where nobody knows how much.
+    pub fn transmittance(&mut self, source: Source, bucket: Bucket, purpose: Purpose) {
+        let Some(grid) = self.frame.medium().grid().filter(|_| bucket.len > 0) else { return };
+        self.stats.run(Stage::Transmittance, rows(bucket.len), || {
+            let columns = transmittance::Columns {
+                grid,
+                bucket,
+                purpose,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                paths: &self.paths,
+                estimates: &mut self.estimates,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.transmittance)(self.step, columns);
         });
     }
 

@@ -53,6 +53,17 @@ columns! {
 }
 
 columns! {
+    /// What every path has passed through from its first vertex after the camera to the current one, where extinction
+    /// varies.
+    table PassageColumns of Passage {
+        /// Optical depth, as weights count it.
+        depth: f32,
+        /// ln of the product of the extinctions at these vertices, both included, but for those on surfaces [1/m].
+        log_extinction: f32,
+    }
+}
+
+columns! {
     /// The ray that leaves a vertex of every path.
     table RayColumns of Ray {
         /// Unit direction, away from the camera.

@@ -7,7 +7,8 @@
 //! | [`HitQueue`] | extend | light_hit | rays that meet a light |
 //! | [`SurfaceHitQueue`] | extend | surface | rays that meet a triangle |
 //! | [`CandidateQueue`] | light_hit, light_sample, the techniques' build stages | theirs, mis_weight, roulette, occlusion, accumulate | complete paths |
-//! | [`WorthTable`] | light_hit, mis_weight, roulette, occlusion | roulette, occlusion, accumulate | what the candidates count |
+//! | [`WorthTable`] | light_hit, mis_weight, roulette, occlusion, transmittance | roulette, occlusion, transmittance, accumulate | what the candidates count |
+//! | [`EstimateColumns`] | transmittance | transmittance | what comes through one segment of each |
 //! | [`EndQueue`] | lis_vertex | lis_join | light points of the connections of light importance sampling |
 //! | [`ChainTable`] | the techniques' build stages, lis_join | mis_weight, occlusion | inserted vertices of the candidates |
 //!
@@ -121,6 +122,16 @@ impl ColumnSet for WorthTable<'_> {
     fn visit_mut(&mut self, visit: &mut dyn FnMut(&'static str, ColumnMut<'_>)) {
         visit("weight", ColumnMut::F32(self.weight.rows_mut()));
         self.factor.visit_mut(&mut |_, column| visit("factor", column));
+    }
+}
+
+columns! {
+    /// Estimated transmittances of one segment of every candidate: `T' = product e^{-depth}`.
+    table EstimateColumns of Estimate {
+        /// What is random of it, >= 0.
+        product: f32,
+        /// Optical depth of the coarse field.
+        depth: f32,
     }
 }
 

@@ -31,6 +31,12 @@ impl<'q> Spectrum<'q> {
         self.channels
     }
 
+    /// Whether row `row` is not 0 in every channel.
+    #[inline(always)]
+    pub fn any(&self, row: usize) -> bool {
+        self.channels.iter().any(|channel| channel.rows()[row] != 0.0)
+    }
+
     /// Row `row`: red, green and blue, which are the same where one channel is in use.
     pub fn row(&self, row: usize) -> [f32; 3] {
         let last = self.channels.len() - 1;

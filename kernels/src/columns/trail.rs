@@ -112,6 +112,64 @@ impl<'q> TrailTable<'q> {
     }
 }
 
+/// What every path had passed through at the vertices that it has left: the fields of
+/// [`Passage`](super::paths::Passage), in as many slots as the trail has, where extinction varies.
+pub struct PassageTrail<'q> {
+    rows: &'q mut [[f32; 2]],
+    slots: usize,
+    stride: usize,
+}
+
+impl<'q> PassageTrail<'q> {
+    /// Room for the last `slots` vertices of `lanes` paths.
+    pub fn new_in(arena: &'q Bump, lanes: usize, slots: usize) -> Self {
+        let stride = if slots == 0 { 0 } else { slots | 1 };
+        Self { rows: arena.alloc_slice_fill_copy(lanes.next_multiple_of(LANES) * stride, [0.0; 2]), slots, stride }
+    }
+
+    /// Vertices that are remembered at a time.
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
+    #[inline(always)]
+    fn index(&self, lane: usize, clock: u32) -> usize {
+        lane * self.stride + clock as usize % self.slots
+    }
+
+    /// Overwrites what the lanes of batch `b` had passed through at `clock`, if anything is remembered.
+    #[inline(always)]
+    pub fn set_batch(&mut self, b: usize, clock: u32, [depth, log_extinction]: [f32x8; 2]) {
+        if self.slots == 0 {
+            return;
+        }
+        for (i, pair) in depth.to_array().into_iter().zip(log_extinction.to_array()).enumerate() {
+            let index = self.index(b * LANES + i, clock);
+            self.rows[index] = pair.into();
+        }
+    }
+
+    /// Overwrites what `lane` had passed through at `clock`, if anything is remembered.
+    pub fn set_row(&mut self, lane: usize, clock: u32, pair: [f32; 2]) {
+        if self.slots > 0 {
+            let index = self.index(lane, clock);
+            self.rows[index] = pair;
+        }
+    }
+
+    /// What `lane` had passed through at `clock`.
+    pub fn row(&self, lane: usize, clock: u32) -> [f32; 2] {
+        self.rows[self.index(lane, clock)]
+    }
+
+    /// What the lanes that `lanes` names had passed through at `clock`.
+    #[inline(always)]
+    pub fn gather(&self, lanes: &[u32; LANES], clock: u32) -> [f32x8; 2] {
+        let pairs = lanes.map(|lane| self.rows[self.index(lane as usize, clock)]);
+        [0, 1].map(|i| f32x8::new(pairs.map(|pair| pair[i])))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

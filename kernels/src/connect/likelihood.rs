@@ -22,11 +22,11 @@ impl LengthLikelihood {
         Self { edges: n as f32, inverse_edges: (1.0 / n) as f32, scale: scale as f32 }
     }
 
-    /// `(N-1)! e^x / x^N` for x = `depth`, the optical length mu_t L.
+    /// `(N-1)! e^x / x^N e^log` for x = `depth`, the optical length of a path.
     #[inline(always)]
-    pub fn inverse(&self, depth: f32x8) -> f32x8 {
+    pub fn inverse(&self, depth: f32x8, log: f32x8) -> f32x8 {
         let [n, inverse, scale] = [self.edges, self.inverse_edges, self.scale].map(f32x8::splat);
         let y = depth * inverse;
-        exp((y - f32x8::ONE + neg_ln(y)).mul_add(n, scale))
+        exp((y - f32x8::ONE + neg_ln(y)).mul_add(n, scale) + log)
     }
 }

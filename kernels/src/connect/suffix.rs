@@ -17,6 +17,8 @@ pub struct SuffixVertex {
     /// Optical depth of the path from here to the light, in the channel of the row's medium (tau); known where a
     /// connection may start.
     pub depth: f32x8,
+    /// ln of the product of the extinctions at the vertices between here and the light; known where extinction varies.
+    pub log_extinction: f32x8,
     /// One over the density of the direction in which the path leaves (p_w) `[sr]`.
     pub inverse_density: f32x8,
     /// Squared length of the segment that arrives here, over pi p_w [m^2 sr].
@@ -68,6 +70,7 @@ impl<'q> Suffix<'q> {
             position: Vec3x8::ZERO,
             arc: zero,
             depth: zero,
+            log_extinction: zero,
             inverse_density: zero,
             spread: zero,
             leaving: Vec3x8::ZERO,

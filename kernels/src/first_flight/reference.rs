@@ -34,10 +34,11 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         flights.rows_mut()[lane] = flight as f32;
         let sight = (origin, direction);
         if medium.is_coloured() {
-            let mixed = [0, 1, 2].map(|c| mixed_density(&medium.twin(c), lights, share, sight, flight) as f32);
+            let mixed =
+                [0, 1, 2].map(|c| mixed_density(&medium.homogeneous_twin(c), lights, share, sight, flight) as f32);
             densities.set_row(lane, mixed);
         } else {
-            weights.rows_mut()[lane] = weight(&medium.twin(0), lights, share, sight, flight) as f32;
+            weights.rows_mut()[lane] = weight(&medium.homogeneous_twin(0), lights, share, sight, flight) as f32;
         }
     }
 }
@@ -134,7 +135,7 @@ mod tests {
     use crate::columns::{Column, Spectrum};
     use crate::lanes::LaneSet;
     use crate::media::Medium;
-    use crate::media::reference::{Homogeneous, Medium as _};
+    use crate::media::reference::Homogeneous;
     use crate::phase::PhaseFunction;
     use crate::tables::lights::{Emitter, Selection};
     use bumpalo::Bump;

@@ -18,11 +18,11 @@ use crate::random::{self, uniform_x8};
 use crate::tables::lights::Light;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes, with_medium};
+use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_medium!(columns.medium, |medium| aim(step, columns, medium));
+    with_homogeneous!(columns.medium, |medium| aim(step, columns, medium));
 }
 
 #[inline(always)]

@@ -21,19 +21,39 @@ pub trait MediumLanes: Copy {
 
 /// A medium in one channel per row.
 pub trait MediumX8: Copy {
-    /// Free flight that a share `rest` of all flights outlasts, in (0, 1] `[m]`; endless in vacuum.
-    fn flight(self, rest: f32x8) -> f32x8;
+    /// Whether extinction differs from place to place, so that paths keep running sums of what they pass through.
+    const VARIES: bool;
 
-    /// Optical depth of the straight segment from `from` to `to`, of this `length` `[m]`.
+    /// Mean free path along the segment from `from` to `to`, of this `length` `[m]`: exact in a homogeneous medium, or
+    /// else that of the optical depth that weights count; infinite in vacuum.
+    fn mean_free_path(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8;
+
+    /// Optical depth of the straight segment from `from` to `to`, of this `length` `[m]`, as weights count it: exact in
+    /// a homogeneous medium.
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8;
 
-    /// Optical depth of a way through vertices of a path, of which the length is `arc` `[m]`.
-    fn optical_depth_along(self, arc: f32x8) -> f32x8;
+    /// Optical depth of a way through vertices of a path, of which the length is `arc` `[m]`; `summed` are the depths
+    /// of its segments, known where extinction varies.
+    fn optical_depth_along(self, arc: f32x8, summed: f32x8) -> f32x8;
 
     /// Extinction at a point [1/m].
     fn extinction(self, at: Vec3x8) -> f32x8;
 
     /// `(tau / L)^N / M` [1/m] of a way of N `edges`, of length L = `arc` `[m]` and optical depth tau = `depth`, with M
-    /// the product of the extinctions at its N - 1 inner vertices: in a homogeneous medium the extinction itself.
-    fn crowding(self, edges: usize, arc: f32x8, depth: f32x8) -> f32x8;
+    /// the product of the extinctions at its N - 1 inner vertices and `log_extinction` its logarithm, known where
+    /// extinction varies: in a homogeneous medium the extinction itself.
+    fn crowding(self, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Crowding;
+
+    /// ln of the product of the rates of so many `seeds`, which are one over `mean_free_path` `[m]`, over that of the
+    /// extinctions at the inner vertices of a way: 0 in a homogeneous medium.
+    fn log_seeds(self, seeds: usize, mean_free_path: f32x8, log_extinction: f32x8) -> f32x8;
+}
+
+/// `e^log scale` [1/m]: a factor that may be neither very large nor very small as a whole.
+#[derive(Clone, Copy, Debug)]
+pub struct Crowding {
+    /// Goes to the exponent of what it is multiplied with.
+    pub log: f32x8,
+    /// The rest [1/m].
+    pub scale: f32x8,
 }

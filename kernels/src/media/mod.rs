@@ -7,16 +7,20 @@
 //! Extinction may differ between channels. A path's flights are drawn for one of them, its *hero*, and weights count
 //! all of them: see [`spectral`].
 
+pub mod grid;
 pub mod homogeneous;
 mod lanes;
 pub mod reference;
 pub mod spectral;
 
 use core::ops::Index;
+use std::sync::Arc;
 
+use self::grid::reference::GridTwin;
 use crate::phase::PhaseFunction;
+pub use grid::Grid;
 pub use homogeneous::Homogeneous;
-pub use lanes::{MediumLanes, MediumX8};
+pub use lanes::{Crowding, MediumLanes, MediumX8};
 
 /// The media of a scene. The first fills all space.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +44,8 @@ pub struct Medium {
 pub enum Kind {
     /// The same everywhere.
     Homogeneous(Homogeneous),
+    /// In proportion to the densities of a grid, grey.
+    Grid(Arc<Grid>),
 }
 
 impl Media {
@@ -71,17 +77,43 @@ impl Medium {
         Self { kind: Kind::Homogeneous(Homogeneous::coloured(extinction)), albedo, phase }
     }
 
+    /// A medium of the densities of `grid`.
+    pub fn grid_of(grid: Grid, albedo: [f32; 3], phase: PhaseFunction) -> Self {
+        Self { kind: Kind::Grid(Arc::new(grid)), albedo, phase }
+    }
+
     /// Nothing.
     pub const fn vacuum() -> Self {
         Self::homogeneous(0.0, [0.0; 3], PhaseFunction::isotropic())
     }
 
     /// As the twins ask it, in one channel.
-    pub fn twin(&self, channel: usize) -> reference::Homogeneous<'_> {
+    pub fn twin(&self, channel: usize) -> reference::Twin<'_> {
+        let phase = self.phase.twin();
+        match &self.kind {
+            Kind::Homogeneous(_) => reference::Twin::Homogeneous(self.homogeneous_twin(channel)),
+            Kind::Grid(grid) => reference::Twin::Grid(GridTwin { grid, phase }),
+        }
+    }
+
+    /// As the twins of stages ask it that only homogeneous media have, in one channel.
+    ///
+    /// # Panics
+    /// If it is not homogeneous.
+    pub fn homogeneous_twin(&self, channel: usize) -> reference::Homogeneous<'_> {
         match &self.kind {
             Kind::Homogeneous(medium) => {
                 reference::Homogeneous { extinction: f64::from(medium.extinction[channel]), phase: self.phase.twin() }
             }
+            Kind::Grid(_) => unreachable!("a grid is not homogeneous"),
+        }
+    }
+
+    /// Its grid, if it has one: flights are tracked there, and transmittances estimated.
+    pub fn grid(&self) -> Option<&Grid> {
+        match &self.kind {
+            Kind::Homogeneous(_) => None,
+            Kind::Grid(grid) => Some(grid),
         }
     }
 
@@ -94,6 +126,7 @@ impl Medium {
     pub fn extinctions(&self) -> [f32; 3] {
         match &self.kind {
             Kind::Homogeneous(medium) => medium.extinction,
+            Kind::Grid(grid) => [grid.cells().most; 3],
         }
     }
 
@@ -103,15 +136,24 @@ impl Medium {
     }
 
     /// Longest mean free path of a channel `[m]`, in which limits on distances count: what they leave out would be
-    /// missed most where light goes far.
+    /// missed most where light goes far. Infinite in a grid, where limits are on optical depths.
     pub fn mean_free_path(&self) -> f64 {
-        1.0 / f64::from(self.extinctions().into_iter().fold(f32::INFINITY, f32::min))
+        match &self.kind {
+            Kind::Homogeneous(medium) => 1.0 / f64::from(medium.extinction.into_iter().fold(f32::INFINITY, f32::min)),
+            Kind::Grid(_) => f64::INFINITY,
+        }
+    }
+
+    /// A limit on expected segments as one on optical depths: infinite where it is one on distances.
+    pub fn longest_depth(&self, expected_segments: f64) -> f32 {
+        if self.grid().is_some() { expected_segments as f32 } else { f32::INFINITY }
     }
 
     /// Whether extinction differs between channels.
     pub fn is_coloured(&self) -> bool {
         match &self.kind {
             Kind::Homogeneous(medium) => !medium.is_grey(),
+            Kind::Grid(_) => false,
         }
     }
 
@@ -135,6 +177,28 @@ macro_rules! with_medium {
                 let $lanes = $crate::media::homogeneous::ColouredLanes::new(medium);
                 $body
             }
+            $crate::media::Kind::Grid(grid) => {
+                let $lanes = $crate::media::grid::GridLanes::new(grid);
+                $body
+            }
+        }
+    };
+}
+
+/// The same for stages that only homogeneous media have.
+#[macro_export]
+macro_rules! with_homogeneous {
+    ($medium:expr, |$lanes:ident| $body:expr) => {
+        match &$medium.kind {
+            $crate::media::Kind::Homogeneous(medium) if medium.is_grey() => {
+                let $lanes = $crate::media::homogeneous::GreyLanes::new(medium);
+                $body
+            }
+            $crate::media::Kind::Homogeneous(medium) => {
+                let $lanes = $crate::media::homogeneous::ColouredLanes::new(medium);
+                $body
+            }
+            $crate::media::Kind::Grid(_) => unreachable!("a grid is not homogeneous"),
         }
     };
 }

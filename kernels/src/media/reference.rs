@@ -2,15 +2,16 @@
 
 use glam::DVec3;
 
+use super::grid::reference::GridTwin;
 use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::Phase;
 
 /// A medium in one channel.
 pub trait Medium {
-    /// The distance that a share `u` of all flights does not reach `[m]`; endless in vacuum.
-    fn flight(&self, u: f64) -> f64;
+    /// Mean free path along the segment between two points `[m]`: that of the optical depth, infinite in vacuum.
+    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64;
 
-    /// Optical depth of the segment between two points.
+    /// Optical depth of the segment between two points, as weights count it.
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64;
 
     /// Extinction at a point [1/m].
@@ -41,13 +42,21 @@ impl<'a> Homogeneous<'a> {
     }
 }
 
+impl Homogeneous<'_> {
+    /// The distance that a share `u` of all flights does not reach `[m]`; endless in vacuum: `-ln(1 - u) / mu_t`
+    pub fn flight(&self, u: f64) -> f64 {
+        flight(u, 1.0 / self.extinction)
+    }
+}
+
+/// The distance that a share `u` of all flights of this mean free path does not reach `[m]`.
+pub fn flight(u: f64, mean_free_path: f64) -> f64 {
+    -(1.0 - u).ln() * mean_free_path
+}
+
 impl Medium for Homogeneous<'_> {
-    /// `-ln(1 - u) / mu_t`
-    fn flight(&self, u: f64) -> f64 {
-        if self.extinction == 0.0 {
-            return f64::INFINITY;
-        }
-        -(1.0 - u).ln() / self.extinction
+    fn mean_free_path(&self, _: DVec3, _: DVec3) -> f64 {
+        1.0 / self.extinction
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
@@ -60,6 +69,42 @@ impl Medium for Homogeneous<'_> {
 
     fn phase(&self) -> &dyn Phase {
         self.phase
+    }
+}
+
+/// A medium of any kind.
+#[derive(Clone, Copy)]
+pub enum Twin<'a> {
+    /// The same extinction everywhere.
+    Homogeneous(Homogeneous<'a>),
+    /// A grid of densities.
+    Grid(GridTwin<'a>),
+}
+
+impl Twin<'_> {
+    fn kind(&self) -> &dyn Medium {
+        match self {
+            Self::Homogeneous(medium) => medium,
+            Self::Grid(medium) => medium,
+        }
+    }
+}
+
+impl Medium for Twin<'_> {
+    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64 {
+        self.kind().mean_free_path(from, to)
+    }
+
+    fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
+        self.kind().optical_depth(from, to)
+    }
+
+    fn extinction(&self, at: DVec3) -> f64 {
+        self.kind().extinction(at)
+    }
+
+    fn phase(&self) -> &dyn Phase {
+        self.kind().phase()
     }
 }
 

@@ -6,14 +6,19 @@
 //!
 //! Before it, a path that has left the camera goes on if its fourth number is below the survival.
 
+use glam::DVec3;
+
 use super::Columns;
 use crate::columns::queues::Flight;
-use crate::media::reference::Medium as _;
+use crate::connect::sequence::Draws;
+use crate::media::Medium;
+use crate::media::grid::tracking;
+use crate::random::Stream;
 use crate::{Step, WalkLimits, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, walk, live, paths, immersion, flights } = columns;
+    let Columns { medium, walk, live, paths, immersion, vertex, ray, flights } = columns;
     let lanes: Vec<usize> = live.each().collect();
     for lane in lanes {
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
@@ -23,10 +28,24 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             live.remove(lane);
             continue;
         }
-        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
-        let flight = medium.flight(random::uniform(distance)) as f32;
+        let draws = Draws { pixel, sample, depth, seed: step.seed };
+        let [origin, direction] =
+            [vertex.position.row(lane), ray.direction.row(lane)].map(|v| DVec3::from(v.map(f64::from)));
+        let hero = immersion.hero.rows()[lane] as usize;
+        let flight = flight(medium, hero, (origin, direction), random::uniform(distance), &draws) as f32;
         flights.set_row(lane, Flight { flight, cosine, azimuth });
     }
+}
+
+/// Free flight of a path along the ray (origin, unit direction), in the channel of its hero: the one that a share `u` of
+/// all flights does not reach, or in a grid a tracked one.
+pub fn flight(medium: &Medium, hero: usize, ray: (DVec3, DVec3), u: f64, draws: &Draws) -> f64 {
+    let Some(grid) = medium.grid() else {
+        return medium.homogeneous_twin(hero).flight(u);
+    };
+    let Draws { pixel, sample, depth, seed } = *draws;
+    let stream = Stream::new(pixel, sample, random::block(depth, random::TRACKING), seed, 0);
+    tracking::reference::flight(grid, ray.0, ray.1, stream)
 }
 
 /// The random words of the segment that leaves the vertex at `depth`: flight, cosine, azimuth, survival.
@@ -42,7 +61,7 @@ pub fn survives(walk: &WalkLimits, u: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::paths::{ImmersionColumns, Path, PathColumns};
+    use crate::columns::paths::{ImmersionColumns, Path, PathColumns, RayColumns, VertexColumns};
     use crate::columns::queues::FlightTable;
     use crate::lanes::LaneSet;
     use crate::media::Medium;
@@ -71,6 +90,8 @@ mod tests {
             live: &mut live,
             paths: &paths,
             immersion: &immersion,
+            vertex: &VertexColumns::new_in(&arena, lanes),
+            ray: &RayColumns::new_in(&arena, lanes),
             flights: &mut flights,
         };
         run(Step { seed: 5, clock: 50 }, columns);

@@ -6,21 +6,41 @@
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
 //! 2. Flights are drawn for whole batches, dying paths included.
+//! 3. In a grid they are tracked instead, one after the other, eight at a time ([`tracking`]).
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::media::{MediumLanes, MediumX8};
-use crate::random::{self, uniform_x8};
-use crate::{Step, lanes, with_medium};
+use crate::media::Homogeneous;
+use crate::media::MediumLanes;
+use crate::media::grid::Grid;
+use crate::media::grid::tracking::{self, Ray};
+use crate::media::homogeneous::{GreyLanes, HomogeneousX8};
+use crate::random::{self, Stream, uniform_x8};
+use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_medium!(columns.medium, |medium| sample(step, columns, medium));
+pub fn run(step: Step, mut columns: Columns<'_, '_>) {
+    let Some(grid) = columns.medium.grid() else {
+        return with_homogeneous!(columns.medium, |medium| sample(step, &mut columns, medium));
+    };
+    sample(step, &mut columns, GreyLanes::new(&Homogeneous::grey(1.0)));
+    track(step, columns, grid);
+}
+
+/// Overwrites the flights of live paths with those through a grid.
+fn track(step: Step, columns: Columns<'_, '_>, grid: &Grid) {
+    let Columns { live, paths, vertex, ray, flights, .. } = columns;
+    let rays = live.each().map(|lane| {
+        let block = random::block(paths.depth_of(step.clock, lane), random::TRACKING);
+        let stream = Stream::new(paths.pixel.rows()[lane], paths.sample.rows()[lane], block, step.seed, 0);
+        (lane, Ray { origin: vertex.position.row(lane), direction: ray.direction.row(lane), stream })
+    });
+    tracking::simd::flights(grid, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
 }
 
 #[inline(always)]
-fn sample(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+fn sample(step: Step, columns: &mut Columns<'_, '_>, medium: impl MediumLanes<Channel = HomogeneousX8>) {
     let Columns { walk, live, paths, immersion, flights, .. } = columns;
     let n = live.batches();
     let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.view(n));

@@ -53,10 +53,10 @@ impl Colours {
         let log_posterior: [f32x8; CHANNELS] = core::array::from_fn(|c| log_posterior.channels()[c].gather(&lane_of));
         let first = u32x8::splat(0);
         let arc = suffix.vertices[inserted + 1].arc;
-        let depth = medium.in_channel(|| first).optical_depth_along(arc);
+        let depth = medium.in_channel(|| first).optical_depth_along(arc, f32x8::ZERO);
         let quotients = Hues::new(medium, first).log_quotients(f32x8::splat(inserted as f32), depth);
         let reference = largest(core::array::from_fn(|c| log_posterior[c] + quotients[c]));
-        let depth = medium.in_channel(|| reference).optical_depth_along(arc);
+        let depth = medium.in_channel(|| reference).optical_depth_along(arc, f32x8::ZERO);
         Self { reference, hues: Hues::new(medium, reference), log_posterior, inserted, depth }
     }
 

@@ -14,6 +14,7 @@
 //! where none does.
 
 mod colours;
+mod passages;
 pub mod reference;
 pub mod simd;
 mod starts;
@@ -21,9 +22,9 @@ mod starts;
 mod tests;
 
 use crate::columns::Spectrum;
-use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, VertexColumns};
+use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
-use crate::columns::trail::TrailTable;
+use crate::columns::trail::{PassageTrail, TrailTable};
 use crate::connect::Techniques;
 use crate::connect::suffix::Suffix;
 use crate::media::Medium;
@@ -62,6 +63,10 @@ pub struct Columns<'a, 'q> {
     pub vertex: &'a VertexColumns<'q>,
     /// Read: the vertices before them, as far as the active techniques look back.
     pub trail: &'a TrailTable<'q>,
+    /// Read where extinction varies: what the paths have passed through.
+    pub passage: &'a PassageColumns<'q>,
+    /// Read there: what they had passed through at the vertices before.
+    pub passage_trail: &'a PassageTrail<'q>,
     /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
     /// Filled: weight; and as factor, the albedos of the inserted vertices and, where extinction is coloured, the light

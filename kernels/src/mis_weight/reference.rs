@@ -40,7 +40,7 @@ use crate::connect::light_sample::reference::light_density;
 use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
 use crate::emission::reference::{normal, profile};
 use crate::media::Medium;
-use crate::media::reference;
+use crate::media::reference::{self, Medium as _};
 use crate::media::spectral::CHANNELS;
 use crate::tables::lights::Lights;
 use crate::{PathLengths, Step, WalkLimits};
@@ -141,7 +141,12 @@ impl Competition<'_> {
     /// What a path counts.
     pub fn worth(&self, path: &CompletePath<'_>) -> Worth {
         let CompletePath { vertices, current, log_posterior, .. } = *path;
-        let albedos = factor(self.medium.albedo.map(f64::from), vertices.len() - 2 - current);
+        let inserted = &vertices[current + 1..vertices.len() - 1];
+        let albedos = factor(self.medium.albedo.map(f64::from), inserted.len());
+        if inserted.iter().any(|vertex| self.medium.twin(0).extinction(*vertex) == 0.0) {
+            // Nothing scatters there.
+            return Worth { weight: 0.0, factor: albedos };
+        }
         if !self.medium.is_coloured() {
             let sum = self.sum(path, 0);
             return Worth { weight: if sum == 0.0 { 0.0 } else { self.profile(path) / sum }, factor: albedos };
@@ -209,7 +214,7 @@ impl Competition<'_> {
             sum += mvnee::reference::density(&mvnee.into(), medium, chain, light_density).over(traced);
         }
         if techniques.omnee && depth <= omnee::scope(lengths).max_depth {
-            sum += omnee::reference::density(medium.phase, chain, light_density).over(traced);
+            sum += omnee::reference::density(medium.phase(), chain, light_density).over(traced);
         }
         if let Some(lis) = &techniques.lis {
             let density = lis::reference::density(lis, medium, emitter, longest, &from, chain, light_density);

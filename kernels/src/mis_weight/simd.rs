@@ -17,6 +17,7 @@ use wide::{f32x8, u32x8};
 
 use super::Columns;
 use super::colours::Colours;
+use super::passages::Passages;
 use super::starts::Starts;
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
@@ -47,7 +48,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
     let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
         columns;
-    let Columns { worth, .. } = columns;
+    let Columns { passage, passage_trail, worth, .. } = columns;
     fill_albedos(medium, bucket, worth);
     let (densities, usable, lis) = (techniques.densities(), techniques.most_edges(), techniques.lis.as_ref());
     let near = techniques.companion().map_or(0.0, |scope| scope.max_distance);
@@ -80,11 +81,16 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             cos_light,
             skipped: f32x8::ZERO,
         };
+        let mut dense = lanes::mask(lanes::ALL);
+        if M::Channel::VARIES {
+            let passages = Passages { lane_of: batch.lane_of, current: passage, trail: passage_trail, step };
+            dense = passages.fill(medium, suffix, bucket.inserted, needed);
+        }
         for a in fewest_edges..=needed {
             let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
             let vertex = &mut suffix.vertices[a];
             (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
-            vertex.depth = medium.optical_depth_along(vertex.arc);
+            vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
         }
         let mut sum = batch.reach_of_walk(&starts, walk);
         if let Some(colours) = &colours {
@@ -113,7 +119,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             let (batch, starts, arrival) = (batch, starts, arrival);
             sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, fewest_edges..=needed, lengths);
         }
-        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
+        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside & dense;
         let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }

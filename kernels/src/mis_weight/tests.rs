@@ -122,7 +122,7 @@ fn bent() -> (Medium, Lights, [DVec3; 6]) {
 fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
     let (medium, lights, path) = bent();
     let (twin, phase) = (medium.twin(0), medium.phase.twin());
-    let extinction = twin.extinction;
+    let extinction = f64::from(medium.largest_extinction());
     let direction = |j: usize| (path[j + 1] - path[j]).normalize();
     let area = PI * 0.25;
     let lengths = PathLengths { min: 1, max: 9 };

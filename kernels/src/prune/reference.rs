@@ -1,7 +1,7 @@
 //! The end of walks, one path after the other.
 //!
 //! ```text
-//! goes on:  depth + 1 < segments,  and the medium scatters or the path met a surface
+//! goes on:  depth + 1 < segments,  and the path met a surface, or its flight ends in a medium that scatters
 //! ```
 
 use super::Columns;
@@ -9,10 +9,11 @@ use crate::Step;
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { segments, scatters, on_surface, paths, live } = columns;
+    let Columns { segments, scatters, flights, on_surface, paths, live } = columns;
     let lanes: Vec<usize> = live.each().collect();
     for lane in lanes {
-        let turns = scatters || on_surface.contains(lane);
+        let ends_somewhere = flights.flight.rows()[lane].is_finite();
+        let turns = scatters && ends_somewhere || on_surface.contains(lane);
         if !turns || is_over(segments, paths.depth_of(step.clock, lane)) {
             live.remove(lane);
         }
@@ -28,14 +29,18 @@ pub fn is_over(segments: u32, depth: u32) -> bool {
 mod tests {
     use super::*;
     use crate::columns::paths::PathColumns;
+    use crate::columns::queues::FlightTable;
     use crate::lanes::LaneSet;
     use bumpalo::Bump;
 
-    /// The paths that go on of sixteen, of depths 0, 1, 2 and so on; every third met a surface, and the last is dead.
+    /// The paths that go on of sixteen, of depths 0, 1, 2 and so on; every third met a surface, the flights of the tenth
+    /// and eleventh are endless, and the last is dead.
     fn after(segments: u32, scatters: bool) -> Vec<usize> {
         let arena = Bump::new();
         let mut paths = PathColumns::new_in(&arena, 16);
         let [mut live, mut on_surface] = [(); 2].map(|()| LaneSet::new_in(&arena, 16));
+        let mut flights = FlightTable::new_in(&arena, 16);
+        [9, 10].into_iter().for_each(|lane| flights.flight.rows_mut()[lane] = f32::INFINITY);
         for lane in 0..16 {
             paths.birth.rows_mut()[lane] = 40 - lane as u32;
             if lane < 15 {
@@ -45,16 +50,23 @@ mod tests {
                 on_surface.insert(lane);
             }
         }
-        let columns = Columns { segments, scatters, on_surface: &on_surface, paths: &paths, live: &mut live };
+        let columns =
+            Columns { segments, scatters, flights: &flights, on_surface: &on_surface, paths: &paths, live: &mut live };
         run(Step { seed: 1, clock: 40 }, columns);
         live.each().collect()
     }
 
     #[test]
     fn walks_have_as_many_segments_as_are_asked_for() {
-        assert_eq!(after(u32::MAX, true).len(), 15);
+        assert_eq!(after(u32::MAX, true).len(), 14);
         assert_eq!(after(5, true), [0, 1, 2, 3]);
         assert_eq!(after(1, true), []);
+    }
+
+    #[test]
+    fn endless_flights_end_paths_unless_a_surface_is_in_the_way() {
+        let going = after(u32::MAX, true);
+        assert!(going.contains(&9) && !going.contains(&10), "{going:?}");
     }
 
     #[test]

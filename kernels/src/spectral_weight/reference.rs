@@ -39,7 +39,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 /// f_c: the densities of free flights from `start` to `end`, or the probabilities that they go farther.
 pub fn free_flights(medium: &Medium, start: DVec3, end: DVec3, scatters: bool) -> [Density; CHANNELS] {
     core::array::from_fn(|channel| {
-        let medium = medium.twin(channel);
+        let medium = medium.homogeneous_twin(channel);
         let event = if scatters { medium.extinction(end) } else { 1.0 };
         Density::new(event).times_exp(-medium.optical_depth(start, end))
     })
@@ -105,7 +105,7 @@ mod tests {
         let (mut scattered, mut met) = ([0.0; CHANNELS], [0.0; CHANNELS]);
         for hero in 0..CHANNELS {
             for cell in 0..cells {
-                let length = medium.twin(hero).flight((f64::from(cell) + 0.5) / f64::from(cells));
+                let length = medium.homogeneous_twin(hero).flight((f64::from(cell) + 0.5) / f64::from(cells));
                 let (_, quotients) = after(&medium, length.min(wall), length < wall);
                 let sums = if length < wall { &mut scattered } else { &mut met };
                 for (sum, quotient) in sums.iter_mut().zip(quotients) {
@@ -114,7 +114,7 @@ mod tests {
             }
         }
         for channel in 0..CHANNELS {
-            let passes = (-medium.twin(channel).extinction * wall).exp();
+            let passes = (-medium.homogeneous_twin(channel).extinction * wall).exp();
             assert!((met[channel] - passes).abs() < 1e-4, "{met:?}");
             assert!((scattered[channel] + passes - 1.0).abs() < 1e-3, "{scattered:?}");
         }

@@ -15,11 +15,11 @@ use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes, with_medium};
+use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
-    with_medium!(columns.medium, |medium| weigh(columns, medium));
+    with_homogeneous!(columns.medium, |medium| weigh(columns, medium));
 }
 
 #[inline(always)]

@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::columns::paths::{
-    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, RayTable, VertexColumns, VertexTable,
+    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayColumns, RayTable,
+    VertexColumns, VertexTable,
 };
 use fogbow_kernels::columns::queues::{
     CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue, WorthTable,
@@ -176,6 +177,7 @@ save_table!(
     ImmersionColumns<'_>,
     LastSurfaceColumns<'_>,
     OutlookColumns<'_>,
+    PassageColumns<'_>,
     VertexColumns<'_>,
     RayColumns<'_>,
     FlightTable<'_>,

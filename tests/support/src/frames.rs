@@ -1,5 +1,6 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
+pub mod clouds;
 mod variety;
 
 use std::path::Path;

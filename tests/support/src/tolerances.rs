@@ -26,6 +26,15 @@ pub const EXACT: Tolerance = tolerance(0.0, 0.0);
 /// Free flights: three roundings and a polynomial good to 1.5 units in the last place.
 pub const FLIGHT: Tolerance = tolerance(0.0, 4e-7);
 
+/// Tracked flights: sums over the cells that they cross.
+pub const TRACKED: Tolerance = tolerance(1e-5, 1e-4);
+
+/// Optical depths of a coarse field, and logarithms of extinctions.
+pub const PASSAGE: Tolerance = tolerance(1e-4, 1e-4);
+
+/// Estimated transmittances, over what weights take them for.
+pub const ESTIMATE: Tolerance = tolerance(1e-4, 2e-3);
+
 /// Aimed flights: a tangent of an angle up to pi, magnified where it nears its pole.
 pub const AIMED_FLIGHT: Tolerance = tolerance(2e-5, 2e-5);
 

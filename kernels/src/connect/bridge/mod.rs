@@ -82,6 +82,8 @@ pub struct Bridge {
     pub counts: Arc<CountTable>,
     /// Longest distance from start to light point `[m]`; infinite for no limit.
     pub max_distance: f32,
+    /// Largest optical depth from start to light point: the limit where extinction varies, or else infinite.
+    pub max_depth: f32,
     /// Most inserted vertices; `u32::MAX` for no limit but that of the path.
     pub max_inserted: u32,
 }
@@ -94,17 +96,25 @@ impl Bridge {
 
     /// Bridges of any length, with numbers of edges from `counts`.
     pub fn with_counts(roll: Roll, counts: Arc<CountTable>) -> Self {
-        Self { roll, defensive: DEFENSIVE, counts, max_distance: f32::INFINITY, max_inserted: u32::MAX }
+        Self {
+            roll,
+            defensive: DEFENSIVE,
+            counts,
+            max_distance: f32::INFINITY,
+            max_depth: f32::INFINITY,
+            max_inserted: u32::MAX,
+        }
     }
 
     /// With at most `mesc` expected segments, mu_t s, in the clearest channel of `medium`.
     pub fn with_mesc(self, medium: &Medium, mesc: f64) -> Self {
-        Self { max_distance: (mesc * medium.mean_free_path()) as f32, ..self }
+        let max_distance = (mesc * medium.mean_free_path()) as f32;
+        Self { max_distance, max_depth: medium.longest_depth(mesc), ..self }
     }
 
     /// Whether every path of at most `longest` segments can be made by a bridge from its first vertex.
     pub fn reaches_everything(&self, longest: u32) -> bool {
-        self.max_distance == f32::INFINITY && self.max_inserted.saturating_add(2) >= longest
+        self.max_distance.min(self.max_depth) == f32::INFINITY && self.max_inserted.saturating_add(2) >= longest
     }
 
     /// Most edges of a bridge from a start at `depth`, where paths have at most `longest` segments; `depth < longest`.

@@ -126,6 +126,9 @@ pub fn density(
     if distance == 0.0 || distance > f64::from(bridge.max_distance) || edges.iter().any(|edge| edge.length() == 0.0) {
         return Density::ZERO;
     }
+    if medium.optical_depth(*first, *point) > f64::from(bridge.max_depth) {
+        return Density::ZERO;
+    }
     let count = edges.len() as u32;
     let counted = Density::new(light_density).times(count_probability(bridge, medium, longest, start, *point, count));
     if count == 1 {

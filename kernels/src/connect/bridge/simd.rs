@@ -70,9 +70,11 @@ pub fn ratios<M: MediumX8>(
                 hues.mean(suffix.shares[a], counts)
             }
         };
-        let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped);
-        let crowded = medium.crowding(a, start.arc, start.depth) * distance;
+        let crowding = medium.crowding(a, start.arc, start.depth, start.log_extinction);
+        let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped, crowding.log);
+        let crowded = crowding.scale * distance;
         let ratio = start.attempt * count * likelihood * distance_squared * crowded * turn;
+        let possible = if M::VARIES { possible & straight.simd_le(f32x8::splat(bridge.max_depth)) } else { possible };
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.scale() * arrival.inverse_area / arrival.cos_light

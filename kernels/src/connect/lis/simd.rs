@@ -33,7 +33,7 @@ pub fn ratios<M: MediumX8>(
     let [_, vertex, before, ..] = &suffix.vertices[..] else {
         return f32x8::ZERO;
     };
-    let skipped = arrival.medium.optical_depth_along(vertex.arc);
+    let skipped = arrival.medium.optical_depth_along(vertex.arc, vertex.depth);
     let hues = arrival.hues.map(|hues| hues.after_flight(skipped));
     let arrival = &Arrival {
         medium: arrival.medium,

@@ -42,6 +42,8 @@ pub const GGX_WIDTH: f64 = 1.637_618_734;
 pub struct Mvnee {
     /// Longest connection `[m]`: the limit on its expected number of segments (MESC) times the mean free path.
     pub max_distance: f32,
+    /// Largest optical depth of a connection's axis: the same limit where extinction varies, or else infinite.
+    pub max_depth: f32,
     /// Shape of the perturbation.
     pub offset: Offset,
     /// Standard deviation of the perturbation per unit of distance (sigma_phi).
@@ -54,6 +56,7 @@ impl Mvnee {
     pub fn new(medium: &Medium, mesc: f64, offset: Offset) -> Self {
         Self {
             max_distance: (mesc * medium.mean_free_path()) as f32,
+            max_depth: medium.longest_depth(mesc),
             offset,
             slope: slope::of(medium.phase.mean_cosine()) as f32,
         }

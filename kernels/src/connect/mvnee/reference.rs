@@ -27,6 +27,8 @@ use crate::media::reference::Medium;
 pub struct Settings {
     /// Longest connection `[m]`.
     pub max_distance: f64,
+    /// Largest optical depth of a connection's axis.
+    pub max_depth: f64,
     /// Shape of the perturbation.
     pub offset: Offset,
     /// Standard deviation of the perturbation per unit of distance.
@@ -35,7 +37,8 @@ pub struct Settings {
 
 impl From<&Mvnee> for Settings {
     fn from(mvnee: &Mvnee) -> Self {
-        Self { max_distance: f64::from(mvnee.max_distance), offset: mvnee.offset, slope: f64::from(mvnee.slope) }
+        let [max_distance, max_depth, slope] = [mvnee.max_distance, mvnee.max_depth, mvnee.slope].map(f64::from);
+        Self { max_distance, max_depth, offset: mvnee.offset, slope }
     }
 }
 
@@ -54,12 +57,17 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
     if segments.iter().any(|segment| *segment <= 0.0) {
         return Density::ZERO;
     }
-    let mut density = Density::new(light_density).times_exp(-medium.optical_depth(*start, *point));
+    let depth = medium.optical_depth(*start, *point);
+    if depth > settings.max_depth {
+        return Density::ZERO;
+    }
+    let rate = 1.0 / medium.mean_free_path(*start, *point);
+    let mut density = Density::new(light_density).times_exp(-depth);
     for (j, vertex) in inner.iter().enumerate() {
         let arm = *vertex - *start;
         let seed = *start + arm.dot(axis) * axis;
         let offset = offset_density(settings.offset, sigma(settings.slope, &segments, j), vertex.distance(seed));
-        density = density.times(medium.extinction(seed)).times(offset);
+        density = density.times(rate).times(offset);
     }
     density
 }
@@ -103,7 +111,8 @@ mod tests {
     use super::*;
     use crate::media::reference::Homogeneous;
 
-    const GGX: Settings = Settings { max_distance: f64::INFINITY, offset: Offset::Ggx, slope: 0.4 };
+    const GGX: Settings =
+        Settings { max_distance: f64::INFINITY, max_depth: f64::INFINITY, offset: Offset::Ggx, slope: 0.4 };
     const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };
 
     #[test]

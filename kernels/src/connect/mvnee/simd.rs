@@ -84,12 +84,18 @@ fn sum<M: MediumX8>(
             after += projection.segment_squared;
         }
         let straight = arrival.medium.optical_depth(start.position, suffix.vertices[0].position, distance);
-        let detour = exp(start.depth - arrival.skipped - straight);
+        let mut log = start.depth - arrival.skipped - straight;
+        let mut possible = axial.possible;
+        if M::VARIES {
+            log += arrival.medium.log_seeds(a - 1, distance / straight, start.log_extinction);
+            possible &= straight.simd_le(f32x8::splat(mvnee.max_depth));
+        }
+        let detour = exp(log);
         let mut ratio = scale * start.attempt * detour * product;
         if let Some(hues) = arrival.hues {
             ratio *= seeds(hues, suffix, a, straight);
         }
-        sum += axial.possible.select(ratio, f32x8::ZERO);
+        sum += possible.select(ratio, f32x8::ZERO);
     }
     sum
 }

@@ -8,6 +8,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Homogeneous;
+use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
@@ -78,10 +79,20 @@ impl MediumLanes for ColouredLanes<'_> {
     }
 }
 
-impl MediumX8 for HomogeneousX8 {
+impl HomogeneousX8 {
+    /// Free flight that a share `rest` of all flights outlasts, in (0, 1] `[m]`; endless in vacuum.
     #[inline(always)]
-    fn flight(self, rest: f32x8) -> f32x8 {
+    pub fn flight(self, rest: f32x8) -> f32x8 {
         neg_ln(rest) * self.mean_free_path
+    }
+}
+
+impl MediumX8 for HomogeneousX8 {
+    const VARIES: bool = false;
+
+    #[inline(always)]
+    fn mean_free_path(self, _: Vec3x8, _: Vec3x8, _: f32x8) -> f32x8 {
+        self.mean_free_path
     }
 
     #[inline(always)]
@@ -90,7 +101,7 @@ impl MediumX8 for HomogeneousX8 {
     }
 
     #[inline(always)]
-    fn optical_depth_along(self, arc: f32x8) -> f32x8 {
+    fn optical_depth_along(self, arc: f32x8, _: f32x8) -> f32x8 {
         self.extinction * arc
     }
 
@@ -100,7 +111,12 @@ impl MediumX8 for HomogeneousX8 {
     }
 
     #[inline(always)]
-    fn crowding(self, _: usize, _: f32x8, _: f32x8) -> f32x8 {
-        self.extinction
+    fn crowding(self, _: usize, _: f32x8, _: f32x8, _: f32x8) -> Crowding {
+        Crowding { log: f32x8::ZERO, scale: self.extinction }
+    }
+
+    #[inline(always)]
+    fn log_seeds(self, _: usize, _: f32x8, _: f32x8) -> f32x8 {
+        f32x8::ZERO
     }
 }

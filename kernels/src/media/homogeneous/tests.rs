@@ -6,7 +6,7 @@ use crate::media::spectral::{Hues, largest};
 use crate::media::{Medium, MediumLanes, MediumX8};
 use crate::phase::PhaseFunction;
 use crate::vec3x8::Vec3x8;
-use crate::with_medium;
+use crate::{with_homogeneous, with_medium};
 
 const EXTINCTION: [f32; 3] = [0.2, 1.0, 3.0];
 /// Channels of eight rows; rows that are not in use may ask for anything.
@@ -22,16 +22,16 @@ fn lanes_are_those_of_the_twin_in_every_channel() {
     let coloured = Medium::coloured(EXTINCTION, [1.0; 3], PhaseFunction::isotropic());
     for medium in [grey, coloured] {
         let (from, to) = ([0.0, 0.0, 1.0], [3.0, 0.0, 5.0]);
-        let [flight, depth, along, extinction] = with_medium!(medium, |lanes| {
+        let [flight, depth, along, extinction] = with_homogeneous!(medium, |lanes| {
             let lanes = lanes.in_channel(|| u32x8::new(CHANNELS));
             let [from, to] = [from, to].map(Vec3x8::splat);
             let depth = lanes.optical_depth(from, to, f32x8::splat(5.0));
-            let along = lanes.optical_depth_along(f32x8::splat(5.0));
+            let along = lanes.optical_depth_along(f32x8::splat(5.0), f32x8::ZERO);
             [lanes.flight(f32x8::splat(0.25)), depth, along, lanes.extinction(from)].map(f32x8::to_array)
         });
         let [from, to] = [from, to].map(|v| DVec3::from(v.map(f64::from)));
         for row in 0..6 {
-            let twin = medium.twin(CHANNELS[row] as usize);
+            let twin = medium.homogeneous_twin(CHANNELS[row] as usize);
             close(flight[row], twin.flight(0.75));
             close(depth[row], twin.optical_depth(from, to));
             close(along[row], twin.optical_depth(from, to));

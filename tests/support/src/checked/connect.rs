@@ -141,23 +141,29 @@ fn check_build<T>(
         let chain: Vec<_> = chains.vertices[..bucket.inserted].iter().map(|vertex| vertex.row(at).into()).collect();
         tolerance([candidates.start.row(at).into(), candidates.point.row(at).into()], &chain)
     };
-    check_chains(stage, buckets, 0, (&candidates_both, &chains_both), of_row);
+    let check_vertex = |at: (usize, usize), close: Tolerances<'_>| match medium.grid() {
+        Some(_) => check_found(at, &chains_both, close),
+        None => check_row(stage, at, &chains_both, close),
+    };
+    check_chains(stage, buckets, 0, &candidates_both, |bucket, at, vertex| {
+        check_vertex((vertex, at), &[("vertex", of_row(bucket, at))]);
+    });
 }
 
-/// Compares connections that were built in buckets, with `appended` more vertices than these say; `tolerance` is that
-/// of the inserted vertices of a row.
+/// Compares connections that were built in buckets, with `appended` more vertices than these say; `check_vertex` looks at
+/// a vertex inserted into a row.
 fn check_chains(
     stage: &str,
     buckets: &BucketTable<'_>,
     appended: usize,
-    (candidates, chains): (&Both<Saved>, &Both<Saved>),
-    tolerance: impl Fn(Bucket, usize) -> Tolerance,
+    candidates: &Both<Saved>,
+    check_vertex: impl Fn(Bucket, usize, usize),
 ) {
     for bucket in buckets.buckets() {
         for at in bucket.rows() {
             check_row(stage, (0, at), candidates, &[]);
             for vertex in 0..bucket.inserted + appended {
-                check_row(stage, (vertex, at), chains, &[("vertex", tolerance(*bucket, at))]);
+                check_vertex(*bucket, at, vertex);
             }
         }
     }
@@ -210,5 +216,7 @@ pub(super) fn check_lis_join(step: Step, columns: lis_sample::JoinColumns<'_, '_
         [candidates, chains],
         lis_sample::JoinColumns { buckets, ends, candidates: &mut *candidates, chains: &mut *chains }
     );
-    check_chains("lis_join", buckets, 1, (&candidates_both, &chains_both), |_, _| tolerances::EXACT);
+    check_chains("lis_join", buckets, 1, &candidates_both, |_, at, vertex| {
+        check_row("lis_join", (vertex, at), &chains_both, &[("vertex", tolerances::EXACT)]);
+    });
 }

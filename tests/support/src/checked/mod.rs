@@ -23,7 +23,7 @@ use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
     Step, accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
-    prune, remember, roulette, scatter, spectral_weight, surface,
+    passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -74,6 +74,7 @@ pub const CHECKED: Pipeline = Pipeline {
     spectral_weight: walk::check_spectral_weight,
     scatter: walk::check_scatter,
     surface: walk::check_surface,
+    passage: walk::check_passage,
     light_survey: connect::check_light_survey,
     light_sample: connect::check_light_sample,
     mvnee_count: connect::check_mvnee_count,
@@ -86,6 +87,7 @@ pub const CHECKED: Pipeline = Pipeline {
     mis_weight: weigh::check_mis_weight,
     roulette: weigh::check_roulette,
     occlusion: weigh::check_occlusion,
+    transmittance: weigh::check_transmittance,
     accumulate: weigh::check_accumulate,
 };
 
@@ -126,6 +128,15 @@ fn check_row(stage: &str, (table, row): (usize, usize), (kernel, twin): &Both<Sa
     count_rows(1);
     if let Some(text) = difference(&kernel.row(table, row), &twin.row(table, row), tolerances) {
         fail(stage, row, &text);
+    }
+}
+
+/// The same for what is found in a grid, where the cell that a point is in, or whether a candidate is a collision, is a
+/// decision: a row that is further off is another decision.
+fn check_found((table, row): (usize, usize), both: &Both<Saved>, tolerances: Tolerances<'_>) {
+    count_rows(1);
+    if difference(&both.0.row(table, row), &both.1.row(table, row), tolerances).is_some() {
+        count_decisions(1);
     }
 }
 

@@ -48,14 +48,27 @@ pub(super) fn check_remember(step: Step, columns: remember::Columns<'_, '_>) {
 }
 
 pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_, '_>) {
-    let medium_sample::Columns { medium, walk, live, paths, immersion, flights } = columns;
+    let medium_sample::Columns { medium, walk, live, paths, immersion, vertex, ray, flights } = columns;
     let [live_both, both] = run_both!(
         medium_sample(step),
         [live, flights],
-        medium_sample::Columns { medium, walk, live: &mut *live, paths, immersion, flights: &mut *flights }
+        medium_sample::Columns {
+            medium,
+            walk,
+            live: &mut *live,
+            paths,
+            immersion,
+            vertex,
+            ray,
+            flights: &mut *flights,
+        }
     );
     for lane in live.each() {
-        check_row("medium_sample", (0, lane), &both, &[("flight", tolerances::FLIGHT)]);
+        if medium.grid().is_some() {
+            check_found((0, lane), &both, &[("flight", tolerances::TRACKED)]);
+        } else {
+            check_row("medium_sample", (0, lane), &both, &[("flight", tolerances::FLIGHT)]);
+        }
     }
     // The number and the probability are the same to the bit in kernel and twin.
     check_set("medium_sample", &live_both);
@@ -154,10 +167,30 @@ pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
 }
 
 pub(super) fn check_prune(step: Step, columns: prune::Columns<'_, '_>) {
-    let prune::Columns { segments, scatters, on_surface, paths, live } = columns;
-    let [both] =
-        run_both!(prune(step), [live], prune::Columns { segments, scatters, on_surface, paths, live: &mut *live });
+    let prune::Columns { segments, scatters, flights, on_surface, paths, live } = columns;
+    let [both] = run_both!(
+        prune(step),
+        [live],
+        prune::Columns { segments, scatters, flights, on_surface, paths, live: &mut *live }
+    );
     check_set("prune", &both);
+}
+
+pub(super) fn check_passage(step: Step, columns: passage::Columns<'_, '_>) {
+    let passage::Columns { medium, live, on_surface, paths, vertex, next, passage, trail } = columns;
+    let [both] = run_both!(
+        passage(step),
+        [passage],
+        passage::Columns { medium, live, on_surface, paths, vertex, next, passage: &mut *passage, trail: &mut *trail }
+    );
+    for lane in live.each() {
+        check_found((0, lane), &both, &[("depth", tolerances::PASSAGE), ("log_extinction", tolerances::PASSAGE)]);
+        // The trail has what the columns have.
+        if trail.slots() > 0 {
+            let row = passage.row(lane);
+            trail.set_row(lane, step.clock + 1, [row.depth, row.log_extinction]);
+        }
+    }
 }
 
 pub(super) fn check_flight_weight(step: Step, columns: flight_weight::Columns<'_, '_>) {

@@ -5,7 +5,7 @@ use super::*;
 pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>) {
     let mis_weight::Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, .. } = columns;
     let mis_weight::Columns { chains, paths, log_posterior, last_surface, outlook, vertex, .. } = columns;
-    let mis_weight::Columns { trail, suffix, worth, .. } = columns;
+    let mis_weight::Columns { trail, passage, passage_trail, suffix, worth, .. } = columns;
     let [both] = run_both!(
         mis_weight(step),
         [worth],
@@ -25,6 +25,8 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
             outlook,
             vertex,
             trail,
+            passage,
+            passage_trail,
             suffix: &mut *suffix,
             worth: &mut *worth,
         }
@@ -56,6 +58,11 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
                 }
             }
         } else if (weight - weight_twin).abs() > absolute + (relative + conditioning) * largest {
+            if medium.grid().is_some() {
+                // A cell of the coarse field is a decision.
+                count_decisions(1);
+                continue;
+            }
             let text = format!(
                 "    weight: kernel {weight:e}  twin {weight_twin:e}, {} inserted, conditioning {conditioning:e}\n    {:?}\n    {:?}",
                 bucket.inserted,
@@ -154,6 +161,28 @@ pub(super) fn check_occlusion(step: Step, columns: occlusion::Columns<'_, '_>) {
         if free && kernel != before {
             fail("occlusion", at, &format!("    what a free connection counts became {kernel:?}"));
         }
+    }
+}
+
+pub(super) fn check_transmittance(step: Step, columns: transmittance::Columns<'_, '_>) {
+    let transmittance::Columns { grid, bucket, purpose, candidates, chains, paths, estimates, worth } = columns;
+    let [both] = run_both!(
+        transmittance(step),
+        [worth],
+        transmittance::Columns {
+            grid,
+            bucket,
+            purpose,
+            candidates,
+            chains,
+            paths,
+            estimates: &mut *estimates,
+            worth: &mut *worth,
+        }
+    );
+    let counts = both.0.reals("weight");
+    for at in bucket.rows().filter(|at| counts[*at] != 0.0) {
+        check_found((0, at), &both, &[("factor", tolerances::ESTIMATE)]);
     }
 }
 

@@ -55,14 +55,16 @@ fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, medium: impl M
         let distance = to_light.length_squared().sqrt();
         let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
         let h = lobe.h(connections.arriving.batch(b), axis);
-        let cell = bridge.counts.cell(medium.optical_depth(start, point, distance), h, on_surface);
+        let depth = medium.optical_depth(start, point, distance);
+        let cell = bridge.counts.cell(depth, h, on_surface);
 
         let uniform = choice.simd_lt(f32x8::splat(bridge.defensive));
         let across = (choice - f32x8::splat(bridge.defensive)) * f32x8::splat(1.0 / (1.0 - bridge.defensive));
         let spread = floor(number * lanes::to_f32(room)).min(room - u32x8::splat(1));
         let tabled = bridge.counts.draw(&cell, [along, across], number);
         let inserted = lanes::as_integer_mask(uniform).select(spread, tabled);
-        let fits = inserted.simd_lt(room);
+        let near = lanes::as_integer_mask(depth.simd_le(f32x8::splat(bridge.max_depth)));
+        let fits = inserted.simd_lt(room) & near;
         count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
     }
 }

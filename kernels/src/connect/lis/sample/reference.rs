@@ -13,7 +13,7 @@ use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{Candidate, End};
 use crate::connect::lis::Lis;
 use crate::emission::reference::emit;
-use crate::media::reference::Medium;
+use crate::media::reference::Homogeneous;
 use crate::tables::lights::Emitter;
 use crate::{Step, random};
 
@@ -27,7 +27,7 @@ pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
-        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let medium = medium.homogeneous_twin(immersion.hero.rows()[lane] as usize);
         let vertex = place(&lights.emitters()[connection.emitter as usize], &medium, end, u);
         if is_within_reach(lis, start, vertex) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
@@ -42,7 +42,7 @@ pub fn uniforms(pixel: u32, sample: u32, depth: u32, seed: u32) -> [f64; 4] {
 }
 
 /// The vertex made from `point` on the emitter `[m]`.
-pub fn place(emitter: &Emitter, medium: &dyn Medium, point: DVec3, u: [f64; 4]) -> DVec3 {
+pub fn place(emitter: &Emitter, medium: &Homogeneous<'_>, point: DVec3, u: [f64; 4]) -> DVec3 {
     let direction = emit(emitter, point, u);
     point + medium.flight(u[2]) * direction
 }
@@ -68,7 +68,6 @@ pub fn join(_: Step, columns: JoinColumns<'_, '_>) {
 mod tests {
     use super::*;
     use crate::connect::lis::reference::vertex_density;
-    use crate::media::reference::Homogeneous;
 
     /// Cells of the unit cube of random numbers are mapped to cells of space; where the map has the Jacobian J, the
     /// density must be 1 / |J|.

@@ -12,16 +12,17 @@ use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{CandidateBatch, EndBatch};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
-use crate::media::{MediumLanes, MediumX8};
-use crate::{Step, lanes, random, with_medium};
+use crate::media::MediumLanes;
+use crate::media::homogeneous::HomogeneousX8;
+use crate::{Step, lanes, random, with_homogeneous};
 
 /// The SIMD kernel; see [`VertexKernel`](super::VertexKernel).
 pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
-    with_medium!(columns.medium, |medium| make(step, columns, medium));
+    with_homogeneous!(columns.medium, |medium| make(step, columns, medium));
 }
 
 #[inline(always)]
-fn make(step: Step, columns: VertexColumns<'_, '_>, medium: impl MediumLanes) {
+fn make(step: Step, columns: VertexColumns<'_, '_>, medium: impl MediumLanes<Channel = HomogeneousX8>) {
     let VertexColumns { lights, lis, paths, immersion, connections, ends, .. } = columns;
     let longest_squared = f32x8::splat(lis.max_distance() * lis.max_distance());
     let count = core::mem::take(&mut connections.len);

@@ -17,20 +17,21 @@ use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::mvnee::reference::{Settings, sigma};
 use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
 use crate::connect::sequence::Draws;
-use crate::media::reference::Medium;
+use crate::media::reference::{Medium, flight};
 use crate::phase::reference::frame;
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
 pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
-    let CountColumns { medium, lengths, paths, immersion, connections, count, .. } = columns;
+    let CountColumns { technique, medium, lengths, paths, immersion, connections, count, .. } = columns;
+    let settings = Settings::from(technique);
     for row in 0..connections.len {
         let connection = connections.row(row);
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
         let medium = medium.twin(immersion.hero.rows()[lane] as usize);
-        let inserted = count_seeds(&medium, (point - start).length(), lengths, &draws);
+        let inserted = count_seeds(&settings, &medium, start, point, lengths, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
 }
@@ -73,12 +74,24 @@ impl Draws {
     }
 }
 
-/// Number of seeds on an axis of length `distance` `[m]`; None if the path would exceed `lengths.max` segments.
-pub fn count_seeds(medium: &dyn Medium, distance: f64, lengths: PathLengths, draws: &Draws) -> Option<u32> {
+/// Number of seeds on the axis from `start` to `point`; None if that is thicker than the limit, or the path would exceed
+/// `lengths.max` segments.
+pub fn count_seeds(
+    settings: &Settings,
+    medium: &dyn Medium,
+    start: DVec3,
+    point: DVec3,
+    lengths: PathLengths,
+    draws: &Draws,
+) -> Option<u32> {
+    let (distance, mean_free_path) = (start.distance(point), medium.mean_free_path(start, point));
+    if distance > settings.max_depth * mean_free_path {
+        return None;
+    }
     let mut reached = 0.0;
     let mut seeds = 0;
     while draws.depth + seeds < lengths.max {
-        reached += medium.flight(draws.flight(seeds as usize));
+        reached += flight(draws.flight(seeds as usize), mean_free_path);
         if reached >= distance {
             return Some(seeds);
         }
@@ -96,7 +109,8 @@ pub fn place(
     draws: &Draws,
     inserted: &mut [DVec3],
 ) {
-    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| medium.flight(draws.flight(k))).collect();
+    let mean_free_path = medium.mean_free_path(start, point);
+    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| flight(draws.flight(k), mean_free_path)).collect();
     let distance = (point - start).length();
     segments.push(distance - segments.iter().sum::<f64>());
     let axis = (point - start).normalize_or_zero();
@@ -126,6 +140,13 @@ mod tests {
     use crate::media::reference::Homogeneous;
 
     const FREE: PathLengths = PathLengths { min: 1, max: 1000 };
+    const SETTINGS: Settings =
+        Settings { max_distance: f64::INFINITY, max_depth: f64::INFINITY, offset: Offset::Ggx, slope: 0.8 };
+
+    /// Seeds on an axis of this length.
+    fn count(medium: &dyn Medium, distance: f64, lengths: PathLengths, pixel: u32) -> Option<u32> {
+        count_seeds(&SETTINGS, medium, DVec3::ZERO, distance * DVec3::X, lengths, &draws(pixel))
+    }
 
     fn draws(pixel: u32) -> Draws {
         Draws { pixel, sample: 3, depth: 2, seed: 1 }
@@ -149,8 +170,8 @@ mod tests {
         let (extinction, distance, samples) = (1.5, 1.6, 20_000);
         let mut shares = [0.0; 4];
         for pixel in 0..samples {
-            let seeds = count_seeds(&Homogeneous::isotropic(extinction), distance, FREE, &draws(pixel))
-                .expect("room for all") as usize;
+            let seeds =
+                count(&Homogeneous::isotropic(extinction), distance, FREE, pixel).expect("room for all") as usize;
             if seeds < shares.len() {
                 shares[seeds] += 1.0 / f64::from(samples);
             }
@@ -165,9 +186,9 @@ mod tests {
 
     #[test]
     fn connections_beyond_the_length_limit_are_dropped() {
-        let limit = |max: u32| count_seeds(&Homogeneous::isotropic(1e3), 1.0, PathLengths { min: 1, max }, &draws(0));
+        let limit = |max: u32| count(&Homogeneous::isotropic(1e3), 1.0, PathLengths { min: 1, max }, 0);
         assert_eq!([1, 2, 3, 50].map(limit), [None; 4]);
-        let direct = |max: u32| count_seeds(&Homogeneous::isotropic(0.0), 1.0, PathLengths { min: 1, max }, &draws(0));
+        let direct = |max: u32| count(&Homogeneous::isotropic(0.0), 1.0, PathLengths { min: 1, max }, 0);
         assert_eq!([2, 3].map(direct), [None, Some(0)]);
     }
 
@@ -176,9 +197,9 @@ mod tests {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
         for offset in [Offset::Ggx, Offset::Gaussian] {
             let medium = Homogeneous::isotropic(1.0);
-            let settings = Settings { max_distance: f64::INFINITY, offset, slope: 0.8 };
+            let settings = Settings { offset, ..SETTINGS };
             for pixel in 0..200 {
-                let seeds = count_seeds(&medium, (point - start).length(), FREE, &draws(pixel)).expect("room for all");
+                let seeds = count_seeds(&settings, &medium, start, point, FREE, &draws(pixel)).expect("room for all");
                 let mut chain = vec![start; seeds as usize + 2];
                 place(&settings, &medium, start, point, &draws(pixel), &mut chain[1..=seeds as usize]);
                 chain[seeds as usize + 1] = point;

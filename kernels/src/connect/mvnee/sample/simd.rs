@@ -24,11 +24,11 @@ use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
-/// Free flights of the seeds 4 k .. 4 k + 4 along the axis `[m]`.
+/// Free flights of the seeds 4 k .. 4 k + 4 along an axis of this mean free path `[m]`.
 #[inline(always)]
-fn flights(sequence: &Sequence, medium: impl MediumX8, k: usize) -> [f32x8; 4] {
+fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
     let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS.nth(k as u32));
-    uniforms.map(|u| medium.flight(f32x8::ONE - u))
+    uniforms.map(|u| neg_ln(f32x8::ONE - u) * mean_free_path)
 }
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
@@ -38,19 +38,20 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
 
 #[inline(always)]
 fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
-    let CountColumns { lengths, paths, immersion, connections, count: counts, .. } = columns;
+    let CountColumns { technique, lengths, paths, immersion, connections, count: counts, .. } = columns;
     for b in 0..connections.len.div_ceil(LANES) {
         let lane_of = connections.lane.batch(b).to_array();
         let sequence = Sequence::new(step, paths, &lane_of);
         let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
-        let axis = connections.point.batch(b) - connections.start.batch(b);
-        let distance = axis.length_squared().sqrt();
+        let (start, point) = (connections.start.batch(b), connections.point.batch(b));
+        let distance = (point - start).length_squared().sqrt();
+        let mean_free_path = medium.mean_free_path(start, point, distance);
         let longest = u32x8::splat(lengths.max - 1) - sequence.depth;
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
-            for flight in flights(&sequence, medium, k) {
+            for flight in flights(&sequence, mean_free_path, k) {
                 along += flight;
                 inside &= along.simd_lt(distance) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
@@ -59,7 +60,8 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
                 break;
             }
         }
-        let fits = count.simd_le(longest);
+        let near = distance.simd_le(mean_free_path * f32x8::splat(technique.max_depth));
+        let fits = count.simd_le(longest) & lanes::as_integer_mask(near);
         counts.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
     }
 }
@@ -100,12 +102,13 @@ fn place(
     let to_light = candidate.point - candidate.start;
     let distance = to_light.length_squared().sqrt();
     let axis = to_light * (f32x8::ONE / distance);
+    let mean_free_path = medium.mean_free_path(candidate.start, candidate.point, distance);
     let (tangent, bitangent) = axis.frame();
 
     // Leave (step, L, place on the axis) of every seed in its place in the chain.
     let (mut along, mut before) = (f32x8::ZERO, f32x8::ZERO);
     for (k, four) in chain.chunks_mut(4).enumerate() {
-        for (seed, flight) in four.iter_mut().zip(flights(sequence, medium, k)) {
+        for (seed, flight) in four.iter_mut().zip(flights(sequence, mean_free_path, k)) {
             along += flight;
             before = flight.mul_add(flight, before);
             seed.set_batch(b, Vec3x8::new(flight, before, along));

@@ -1,0 +1,115 @@
+//! The coarse field: cells of some voxels each, with the mean and the extrema of the density in it.
+
+use super::bricks::{Bricks, SIDE};
+
+/// What is known of a cell, as extinctions [1/m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// Mean.
+    pub mean: f32,
+    /// No extinction in it is larger: the majorant of free flights.
+    pub most: f32,
+    /// No extinction in it is farther from the mean: the majorant of residuals.
+    pub spread: f32,
+}
+
+/// By how much bounds are widened: interpolation may round beyond the values at the corners.
+const WIDER: f32 = 1.0 + 1e-5;
+
+/// Optical thickness of a cell, at the largest majorant, up to which cells are made larger, and from which on they are
+/// made smaller: a free flight has about as many candidates as it crosses cells.
+const THICKNESS: f32 = 1.0;
+
+/// Edges of cells, as powers of two in voxels.
+const SIDES: core::ops::RangeInclusive<u32> = 1..=7;
+
+/// Most cells of a grid.
+const MOST_CELLS: u64 = 1 << 22;
+
+/// Cubic cells of 2^k voxels along each edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// Cells along each axis.
+    pub dims: [u32; 3],
+    /// Edge of a cell in voxels.
+    pub side: f32,
+    cells: Vec<Cell>,
+    /// Largest extinction anywhere [1/m].
+    pub most: f32,
+}
+
+impl Cells {
+    /// Those of `bricks`, with `unit` as the extinction of density 1 [1/m], as large as is best where a voxel has edges
+    /// of `voxel` `[m]`; densities are mixed between voxels if `smooth`.
+    pub fn new(bricks: &Bricks, unit: f32, voxel: f32, smooth: bool) -> Self {
+        let coarse = Self::of(bricks, unit, SIDE.ilog2(), smooth);
+        let thin = (THICKNESS / (coarse.most * voxel)).log2().floor().max(0.0) as u32;
+        let count = |log_side: &u32| -> u64 { counts(bricks, *log_side).into_iter().map(u64::from).product() };
+        let log_side = SIDES.filter(|log_side| *log_side >= thin && count(log_side) <= MOST_CELLS).min();
+        Self::of(bricks, unit, log_side.unwrap_or(*SIDES.end()), smooth)
+    }
+
+    /// Those of 2^`log_side` voxels along each edge.
+    pub fn of(bricks: &Bricks, unit: f32, log_side: u32, smooth: bool) -> Self {
+        let dims = counts(bricks, log_side);
+        let mut cells = Vec::with_capacity(dims.iter().map(|dim| *dim as usize).product());
+        for (z, y) in (0..dims[2]).flat_map(|z| (0..dims[1]).map(move |y| (z, y))) {
+            cells.extend((0..dims[0]).map(|x| cell(bricks, unit, [x, y, z], log_side, smooth)));
+        }
+        let most = cells.iter().map(|cell| cell.most).fold(0.0, f32::max);
+        Self { dims, side: (1 << log_side) as f32, cells, most }
+    }
+
+    /// The cell at `place`, which is inside.
+    #[inline(always)]
+    pub fn at(&self, [x, y, z]: [u32; 3]) -> &Cell {
+        let [width, height, _] = self.dims;
+        &self.cells[((z * height + y) * width + x) as usize]
+    }
+
+    /// The same with all majorants multiplied by `factor` >= 1, and means by `mean`: what no image may depend on.
+    pub fn distorted(mut self, factor: f32, mean: f32) -> Self {
+        for cell in &mut self.cells {
+            let least = cell.mean - cell.spread;
+            cell.mean *= mean;
+            cell.most *= factor;
+            cell.spread = (cell.most - cell.mean).abs().max((cell.mean - least).abs()) * factor;
+        }
+        self.most *= factor;
+        self
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.cells.as_slice())
+    }
+}
+
+/// How many cells of 2^`log_side` voxels there are along each axis.
+fn counts(bricks: &Bricks, log_side: u32) -> [u32; 3] {
+    bricks.dims.map(|dim| (dim * SIDE).div_ceil(1 << log_side))
+}
+
+/// A cell from the voxels in it: those of one brick or a part of it, or of several bricks.
+fn cell(bricks: &Bricks, unit: f32, place: [u32; 3], log_side: u32, smooth: bool) -> Cell {
+    let side = 1_u32 << log_side;
+    let part = side.min(SIDE);
+    let range = |axis: usize| {
+        let end = ((place[axis] + 1) << log_side).min(bricks.dims[axis] * SIDE);
+        (place[axis] << log_side..end).step_by(part as usize)
+    };
+    let parts = range(2).flat_map(|z| range(1).flat_map(move |y| range(0).map(move |x| [x, y, z])));
+    let (mut least, mut most, mut sum, mut filled) = (f32::INFINITY, 0.0_f32, 0.0_f64, 0);
+    for extent in parts.map(|first| bricks.extent(first, part, smooth)) {
+        (least, most) = (least.min(extent.least), most.max(extent.most));
+        sum += f64::from(extent.mean);
+        filled += 1;
+    }
+    let whole = (side / part).pow(3);
+    if filled < whole {
+        least = 0.0;
+    }
+    let mean = (sum / f64::from(whole)) as f32;
+    let spread = (most - mean).max(mean - least) * WIDER;
+    Cell { mean: unit * mean, most: unit * most * WIDER, spread: unit * spread }
+}

@@ -1,0 +1,163 @@
+//! ```text
+//! segment in cells: p + t v, t in [0, 1];     [t0, t1] = its part within a box a little larger than that of all cells
+//! n = ceil(|v| (t1 - t0)), at most 64
+//! tau~ = length (t1 - t0) / n * sum_{i < n} mean(p + (t0 + (i + 1/2) / n (t1 - t0)) v)
+//! ```
+//!
+//! 1. Lanes with fewer points wait for those with more.
+//! 2. A segment and its reverse have the same points, but for rounding.
+
+use wide::{f32x8, u32x8};
+
+use super::{Grid, Interpolation};
+use crate::lanes;
+use crate::media::lanes::Crowding;
+use crate::media::spectral::CHANNELS;
+use crate::media::{MediumLanes, MediumX8};
+use crate::transcendental::neg_ln;
+use crate::vec3x8::Vec3x8;
+
+/// Most points at which the coarse field is asked along a segment.
+pub const MOST_POINTS: f32 = 64.0;
+
+/// By how many cells the box is larger in which points are spread. From one face of the grid itself to the other they
+/// would fall on borders of cells, where which cell they are in is a matter of rounding.
+pub const BELOW: f32 = 0.271_828;
+/// The same at the upper faces.
+pub const ABOVE: f32 = 0.314_159;
+
+/// Least optical depth of a segment: quotients of depths stay finite.
+const LEAST_DEPTH: f32 = 1e-9;
+
+/// A grid of grey extinction.
+#[derive(Clone, Copy)]
+pub struct GridLanes<'a>(GridX8<'a>);
+
+/// A grid, for eight rows.
+#[derive(Clone, Copy)]
+pub struct GridX8<'a>(&'a Grid);
+
+impl<'a> GridLanes<'a> {
+    /// Those of `grid`.
+    #[inline(always)]
+    pub fn new(grid: &'a Grid) -> Self {
+        Self(GridX8(grid))
+    }
+}
+
+impl<'a> MediumLanes for GridLanes<'a> {
+    type Channel = GridX8<'a>;
+
+    const COLOURED: bool = false;
+
+    #[inline(always)]
+    fn in_channel(&self, _: impl FnOnce() -> u32x8) -> GridX8<'a> {
+        self.0
+    }
+
+    fn hues(&self) -> [f32; CHANNELS] {
+        [1.0; CHANNELS]
+    }
+}
+
+impl MediumX8 for GridX8<'_> {
+    const VARIES: bool = true;
+
+    #[inline(always)]
+    fn mean_free_path(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
+        length / self.optical_depth(from, to, length)
+    }
+
+    #[inline(never)]
+    fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
+        let grid = self.0;
+        let (start, end) = (grid.in_cells(from), grid.in_cells(to));
+        let way = end - start;
+        let [enter, exit] = within(start, way, [-BELOW; 3], grid.cells.dims.map(|dim| dim as f32 + ABOVE), f32x8::ONE);
+        let part = (exit - enter).fast_max(f32x8::ZERO);
+        let crossed = way.length_squared().sqrt() * part;
+        let points = crossed.ceil().fast_max(f32x8::ONE).fast_min(f32x8::splat(MOST_POINTS));
+        let stride = part / points;
+        let most = points.to_array().into_iter().fold(0.0, f32::max) as u32;
+        let inside = part.simd_gt(f32x8::ZERO);
+        let mut sum = f32x8::ZERO;
+        for i in 0..if inside.any() { most } else { 0 } {
+            let index = f32x8::splat(i as f32);
+            let t = stride.mul_add(index + f32x8::splat(0.5), enter);
+            let counts = inside & index.simd_lt(points);
+            sum += counts.select(self.mean_at(way.mul_add(t, start)), f32x8::ZERO);
+        }
+        (sum * stride * length).fast_max(f32x8::splat(LEAST_DEPTH))
+    }
+
+    #[inline(always)]
+    fn optical_depth_along(self, _: f32x8, summed: f32x8) -> f32x8 {
+        summed
+    }
+
+    #[inline(never)]
+    fn extinction(self, at: Vec3x8) -> f32x8 {
+        self.extinction_in_voxels(self.0.place(at, 1.0))
+    }
+
+    #[inline(always)]
+    fn crowding(self, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Crowding {
+        let log = f32x8::splat(-(edges as f32)) * neg_ln(depth / arc) - log_extinction;
+        Crowding { log, scale: f32x8::ONE }
+    }
+
+    #[inline(always)]
+    fn log_seeds(self, seeds: usize, mean_free_path: f32x8, log_extinction: f32x8) -> f32x8 {
+        if seeds == 0 {
+            return f32x8::ZERO;
+        }
+        f32x8::splat(seeds as f32) * neg_ln(mean_free_path) - log_extinction
+    }
+}
+
+impl<'a> GridX8<'a> {
+    /// Those of `grid`.
+    #[inline(always)]
+    pub fn of(grid: &'a Grid) -> Self {
+        Self(grid)
+    }
+
+    /// Extinction at points in voxels from the first one on [1/m].
+    #[inline(always)]
+    pub fn extinction_in_voxels(self, at: Vec3x8) -> f32x8 {
+        let smooth = self.0.interpolation == Interpolation::Trilinear;
+        self.0.bricks.density(at, smooth) * f32x8::splat(self.0.unit)
+    }
+
+    /// Mean extinction of the cells that points, in cells, are in; 0 outside.
+    #[inline(always)]
+    fn mean_at(self, at: Vec3x8) -> f32x8 {
+        let cells = &self.0.cells;
+        let [width, height, depth] = cells.dims;
+        let mut inside = lanes::mask(lanes::ALL);
+        let mut component = |v: f32x8, count: u32| -> [u32; 8] {
+            let kept = v.fast_max(f32x8::ZERO).fast_min(f32x8::splat((count - 1) as f32));
+            inside &= v.simd_ge(f32x8::ZERO) & v.simd_lt(f32x8::splat(count as f32));
+            bytemuck::cast(kept.fast_trunc_int())
+        };
+        let (x, y, z) = (component(at.x, width), component(at.y, height), component(at.z, depth));
+        let means = f32x8::new(core::array::from_fn(|lane| cells.at([x[lane], y[lane], z[lane]]).mean));
+        inside.select(means, f32x8::ZERO)
+    }
+}
+
+/// The part of `start + t way`, t in [0, `end`], within a box; empty where the second is not larger.
+#[inline(always)]
+pub fn within(start: Vec3x8, way: Vec3x8, low: [f32; 3], high: [f32; 3], end: f32x8) -> [f32x8; 2] {
+    let (mut enter, mut exit) = (f32x8::ZERO, end);
+    let axes = [(start.x, way.x), (start.y, way.y), (start.z, way.z)];
+    for (((origin, step), low), high) in axes.into_iter().zip(low).zip(high) {
+        // Along an axis, a way that does not move is either inside all the time or never: +-inf do as they should, and
+        // the NaN of a start on the very boundary is moved off it.
+        let step = step.simd_eq(f32x8::ZERO).select(f32x8::splat(1e-30), step);
+        let inverse = f32x8::ONE / step;
+        let (a, b) = ((f32x8::splat(low) - origin) * inverse, (f32x8::splat(high) - origin) * inverse);
+        (enter, exit) = (enter.fast_max(a.fast_min(b)), exit.fast_min(a.fast_max(b)));
+    }
+    [enter, exit]
+}

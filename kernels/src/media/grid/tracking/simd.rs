@@ -1,0 +1,361 @@
+//! ```text
+//! repeat for each of eight rays:
+//!     while budget > rate * (t_next - t):  budget -= rate * (t_next - t),  t = t_next,  into the next cell
+//!     t += budget / rate;    ask the density there;    a new budget
+//! ```
+//!
+//! 1. Rays cross cells until each has a candidate or is through; then the density is asked for all of them at once.
+//! 2. A lane whose ray has ended takes the next one: none waits for the longest ray. What becomes of a ray does not
+//!    depend on its lane or its neighbours.
+//! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
+
+use wide::{f32x8, i32x8, u32x8};
+
+use super::Ray;
+use crate::lanes::{self, LANES};
+use crate::media::grid::simd::within;
+use crate::media::grid::{Cell, Grid, GridX8};
+use crate::random::{Stream, uniform_x8};
+use crate::transcendental::{exp, neg_ln};
+use crate::vec3x8::Vec3x8;
+
+/// What is looked for along rays.
+trait Quest: Copy {
+    /// Rate of candidates, and the extinction that counts without any, in a cell [1/m].
+    fn rates(cell: &Cell) -> [f32; 2];
+
+    /// What a candidate does to the ray's result, where extinction, rate and known extinction are these, for a number
+    /// `u`; and where the ray ends with it.
+    fn meet(result: f32x8, extinction: f32x8, rates: [f32x8; 2], u: f32x8) -> (f32x8, f32x8);
+}
+
+/// Where a flight ends.
+#[derive(Clone, Copy)]
+struct Flight;
+
+/// How much light comes through.
+#[derive(Clone, Copy)]
+struct Transmittance;
+
+impl Quest for Flight {
+    #[inline(always)]
+    fn rates(cell: &Cell) -> [f32; 2] {
+        [cell.most, 0.0]
+    }
+
+    #[inline(always)]
+    fn meet(result: f32x8, extinction: f32x8, [most, _]: [f32x8; 2], u: f32x8) -> (f32x8, f32x8) {
+        (result, (u * most).simd_lt(extinction))
+    }
+}
+
+impl Quest for Transmittance {
+    #[inline(always)]
+    fn rates(cell: &Cell) -> [f32; 2] {
+        [cell.spread, cell.mean]
+    }
+
+    #[inline(always)]
+    fn meet(result: f32x8, extinction: f32x8, [spread, mean]: [f32x8; 2], _: f32x8) -> (f32x8, f32x8) {
+        let factor = f32x8::ONE - (extinction - mean) / spread;
+        let left = result * factor.fast_max(f32x8::ZERO);
+        (left, left.simd_le(f32x8::ZERO))
+    }
+}
+
+/// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves the grid.
+pub fn flights(grid: &Grid, rays: impl Iterator<Item = (usize, Ray)>, mut end: impl FnMut(usize, f32)) {
+    track::<Flight>(grid, rays, f32::INFINITY, |row, ended| {
+        end(row, if ended.collided { ended.t } else { f32::INFINITY });
+    });
+}
+
+/// Hands an estimate of every segment's transmittance to `end`, as a product and the optical depth of the coarse field:
+/// `T' = product e^{-depth}`.
+pub fn transmittances(grid: &Grid, segments: impl Iterator<Item = (usize, Ray)>, mut end: impl FnMut(usize, f32, f32)) {
+    track::<Transmittance>(grid, segments, 1.0, |row, ended| end(row, ended.result, ended.known));
+}
+
+/// A ray that is through.
+struct Ended {
+    t: f32,
+    collided: bool,
+    result: f32,
+    known: f32,
+}
+
+/// Eight rays on their way.
+struct Lanes {
+    /// Where the ray is at t = 0, and where it goes, in cells.
+    origin: Vec3x8,
+    direction: Vec3x8,
+    t: f32x8,
+    /// Where it leaves the grid or ends.
+    exit: f32x8,
+    /// Where it enters the next cell along each axis.
+    next: Vec3x8,
+    /// From one cell to the next along each axis.
+    delta: Vec3x8,
+    cell: [i32x8; 3],
+    /// Length of a unit of t `[m]`.
+    scale: f32x8,
+    /// Mean free paths left until the next candidate.
+    budget: f32x8,
+    result: f32x8,
+    /// Optical depth of what is known.
+    known: f32x8,
+    stream: [u32x8; 4],
+    candidates: u32x8,
+    row: [usize; LANES],
+    /// Lanes with a ray.
+    live: u32,
+    /// Those of them whose rays have left the grid, or come to their ends.
+    through: u32,
+}
+
+#[inline(always)]
+fn track<Q: Quest>(
+    grid: &Grid,
+    mut rays: impl Iterator<Item = (usize, Ray)>,
+    longest: f32,
+    mut end: impl FnMut(usize, Ended),
+) {
+    let mut lanes = Lanes::empty();
+    loop {
+        lanes.refill(grid, &mut rays, longest, &mut end);
+        if lanes.live == 0 {
+            return;
+        }
+        let ended = lanes.cross_and_meet::<Q>(grid);
+        for lane in lanes::each(ended) {
+            end(lanes.row[lane], lanes.ended(lane));
+        }
+        lanes.live &= !ended;
+    }
+}
+
+impl Lanes {
+    fn empty() -> Self {
+        let (zero, none) = (f32x8::ZERO, u32x8::splat(0));
+        Self {
+            origin: Vec3x8::ZERO,
+            direction: Vec3x8::ZERO,
+            t: zero,
+            exit: zero,
+            next: Vec3x8::ZERO,
+            delta: Vec3x8::ZERO,
+            cell: [i32x8::splat(0); 3],
+            scale: zero,
+            budget: zero,
+            result: zero,
+            known: zero,
+            stream: [none; 4],
+            candidates: none,
+            row: [0; LANES],
+            live: 0,
+            through: 0,
+        }
+    }
+
+    /// What became of a ray.
+    fn ended(&self, lane: usize) -> Ended {
+        let of = |v: f32x8| v.to_array()[lane];
+        let collided = self.through >> lane & 1 == 0;
+        Ended { t: of(self.t), collided, result: of(self.result), known: of(self.known) }
+    }
+
+    /// Gives every vacant lane a ray; those that miss the grid end at once.
+    #[inline(always)]
+    fn refill(
+        &mut self,
+        grid: &Grid,
+        rays: &mut impl Iterator<Item = (usize, Ray)>,
+        longest: f32,
+        end: &mut impl FnMut(usize, Ended),
+    ) {
+        while self.live != lanes::ALL && self.take(grid, rays, longest, end) {}
+    }
+
+    /// Takes as many rays as there are vacant lanes; tells whether there were any.
+    #[inline(always)]
+    fn take(
+        &mut self,
+        grid: &Grid,
+        rays: &mut impl Iterator<Item = (usize, Ray)>,
+        longest: f32,
+        end: &mut impl FnMut(usize, Ended),
+    ) -> bool {
+        let mut fresh = 0;
+        let (mut origins, mut directions) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for lane in lanes::each(!self.live & lanes::ALL) {
+            let Some((row, ray)) = rays.next() else { break };
+            self.row[lane] = row;
+            for axis in 0..3 {
+                (origins[axis][lane], directions[axis][lane]) = (ray.origin[axis], ray.direction[axis]);
+            }
+            for (column, word) in self.stream.iter_mut().zip(ray.stream.0) {
+                bytemuck::cast_mut::<u32x8, [u32; LANES]>(column)[lane] = word;
+            }
+            fresh |= 1 << lane;
+        }
+        if fresh == 0 {
+            return false;
+        }
+        let of = |v: [[f32; LANES]; 3]| Vec3x8::new(f32x8::new(v[0]), f32x8::new(v[1]), f32x8::new(v[2]));
+        self.enter(grid, fresh, of(origins), of(directions), longest);
+        let missed = fresh & !lanes::bits(self.t.simd_lt(self.exit));
+        self.live |= fresh & !missed;
+        for lane in lanes::each(missed) {
+            end(self.row[lane], Ended { t: longest, collided: false, result: 1.0, known: 0.0 });
+        }
+        true
+    }
+
+    /// Sets the rays of the lanes `fresh` out.
+    #[inline(always)]
+    fn enter(&mut self, grid: &Grid, fresh: u32, origin: Vec3x8, direction: Vec3x8, longest: f32) {
+        let fresh = lanes::mask(fresh);
+        let inverse_side = f32x8::splat(1.0 / grid.cells.side);
+        let scale = direction.length_squared().sqrt();
+        let (origin, direction) = (grid.in_cells(origin), grid.place(direction, 0.0) * inverse_side);
+        let [enter, exit] =
+            within(origin, direction, [0.0; 3], grid.cells.dims.map(|dim| dim as f32), f32x8::splat(longest));
+        let at = direction.mul_add(enter, origin);
+        let mut next = [f32x8::ZERO; 3];
+        let mut delta = [f32x8::ZERO; 3];
+        for axis in 0..3 {
+            let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
+            let (start, step) = (pick(origin), pick(direction));
+            let last = f32x8::splat((grid.cells.dims[axis] - 1) as f32);
+            let cell = pick(at).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
+            let forward = step.simd_gt(f32x8::ZERO);
+            let border = f32x8::from_i32x8(cell) + forward.select(f32x8::ONE, f32x8::ZERO);
+            let inverse = f32x8::ONE / step;
+            let moves = !step.simd_eq(f32x8::ZERO);
+            next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
+            delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
+            self.cell[axis] = choose(fresh, cell, self.cell[axis]);
+        }
+        let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
+        self.origin = Vec3x8::select(fresh, origin, self.origin);
+        self.direction = Vec3x8::select(fresh, direction, self.direction);
+        self.next = Vec3x8::select(fresh, vector(next), self.next);
+        self.delta = Vec3x8::select(fresh, vector(delta), self.delta);
+        self.scale = fresh.select(scale, self.scale);
+        self.t = fresh.select(enter, self.t);
+        self.exit = fresh.select(exit, self.exit);
+        self.result = fresh.select(f32x8::ONE, self.result);
+        self.known = fresh.select(f32x8::ZERO, self.known);
+        self.candidates &= !lanes::as_integer_mask(fresh);
+        let [first, _] = self.draw();
+        self.budget = fresh.select(neg_ln(f32x8::ONE - first), self.budget);
+        self.candidates += bytemuck::cast::<f32x8, u32x8>(fresh) & u32x8::splat(1);
+    }
+
+    /// The two numbers of the next candidate of every ray.
+    #[inline(always)]
+    fn draw(&self) -> [f32x8; 2] {
+        let [a, b, ..] = Stream::words_x8(self.stream, self.candidates);
+        [uniform_x8(a), uniform_x8(b)]
+    }
+
+    /// Takes all rays to their next candidates; gives the lanes whose rays are through.
+    #[inline(always)]
+    fn cross_and_meet<Q: Quest>(&mut self, grid: &Grid) -> u32 {
+        let mut moving = lanes::mask(self.live);
+        let mut through = f32x8::ZERO;
+        let mut rates = [f32x8::ZERO; 2];
+        while moving.any() {
+            let here = self.rates::<Q>(grid);
+            rates = [0, 1].map(|i| moving.select(here[i], rates[i]));
+            let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
+            let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
+            let spent = here[0] * length;
+            let crosses = moving & spent.simd_lt(self.budget);
+            self.budget = crosses.select(self.budget - spent, self.budget);
+            self.known = crosses.select(here[1].mul_add(length, self.known), self.known);
+            self.t = crosses.select(border.fast_max(self.t), self.t);
+            let stays = crosses & border.simd_lt(self.exit);
+            self.step(stays, border);
+            moving = stays & self.inside(grid);
+            through |= crosses & !moving;
+        }
+        self.through = lanes::bits(through);
+        let arrived = lanes::mask(self.live) & !through;
+        if !arrived.any() {
+            return self.through;
+        }
+        let way = self.budget / rates[0];
+        self.t = arrived.select((way / self.scale) + self.t, self.t);
+        self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
+        let at = self.direction.mul_add(self.t, self.origin) * f32x8::splat(grid.cells.side);
+        let extinction = GridX8::of(grid).extinction_in_voxels(at);
+        let [u, first] = self.draw();
+        let (result, ends) = Q::meet(self.result, extinction, rates, u);
+        self.result = arrived.select(result, self.result);
+        self.budget = arrived.select(neg_ln(f32x8::ONE - first), self.budget);
+        self.candidates += bytemuck::cast::<f32x8, u32x8>(arrived) & u32x8::splat(1);
+        self.through | lanes::bits(arrived & ends)
+    }
+
+    /// The rates of the cells that rays are in.
+    #[inline(always)]
+    fn rates<Q: Quest>(&self, grid: &Grid) -> [f32x8; 2] {
+        let [x, y, z] = self.cell.map(i32x8::to_array);
+        let mut rates = [[0.0; LANES]; 2];
+        for lane in lanes::each(self.live) {
+            let of_cell = Q::rates(grid.cells.at([x[lane] as u32, y[lane] as u32, z[lane] as u32]));
+            (rates[0][lane], rates[1][lane]) = (of_cell[0], of_cell[1]);
+        }
+        rates.map(f32x8::new)
+    }
+
+    /// Takes the rays in `crosses` across the next `border` that they come to.
+    #[inline(always)]
+    fn step(&mut self, crosses: f32x8, border: f32x8) {
+        let mut left = crosses;
+        let mut next = [self.next.x, self.next.y, self.next.z];
+        let delta = [self.delta.x, self.delta.y, self.delta.z];
+        let direction = [self.direction.x, self.direction.y, self.direction.z];
+        for axis in 0..3 {
+            let here = left & next[axis].simd_le(border);
+            next[axis] = here.select(next[axis] + delta[axis], next[axis]);
+            let forward = direction[axis].simd_gt(f32x8::ZERO);
+            let one: i32x8 = bytemuck::cast(forward.select(as_real(1), as_real(-1)) & here);
+            self.cell[axis] += one;
+            left &= !here;
+        }
+        self.next = Vec3x8::new(next[0], next[1], next[2]);
+    }
+
+    /// Which rays are in a cell; those that are not keep to the nearest, and are through.
+    #[inline(always)]
+    fn inside(&mut self, grid: &Grid) -> f32x8 {
+        let mut inside = lanes::mask(lanes::ALL);
+        for (cell, dim) in self.cell.iter_mut().zip(grid.cells.dims) {
+            let (zero, last) = (i32x8::splat(0), i32x8::splat(dim as i32 - 1));
+            let kept = (*cell).max(zero).min(last);
+            inside &= bytemuck::cast::<i32x8, f32x8>((*cell).simd_eq(kept));
+            *cell = kept;
+        }
+        inside
+    }
+}
+
+/// The bits of an integer as real lanes, to be chosen among.
+#[inline(always)]
+fn as_real(integer: i32) -> f32x8 {
+    bytemuck::cast(i32x8::splat(integer))
+}
+
+#[inline(always)]
+fn choose(mask: f32x8, a: i32x8, b: i32x8) -> i32x8 {
+    bytemuck::cast(mask.select(bytemuck::cast::<i32x8, f32x8>(a), bytemuck::cast::<i32x8, f32x8>(b)))
+}
+
+/// `T' e^{depth}` for an estimate of the transmittance as [`transmittances`] gives it, and the `depth` that weights
+/// counted.
+#[inline(always)]
+pub fn factor(product: f32x8, known: f32x8, depth: f32x8) -> f32x8 {
+    product * exp(depth - known)
+}

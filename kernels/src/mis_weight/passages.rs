@@ -1,0 +1,61 @@
+//! What lies between the starts of a candidate and its light, where extinction varies: optical depths and extinctions,
+//! as running sums.
+//!
+//! ```text
+//! inserted vertices:  sums over segments and vertices, from the light to the start
+//! history:            sum up to the start, plus what its path passed through, minus what it had passed through there
+//! ```
+
+use wide::f32x8;
+
+use crate::Step;
+use crate::columns::paths::PassageColumns;
+use crate::columns::trail::PassageTrail;
+use crate::connect::suffix::Suffix;
+use crate::lanes::LANES;
+use crate::media::MediumX8;
+use crate::passage::simd::LEAST;
+use crate::transcendental::neg_ln;
+
+/// Where the running sums of eight paths are.
+pub struct Passages<'a, 'q> {
+    pub lane_of: [u32; LANES],
+    /// Up to the current vertices.
+    pub current: &'a PassageColumns<'q>,
+    /// Up to those before.
+    pub trail: &'a PassageTrail<'q>,
+    pub step: Step,
+}
+
+impl Passages<'_, '_> {
+    /// Fills depths and extinctions of the suffix up to `most_edges` from the light, with `inserted` vertices of it made
+    /// by a connection; gives the rows of which none of these is in vacuum, where nothing scatters.
+    #[inline(always)]
+    pub fn fill(&self, medium: impl MediumX8, suffix: &mut Suffix<'_>, inserted: usize, most_edges: usize) -> f32x8 {
+        let (mut depth, mut log, mut dense) = (f32x8::ZERO, f32x8::ZERO, f32x8::splat(f32::from_bits(u32::MAX)));
+        for a in 1..=inserted + 1 {
+            let next = suffix.vertices[a - 1].position;
+            let vertex = &mut suffix.vertices[a];
+            let length = (next - vertex.position).length_squared().sqrt();
+            depth += medium.optical_depth(vertex.position, next, length);
+            (vertex.depth, vertex.log_extinction) = (depth, log);
+            if a <= inserted {
+                let extinction = medium.extinction(vertex.position);
+                dense &= extinction.simd_gt(f32x8::ZERO);
+                log -= neg_ln(extinction.fast_max(f32x8::splat(LEAST)));
+            }
+        }
+        if most_edges > inserted + 1 {
+            let [whole, whole_log] =
+                [&self.current.depth, &self.current.log_extinction].map(|column| column.gather(&self.lane_of));
+            for a in inserted + 2..=most_edges {
+                let [before, log_before] =
+                    self.trail.gather(&self.lane_of, self.step.clock - (a - inserted - 1) as u32);
+                let vertex = &mut suffix.vertices[a];
+                vertex.depth = depth + (whole - before);
+                vertex.log_extinction = log + (whole_log - log_before);
+            }
+        }
+        dense
+    }
+}

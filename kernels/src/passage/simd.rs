@@ -1,0 +1,39 @@
+//! ```text
+//! depth' = depth + tau~(x, x'),   but 0 at the first vertex after the camera
+//! log'   = log + ln mu_t(x'),     from 0 there; unchanged on a surface
+//! ```
+
+use wide::{f32x8, u32x8};
+
+use super::Columns;
+use crate::media::{MediumLanes, MediumX8};
+use crate::transcendental::neg_ln;
+use crate::{Step, lanes, with_medium};
+
+/// Least extinction of which a logarithm is taken [1/m].
+pub(crate) const LEAST: f32 = 1e-30;
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    with_medium!(columns.medium, |medium| add(step, columns, medium));
+}
+
+#[inline(always)]
+fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
+    let Columns { live, on_surface, paths, vertex, next, passage, trail, .. } = columns;
+    let medium = medium.in_channel(|| u32x8::splat(0));
+    for (b, _) in live.each_batch() {
+        let (from, to) = (vertex.position.batch(b), next.position.batch(b));
+        let length = (to - from).length_squared().sqrt();
+        let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
+        let before = |sum: f32x8| at_camera.select(f32x8::ZERO, sum);
+        let passed = at_camera.select(f32x8::ZERO, medium.optical_depth(from, to, length));
+        let extinction = medium.extinction(to).fast_max(f32x8::splat(LEAST));
+        let event = lanes::mask(on_surface.batch(b)).select(f32x8::ZERO, neg_ln(extinction));
+        let depth = before(passage.depth.batch(b)) + passed;
+        let log_extinction = before(passage.log_extinction.batch(b)) - event;
+        passage.depth.set_batch(b, depth);
+        passage.log_extinction.set_batch(b, log_extinction);
+        trail.set_batch(b, step.clock + 1, [depth, log_extinction]);
+    }
+}

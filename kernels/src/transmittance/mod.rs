@@ -1,0 +1,37 @@
+//! What comes through where nobody knows how much: estimated transmittances, for candidates in a grid.
+
+pub mod reference;
+pub mod simd;
+
+use crate::Step;
+use crate::columns::paths::PathColumns;
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, EstimateColumns, WorthTable};
+use crate::media::grid::Grid;
+use crate::random::Purpose;
+
+/// What this stage may touch.
+pub struct Columns<'a, 'q> {
+    /// The grid.
+    pub grid: &'a Grid,
+    /// Rows to estimate: those of this bucket.
+    pub bucket: Bucket,
+    /// The random dimension of their light points; that of the camera for views.
+    pub purpose: Purpose,
+    /// Read: lane, start and point.
+    pub candidates: &'a CandidateQueue<'q>,
+    /// Read: the inserted vertices.
+    pub chains: &'a ChainTable<'q>,
+    /// Read: pixel, sample and birth.
+    pub paths: &'a PathColumns<'q>,
+    /// Scratch.
+    pub estimates: &'a mut EstimateColumns<'q>,
+    /// Read: weight. The factor is multiplied by what comes through.
+    pub worth: &'a mut WorthTable<'q>,
+}
+
+/// Multiplies the factor of every row that counts anything by `T' e^{tau~}`, segment by segment: an unbiased estimate of
+/// the transmittance over what the weight took it for ([`grid`](crate::media::grid)).
+///
+/// The estimate of segment j draws from [stream](crate::random::Stream) j of the block `TRANSMITTANCE` for the purpose of
+/// the light point, at the depth of the start.
+pub type Kernel = fn(Step, Columns<'_, '_>);

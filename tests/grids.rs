@@ -1,0 +1,180 @@
+//! Extinction in grids: flights are tracked and transmittances estimated, and images are as they must be.
+
+use fogbow::frame::Frame;
+use fogbow::reference;
+use fogbow::render::Workers;
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::media::grid::reference::GridTwin;
+use fogbow_kernels::media::grid::{Grid, Interpolation};
+use fogbow_kernels::media::reference::Medium as _;
+use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction};
+use fogbow_kernels::pipeline::{REFERENCE, SIMD};
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_testing::checked::{CHECKED, take_log};
+use fogbow_testing::frames::clouds::{IN_GRIDS, centred, cloud, clouds, leaves, with_grid};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::{WORKERS, render, render_here, render_with};
+use fogbow_testing::statistics::z_of_means;
+use glam::DVec3;
+
+const SMALL: [u32; 2] = [16, 16];
+
+/// Share of rows that may be decided differently where cells, points and collisions are decisions.
+const DIFFERENT: f64 = 2e-3;
+
+/// Image mean and standard error per channel.
+fn means(frame: &Frame, samples: u32) -> [(f64, f64); 3] {
+    let (film, stats) = render(frame, SMALL, 0..samples);
+    assert_eq!(stats.dropped.count, 0, "{:?}", stats.dropped.first);
+    let (mean, error) = film.mean();
+    [0, 1, 2].map(|channel| (mean[channel], error[channel]))
+}
+
+fn assert_same(case: &str, found: [(f64, f64); 3], truth: [(f64, f64); 3]) {
+    for channel in 0..3 {
+        let (found, truth) = (found[channel], truth[channel]);
+        if (found, truth) == ((0.0, 0.0), (0.0, 0.0)) {
+            continue;
+        }
+        let z = z_of_means(found, truth);
+        assert!(z.abs() < 4.2, "{case}, channel {channel}: {found:?} instead of {truth:?}, z = {z}");
+    }
+}
+
+#[test]
+fn every_stage_agrees_with_its_twin() {
+    for (name, cloud) in clouds(SMALL) {
+        let (mut rows, mut decisions) = (0, 0);
+        for active in IN_GRIDS {
+            let frame = frames::with_techniques(&cloud, active, 4.0);
+            render_here(&frame, &CHECKED, 128, SMALL, 8);
+            let log = take_log();
+            assert!(log.failures.is_empty(), "{name}, {active:?}: {}", log.failures[0]);
+            (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+        }
+        assert!(decisions as f64 <= DIFFERENT * rows as f64, "{name}: {decisions} of {rows}");
+        assert!(rows > 10_000, "{name}: only {rows} rows");
+    }
+}
+
+#[test]
+fn whole_paths_agree_with_the_scalar_integrator() {
+    for (name, cloud) in clouds(SMALL) {
+        for active in IN_GRIDS {
+            let frame = frames::with_techniques(&cloud, active, 4.0);
+            let film = render_here(&frame, &SIMD, 64, SMALL, 1);
+            let (mut apart, mut sum) = (0, 0.0);
+            for (pixel, found) in (0..).zip(film.pixels()) {
+                let twin = reference::radiance(&frame, pixel, 0);
+                let far = |c: usize| (found.mean[c] - twin[c]).abs() > 1e-6 + 2e-2 * twin[c];
+                apart += u32::from((0..3).any(far));
+                sum += twin[1];
+            }
+            assert!(apart <= 3 && sum > 0.0, "{name}, {active:?}: {apart} of 256 samples are apart");
+        }
+    }
+}
+
+#[test]
+fn a_pipeline_of_twins_renders_the_same_paths() {
+    for (name, cloud) in clouds(SMALL) {
+        let frame = frames::with_techniques(&cloud, Active::Both, 4.0);
+        let [kernels, twins] = [SIMD, REFERENCE].map(|pipeline| render_here(&frame, &pipeline, 64, SMALL, 1));
+        let pairs = kernels.pixels().zip(twins.pixels());
+        let apart = pairs.filter(|(a, b)| (a.mean[1] - b.mean[1]).abs() > 1e-6 + 2e-2 * b.mean[1]).count();
+        assert!(apart <= 3, "{name}: {apart} of 256 samples are apart");
+    }
+}
+
+#[test]
+fn images_do_not_depend_on_threads_or_lanes() {
+    for (name, cloud) in clouds(SMALL) {
+        let frame = frames::with_techniques(&cloud, Active::Both, 4.0);
+        let image = |threads: usize, lanes: usize| {
+            let workers = Workers { threads, lanes: Some(lanes), ..WORKERS };
+            let (film, _) = render_with(&frame, &SIMD, workers, SMALL, 8, 0..5);
+            film.pixels().map(|pixel| pixel.mean.map(f64::to_bits)).collect::<Vec<_>>()
+        };
+        let one = image(1, 256);
+        assert!(one == image(2, 256) && one == image(2, 24), "{name}");
+    }
+}
+
+#[test]
+fn all_techniques_have_the_same_means_at_every_length() {
+    for (name, cloud) in clouds(SMALL) {
+        for segments in 1..=6 {
+            let cloud = frames::with_length(&cloud, segments);
+            let truth = means(&Frame { seed: 99, ..frames::with_techniques(&cloud, Active::Nee, 4.0) }, 3000);
+            for active in IN_GRIDS {
+                let seed = 100 * active as u32 + segments;
+                let frame = Frame { seed, ..frames::with_techniques(&cloud, active, 4.0) };
+                assert_same(&format!("{name}, {active:?}, {segments} segments"), means(&frame, 1500), truth);
+            }
+        }
+    }
+}
+
+/// Majorants, means and the size of cells are our own affair.
+#[test]
+fn the_coarse_field_changes_no_mean() {
+    for (name, base) in clouds(SMALL) {
+        let grid = base.medium().grid().expect("a cloud").clone();
+        let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 4000);
+        for (change, other) in [
+            ("majorants doubled", grid.clone().with_cells(3, 2.0, 1.0)),
+            ("means halved", grid.clone().with_cells(2, 1.0, 0.5)),
+            ("means doubled", grid.clone().with_cells(3, 1.0, 2.0)),
+            ("larger cells", grid.clone().with_cells(5, 1.0, 1.0)),
+        ] {
+            for active in [Active::Both, Active::Bridge] {
+                let frame = frames::with_techniques(&with_grid(&base, other.clone()), active, 4.0);
+                assert_same(&format!("{name}, {change}, {active:?}"), means(&frame, 3000), truth);
+            }
+        }
+    }
+}
+
+/// A grid of one density, so large that light from beyond it does not matter, is fog; and not noisier.
+#[test]
+fn a_constant_grid_is_fog() {
+    let fog = frames::fog_facing(0.0, 0.6, SMALL);
+    let everywhere = leaves(4, |_| 0.5);
+    let grid = Grid::new(&everywhere, &centred(32, 60.0, DVec3::ZERO), 2.0 * 1.7, Interpolation::Nearest);
+    let grey = with_grid(&fog, grid);
+    for active in IN_GRIDS {
+        let [fog, grid] = [&fog, &grey].map(|frame| means(&frames::with_techniques(frame, active, 4.0), 2000));
+        assert_same(&format!("{active:?}"), grid, fog);
+        let variance = (grid[1].1 / fog[1].1).powi(2);
+        // Heavy tails leave variances as uncertain as this; techniques without them keep to a twentieth.
+        let allowed = if matches!(active, Active::Path | Active::Nee) { 1.3 } else { 1.1 };
+        assert!(variance < allowed, "{active:?}: {variance} of the variance of fog");
+    }
+}
+
+/// A lamp behind a cloud that only absorbs: the transmittance of the cloud, by quadrature.
+#[test]
+fn lamps_behind_a_cloud_have_its_transmittance() {
+    let lamp = Emitter::disk(DVec3::new(0.1, 0.05, 3.0), -DVec3::Z, 0.6, [5.0; 3]);
+    let camera = Camera::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z, DVec3::Y, 0.05, 0.0, [1, 1]);
+    for (extinction, interpolation) in [(3.0, Interpolation::Trilinear), (8.0, Interpolation::Nearest)] {
+        let grid = cloud(3.0, DVec3::ZERO, extinction, interpolation);
+        let twin = GridTwin { grid: &grid, phase: &HenyeyGreenstein { g: 0.0 } };
+        let through = |x: f64, y: f64| {
+            let half = (0.05_f64 / 2.0).tan();
+            let way = DVec3::new(-(2.0 * x - 1.0) * half, (2.0 * y - 1.0) * half, 1.0) * 6.0;
+            let steps = 4000;
+            let at =
+                |i: i32| twin.extinction(DVec3::new(0.0, 0.0, -3.0) + (f64::from(i) + 0.5) / f64::from(steps) * way);
+            (-(0..steps).map(at).sum::<f64>() / f64::from(steps) * way.length()).exp()
+        };
+        let points = (0..8).flat_map(|i| (0..8).map(move |j| ((f64::from(i) + 0.5) / 8.0, (f64::from(j) + 0.5) / 8.0)));
+        let expected = 5.0 * points.map(|(x, y)| through(x, y)).sum::<f64>() / 64.0;
+        let medium = Medium::grid_of(grid.clone(), [0.0; 3], PhaseFunction::isotropic());
+        let frame = frames::plain(camera, medium, Lights::new(vec![lamp], Selection::Uniform), 4, 1);
+        let (film, _) = render_with(&frame, &SIMD, WORKERS, [1, 1], 32, 0..40_000);
+        let (mean, error) = film.mean();
+        assert!((mean[0] - expected).abs() < 4.5 * error[0] + 2e-3 * expected, "{mean:?} +- {error:?}, not {expected}");
+    }
+}

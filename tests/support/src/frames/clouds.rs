@@ -1,0 +1,68 @@
+//! Frames with grids of densities.
+
+use fogbow_kernels::media::grid::{Grid, Interpolation, Leaf, ToIndex};
+
+use super::*;
+
+/// The leaves of a cube of `side` leaves, of densities at index coordinates.
+pub fn leaves(side: i32, density: impl Fn([i32; 3]) -> f32) -> Vec<Leaf> {
+    let places = (0..side).flat_map(|z| (0..side).flat_map(move |y| (0..side).map(move |x| [x, y, z])));
+    let leaf = |place: [i32; 3]| {
+        let origin = place.map(|component| 8 * component);
+        let voxel = |i: usize| density([0, 1, 2].map(|axis| origin[axis] + (i >> (3 * axis) & 7) as i32));
+        Leaf { origin, values: Box::new(core::array::from_fn(voxel)) }
+    };
+    places.map(leaf).collect()
+}
+
+/// The map to index coordinates of a cube of `voxels` along each edge, of `size` `[m]`, about `center` `[m]`.
+pub fn centred(voxels: i32, size: f64, center: DVec3) -> ToIndex {
+    let scale = f64::from(voxels) / size;
+    let row = |axis: usize| {
+        let mut row = [0.0; 4];
+        row[axis] = scale;
+        row[3] = f64::from(voxels) / 2.0 - 0.5 - scale * center[axis];
+        row
+    };
+    [row(0), row(1), row(2)]
+}
+
+/// A lumpy cloud in 24^3 voxels, with holes, and nothing towards the border.
+pub fn lumps(place: [i32; 3]) -> f32 {
+    let at = place.map(|component| (f64::from(component) - 11.5) / 11.5);
+    let fade = (1.0 - at.map(|x| x * x).iter().sum::<f64>()).max(0.0);
+    let waves = (7.0 * at[0]).sin() * (5.0 * at[1] + 1.0).sin() * (6.0 * at[2] - 0.5).sin();
+    (fade * (0.3 + waves).max(0.0)) as f32
+}
+
+/// [`lumps`] in a cube of `size` about `center` `[m]`, with this extinction where they are densest [1/m].
+pub fn cloud(size: f64, center: DVec3, extinction: f32, interpolation: Interpolation) -> Grid {
+    Grid::new(&leaves(3, lumps), &centred(24, size, center), extinction, interpolation)
+}
+
+/// `frame` with the medium's extinction in a grid.
+pub fn with_grid(frame: &Frame, grid: Grid) -> Frame {
+    let Medium { albedo, phase, .. } = frame.medium().clone();
+    with_medium(frame, Medium::grid_of(grid, albedo, phase))
+}
+
+/// A cloud among lights in the open, and one in a room; techniques have to be set anew.
+pub fn clouds(size: [u32; 2]) -> [(&'static str, Frame); 2] {
+    let lights = three_lights(0.6, Selection::IntensityDistance, size);
+    let room = room(0.5, Selection::IntensityDistance, size);
+    let open = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear).with_cells(3, 1.0, 1.0);
+    let indoors = cloud(2.2, DVec3::new(0.0, 1.0, 1.4), 12.0, Interpolation::Nearest);
+    [("cloud among lights", with_grid(&lights, open)), ("cloud in a room", with_grid(&room, indoors))]
+}
+
+/// The sets of techniques that grids have.
+pub const IN_GRIDS: [Active; 8] = [
+    Active::Path,
+    Active::Nee,
+    Active::Mvnee,
+    Active::MvneeGaussian,
+    Active::Both,
+    Active::Omnee,
+    Active::Bridge,
+    Active::BridgeUniform,
+];
