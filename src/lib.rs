@@ -70,6 +70,7 @@ pub mod scene;
 pub mod session;
 pub mod stats;
 pub mod truncation;
+pub mod volume;
 pub mod warning;
 pub mod wavefront;
 

@@ -1,5 +1,5 @@
-//! What is wrong with a model, said from the inside out: where something is found, only the finding and the remedy are
-//! known; the object, its parent and at last the file are added on the way up.
+//! What is wrong with a model or a volume, said from the inside out: where something is found, only the finding and the
+//! remedy are known; the object, its parent and at last the file are added on the way up.
 
 use core::fmt::Display;
 

@@ -22,7 +22,7 @@ mod decode;
 mod document;
 mod element_format;
 mod elements;
-mod fault;
+pub(crate) mod fault;
 mod files;
 mod geometry;
 mod images;

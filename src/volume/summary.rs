@@ -1,0 +1,75 @@
+//! What a file says about a grid.
+
+use glam::{DAffine3, DVec3};
+
+use super::archive::Entry;
+
+/// What a file says about one of its grids, before any voxel is read. Programs may leave out counts and bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridSummary {
+    /// What the file calls it. Of grids that share a name, OpenVDB's number follows: `density[1]`.
+    pub name: String,
+    /// The type of its values: `float` for densities; `int32`, `vec3s` and others cannot be read.
+    pub value_type: String,
+    /// What values mean: `fog volume`, `level set`, `staggered` or `unknown`.
+    pub class: String,
+    /// How values are packed: `none`, `zip`, `blosc`, and `active values` if inactive ones are left out.
+    pub compression: String,
+    /// Whether values are saved as half floats.
+    pub is_half: bool,
+    /// Index coordinates of the first and the last active voxel along every axis; none if there are no voxels.
+    pub index_bounds: Option<[[i32; 3]; 2]>,
+    /// How many voxels are active, in leaves and in constant regions.
+    pub active_voxels: Option<u64>,
+    /// OpenVDB's name for the kind of its transform, for example `UniformScaleMap`.
+    pub transform: String,
+    /// World metres of index coordinates; none if the transform cannot be used.
+    pub index_to_world: Option<DAffine3>,
+}
+
+impl GridSummary {
+    /// What the file says about `entry`.
+    pub(super) fn of(entry: &Entry) -> Self {
+        let metadata = &entry.metadata;
+        let bounds = metadata.first.zip(metadata.last).map(|(first, last)| [first, last]);
+        Self {
+            name: entry.name.clone(),
+            value_type: entry.value_type().into(),
+            class: metadata.class.clone().unwrap_or_else(|| "unknown".into()),
+            compression: compression(entry.compression),
+            is_half: entry.is_half,
+            index_bounds: bounds.filter(|[first, last]| (0..3).all(|axis| first[axis] <= last[axis])),
+            active_voxels: metadata.active_voxels.and_then(|count| count.try_into().ok()),
+            transform: entry.map.name.clone(),
+            index_to_world: entry.map.affine().ok(),
+        }
+    }
+
+    /// Lengths of a voxel's edges `[m]`.
+    pub fn voxel_size(&self) -> Option<[f64; 3]> {
+        let matrix = self.index_to_world?.matrix3;
+        Some([matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length))
+    }
+
+    /// The smallest box `[m]` around all active voxels, each of which reaches half an edge beyond its centre: smallest
+    /// and largest coordinates.
+    pub fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let (bounds, map) = (self.index_bounds?, self.index_to_world?);
+        let [first, last] = bounds.map(|corner| DVec3::from(corner.map(f64::from)));
+        let [first, last] = [first - 0.5, last + 0.5];
+        let corners = (0..8).map(|corner| {
+            let choose = |axis: usize| if corner >> axis & 1 == 0 { first[axis] } else { last[axis] };
+            map.transform_point3(DVec3::new(choose(0), choose(1), choose(2)))
+        });
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let around = corners.fold(none, |[min, max], corner| [min.min(corner), max.max(corner)]);
+        Some(around.map(|corner| corner.to_array()))
+    }
+}
+
+/// Words for the bits of a compression, as OpenVDB has them.
+fn compression(bits: u32) -> String {
+    let words = [(1, "zip"), (4, "blosc"), (2, "active values")];
+    let words: Vec<_> = words.into_iter().filter(|(bit, _)| bits & bit != 0).map(|(_, word)| word).collect();
+    if words.is_empty() { "none".into() } else { words.join(" + ") }
+}
