@@ -21,6 +21,7 @@ use fogbow_testing::rays::{Departures, depart, leaks};
 use fogbow_testing::render::{WORKERS, green, render};
 use fogbow_testing::statistics::{p_of_counts, p_of_uniformity, p_of_z, z_of_means};
 use fogbow_testing::truths;
+use fogbow_testing::volumes;
 use glam::DVec3;
 
 /// Mean of a scene to a standard error of `goal`, against a published one of error `known`.
@@ -334,4 +335,9 @@ fn ten_million_rays_stay_in_closed_meshes() {
 fn millions_of_rays_leave_surfaces_to_the_side_they_go_to() {
     assert_eq!(depart(&meshes::cube(), 3_000_000, 104), Departures::default());
     assert_eq!(depart(&meshes::sphere(5), 3_000_000, 105), Departures::default());
+}
+
+#[test]
+fn a_hundred_thousand_damaged_volumes_are_grids_or_errors() {
+    println!("{:?}", volumes::damage(1 << 32, 100_000));
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use fogbow_kernels::WalkLimits;
 use fogbow_kernels::pipeline::SIMD;
 
-use super::{InfoArgs, say, warning_text};
+use super::{InfoArgs, say, volume, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, number, rate, starts};
 use crate::film::{self, Film, Region};
@@ -17,13 +17,14 @@ use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::LightKind;
 use crate::scene::{self, Contents, Light, LoadedScene};
 use crate::truncation::{self, Truncation};
+use crate::volume::is_volume;
 
 /// How long the rate is measured.
 const PILOT: Duration = Duration::from_millis(300);
 /// About how many pixels the rate is measured on.
 const PILOT_PIXELS: u32 = 1 << 14;
-/// Meshes and lights of a scene that are named.
-const MOST_NAMED: usize = 20;
+/// Meshes and lights of a scene, and grids of a volume, that are named.
+pub const MOST_NAMED: usize = 20;
 
 pub fn run(args: &InfoArgs) -> Result<()> {
     let path = args.path.as_path();
@@ -32,7 +33,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         let remedy = "give a scene, or the EXR image of the same render";
         return Err(Error::failure(path.display(), "is a PNG image, which holds no radiance", remedy));
     }
-    if format == Some(Format::Exr) {
+    if is_volume(path) {
+        volume::describe(path)
+    } else if format == Some(Format::Exr) {
         describe_image(path)
     } else {
         describe_scene(&scene::load(path, args.set.clone())?, args.verbose)
@@ -129,7 +132,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
 }
 
 /// A number of things that are called `one` where there is one.
-fn count(number: usize, one: &str) -> String {
+pub fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", if number == 1 { "" } else { "s" })
 }
 

@@ -10,6 +10,7 @@ mod progress;
 mod render;
 mod signals;
 mod values;
+mod volume;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -43,7 +44,7 @@ enum Command {
     Render(Box<RenderArgs>),
     /// Compare two EXR images: how much they differ, and whether noise explains it.
     Compare(CompareArgs),
-    /// Describe a scene and what it costs to render, or an image and its header.
+    /// Describe a scene and what it costs to render, an image and its header, or a volume and its grids.
     Info(InfoArgs),
     /// List the media that a scene can name as its preset, with their coefficients and sources.
     Presets(PresetsArgs),
@@ -159,7 +160,7 @@ struct CompareArgs {
 
 #[derive(Debug, Args)]
 struct InfoArgs {
-    /// A TOML file, a folder with a scene.toml, a glTF file, or an EXR image.
+    /// A TOML file, a folder with a scene.toml, a glTF file, an EXR image, or an OpenVDB file.
     path: PathBuf,
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]

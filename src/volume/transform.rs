@@ -73,7 +73,8 @@ impl Map {
 /// Whether a voxel of these edges has a sensible size and place.
 fn check(edges: &[DVec3; 3], origin: DVec3) -> Checked<()> {
     let lengths = edges.map(DVec3::length);
-    let finding = || format!("its voxels have edges of {lengths:?} m, which are not all from {EDGES:?}");
+    let (shortest, longest) = (EDGES.start(), EDGES.end());
+    let finding = || format!("its voxels have edges of {lengths:?} m; {shortest:e} to {longest:e} m can be read");
     require(lengths.iter().all(|length| EDGES.contains(length)), finding, "give the grid another voxel size")?;
     let finding = || format!("its transform puts voxel [0, 0, 0] at {:?} m, which is too far away", origin.to_array());
     let is_near = origin.to_array().iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE);

@@ -22,4 +22,5 @@ mod stats;
 mod stop;
 mod streams;
 mod support;
+mod volumes;
 mod warnings;

@@ -1,6 +1,7 @@
 //! Files that were damaged at random: whatever comes of it, it is a model or an error.
 
 use fogbow::gltf;
+use fogbow_testing::random::Random;
 use serde_json::{Value, json};
 
 use super::support::{Builder, everything, rgb};
@@ -8,23 +9,6 @@ use super::textures::{JPEGS, jpeg};
 
 /// Damaged files of each kind.
 const CASES: u64 = 4000;
-
-/// Random numbers that depend on the case alone (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Below `end`, which is > 0.
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-}
 
 /// Says which case it was if reading panics.
 struct Case(u64);
@@ -42,7 +26,7 @@ fn try_all(damage: impl Fn(&mut Random) -> Vec<u8>) {
     let mut models = 0;
     for case in 0..CASES {
         let _case = Case(case);
-        match gltf::parse("x", &damage(&mut Random(case)), None) {
+        match gltf::parse("x", &damage(&mut Random::new(case)), None) {
             Ok(model) => {
                 models += 1;
                 let vertices = model.positions.len();
