@@ -98,7 +98,7 @@ fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         // The same stretched flight, weighed for either share.
         let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
         let words = medium_sample::reference::words(9, sample, 0, free.seed);
-        let medium = free.medium().twin(0);
+        let medium = free.medium().homogeneous_twin(0);
         let t = medium.flight(random::uniform(words[0])) / 0.75;
         let weight = |share| first_flight::reference::weight(&medium, &free.lights, share, (origin, direction), t);
         let expected = weight(shares[0]) / weight(shares[1]);

@@ -22,6 +22,7 @@ use super::schema::{
     self, LARGEST_FILM, LightSelection, LisConnector, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
 };
 use super::surfaces;
+use super::volumes::{self, Volume};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gltf::{LightKind, Model};
@@ -58,7 +59,7 @@ pub fn frame(
     check.exposure(scene.film.exposure)?;
     let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
-    let medium = check.medium(scene)?;
+    let medium = check.medium_of(scene, origin)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, WalkLimits::ALL, 0.0, 0.0);
     let suns = model.as_ref().map_or_else(Vec::new, suns);
@@ -119,17 +120,32 @@ impl Check<'_> {
         Ok(value.0)
     }
 
-    fn medium(&self, scene: &Scene) -> Result<Medium> {
-        let Some(medium) = &scene.medium else {
-            return Ok(Medium::vacuum());
+    /// The medium around everything, or that of the only volume, with positions counted from `origin`.
+    fn medium_of(&self, scene: &Scene, origin: DVec3) -> Result<Medium> {
+        if let Some(error) = volumes::refused(scene, self.document) {
+            return Err(error);
+        }
+        let Some(keys) = scene.volume.first() else {
+            return scene.medium.as_ref().map_or(Ok(Medium::vacuum()), |medium| self.medium("medium", medium));
         };
-        let scattering = self.coefficient("medium.scattering", medium.scattering)?;
-        let absorption = self.coefficient("medium.absorption", medium.absorption)?;
+        if scene.render.technique.0.contains(&Technique::Lis) {
+            let remedy = "leave lis out: nee, mvnee, omnee and bridge go with grids";
+            return Err(self.wrong("render.technique", "lis, which does not go with the grid of a volume yet", remedy));
+        }
+        let table = "volume[0]".to_string();
+        let coefficients = self.medium(&table, &keys.medium())?;
+        Volume { document: self.document, table, keys }.medium(coefficients, origin)
+    }
+
+    /// The homogeneous medium of the keys at `table`.
+    fn medium(&self, table: &str, medium: &schema::Medium) -> Result<Medium> {
+        let scattering = self.coefficient(&format!("{table}.scattering"), medium.scattering)?;
+        let absorption = self.coefficient(&format!("{table}.absorption"), medium.absorption)?;
         let extinction: [f64; 3] = core::array::from_fn(|c| scattering[c] + absorption[c]);
         let grey = extinction.iter().all(|channel| (channel - extinction[0]).abs() <= 1e-6 * extinction[0]);
         let extinction = if grey { [extinction[0]; 3] } else { extinction };
         let albedo = |c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 };
-        let phase = phase::function(self.document, &medium.phase)?;
+        let phase = phase::function(self.document, &format!("{table}.phase"), &medium.phase)?;
         Ok(Medium::coloured(extinction.map(|channel| channel as f32), [0, 1, 2].map(albedo), phase))
     }
 

@@ -15,6 +15,7 @@ mod punctual;
 mod ranges;
 pub mod schema;
 mod surfaces;
+mod volumes;
 
 use std::path::{Path, PathBuf};
 
@@ -78,7 +79,8 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
     let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
-    let named = scene.geometry.iter().chain(table).map(|file| document.folder().join(file));
+    let grids = scene.volume.iter().map(|volume| &volume.grid.file);
+    let named = scene.geometry.iter().chain(table).chain(grids).map(|file| document.folder().join(file));
     let files = named.chain(beside).collect();
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));

@@ -18,21 +18,20 @@ const SHARPEST: f64 = 0.9999;
 /// Bytes of the largest table: some hundred thousand rows.
 const LARGEST_TABLE: u64 = 16 << 20;
 
-/// Where the keys stand.
-const KEY: &str = "medium.phase";
-
 /// The keys of a phase function, and where errors find them.
 struct Keys<'a> {
     document: &'a Document,
+    /// Where they stand.
+    at: &'a str,
     phase: &'a Phase,
 }
 
-/// The phase function that `phase` describes.
+/// The phase function that the keys at `at` describe.
 ///
 /// # Errors
 /// If a key is missing, out of range, or of another phase function, or the file of a table cannot be read.
-pub fn function(document: &Document, phase: &Phase) -> Result<PhaseFunction> {
-    let keys = Keys { document, phase };
+pub fn function(document: &Document, at: &str, phase: &Phase) -> Result<PhaseFunction> {
+    let keys = Keys { document, at, phase };
     keys.refuse_others()?;
     Ok(match phase.kind {
         PhaseKind::Isotropic => PhaseFunction::isotropic(),
@@ -50,14 +49,14 @@ pub fn function(document: &Document, phase: &Phase) -> Result<PhaseFunction> {
 impl Keys<'_> {
     /// An error about the key `name`.
     fn wrong(&self, name: &str, finding: impl core::fmt::Display, remedy: &str) -> Error {
-        let path = format!("{KEY}.{name}");
+        let path = format!("{}.{name}", self.at);
         self.document.error(&path, format!("{path} is {finding}"), remedy)
     }
 
     /// An error about a key that the phase function needs.
     fn missing(&self, name: &str, remedy: &str) -> Error {
-        let finding = format!("{KEY}.{name} is missing, but the phase function is {}", self.phase.kind.name());
-        self.document.error(KEY, finding, remedy)
+        let finding = format!("{}.{name} is missing, but the phase function is {}", self.at, self.phase.kind.name());
+        self.document.error(self.at, finding, remedy)
     }
 
     /// Keys that belong to other phase functions are mistakes.

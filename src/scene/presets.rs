@@ -5,12 +5,9 @@ mod table;
 use serde::Serialize;
 
 use super::document::Document;
-use super::schema::{Phase, Scene, Spectrum};
+use super::schema::{Medium, Phase, Scene, Spectrum};
 use crate::error::{Error, Result};
 pub use table::PRESETS;
-
-/// Where the key stands.
-const KEY: &str = "medium.preset";
 
 /// A medium with a name.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,40 +40,54 @@ impl Preset {
     }
 }
 
-/// Puts the coefficients of the preset that the medium of `scene` names in the place of the name, and its phase
-/// function unless the scene has one. What becomes of the scene then depends on numbers only: an image can be
-/// repeated although a preset was improved since.
+/// Puts the coefficients of the preset that a medium of `scene` names in the place of the name, and its phase function
+/// unless the scene has one. What becomes of the scene then depends on numbers only: an image can be repeated although a
+/// preset was improved since.
 ///
 /// # Errors
 /// If there is no such preset, or the medium has coefficients beside it.
 pub fn resolve(scene: &mut Scene, document: &Document) -> Result<()> {
-    let Some(medium) = &mut scene.medium else { return Ok(()) };
+    if let Some(medium) = &mut scene.medium {
+        resolve_at("medium", medium, document)?;
+    }
+    for (index, volume) in scene.volume.iter_mut().enumerate() {
+        let mut medium = volume.medium();
+        resolve_at(&format!("volume[{index}]"), &mut medium, document)?;
+        volume.set_medium(medium);
+    }
+    Ok(())
+}
+
+/// The same for the medium at `table`.
+fn resolve_at(table: &str, medium: &mut Medium, document: &Document) -> Result<()> {
     let Some(name) = medium.preset.take() else { return Ok(()) };
+    let key = format!("{table}.preset");
     let Some(preset) = Preset::named(&name) else {
         let names: Vec<_> = PRESETS.iter().map(|preset| preset.name).collect();
         let remedy = format!("choose one of {}; fogbow presets describes them", names.join(", "));
-        return Err(document.error(KEY, format!("{KEY} is {name:?}, but no preset has that name"), remedy));
+        return Err(document.error(&key, format!("{key} is {name:?}, but no preset has that name"), remedy));
     };
-    let coefficients = ["medium.scattering", "medium.absorption"];
-    if let Some(path) = coefficients.into_iter().find(|path| document.has(path)) {
-        return Err(contradiction(document, path, &name));
+    let coefficients = ["scattering", "absorption"].map(|coefficient| format!("{table}.{coefficient}"));
+    if let Some(path) = coefficients.iter().find(|path| document.has(path)) {
+        return Err(contradiction(document, table, path, &name));
     }
     medium.scattering = Spectrum(preset.scattering);
     medium.absorption = Spectrum(preset.absorption);
-    if !document.has("medium.phase") {
+    if !document.has(&format!("{table}.phase")) {
         medium.phase = preset.phase.clone();
     }
     Ok(())
 }
 
-/// The error that the coefficient at `path` stands beside the preset called `name`.
-fn contradiction(document: &Document, path: &str, name: &str) -> Error {
-    if document.is_set_by_flag(KEY) {
-        let remedy = format!("replace the whole medium: --set 'medium={{ preset = {name:?} }}'");
-        return document.error(KEY, format!("{KEY} is {name:?}, but {path} is given, too"), remedy);
+/// The error that the coefficient at `path` stands beside the preset called `name` of the medium at `table`.
+fn contradiction(document: &Document, table: &str, path: &str, name: &str) -> Error {
+    let key = format!("{table}.preset");
+    if document.is_set_by_flag(&key) {
+        let remedy = format!("replace the whole medium: --set '{table}={{ preset = {name:?} }}'");
+        return document.error(&key, format!("{key} is {name:?}, but {path} is given, too"), remedy);
     }
     let remedy = "leave out one of the two: a preset has its own scattering and absorption";
-    document.error(path, format!("{path} is given, but {KEY} is {name:?}"), remedy)
+    document.error(path, format!("{path} is given, but {key} is {name:?}"), remedy)
 }
 
 #[cfg(test)]

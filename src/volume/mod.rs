@@ -28,6 +28,8 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+pub use fogbow_kernels::media::grid::Leaf;
+
 use crate::error::{Error, Result};
 use crate::gltf::fault::InFile;
 use archive::Archive;
@@ -51,15 +53,6 @@ pub struct VoxelGrid {
     pub leaves: Vec<Leaf>,
     /// Voxels that the file calls active, even if they are 0, in leaves and in constant regions.
     pub active_voxels: u64,
-}
-
-/// 8^3 voxels.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Leaf {
-    /// Index coordinates of its first voxel: multiples of 8.
-    pub origin: [i32; 3],
-    /// Densities, finite and >= 0, in the unit of the file; x runs fastest: `values[(z * 8 + y) * 8 + x]`.
-    pub values: Box<[f32; 512]>,
 }
 
 /// What is in the file at `path`: all its grids, whether they can be read or not.
