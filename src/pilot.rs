@@ -4,8 +4,8 @@
 //! vertex suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small,
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
-//! Where there are surfaces connections have to be traced, and those that contribute less than the mean of the image
-//! may play roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges
+//! Where there are surfaces connections have to be traced, and in a grid their transmittance estimated, and those that
+//! contribute less than the mean of the image may play roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges
 //! as it is, and the mean takes a quarter of the time; where nothing scatters it would only add noise.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
@@ -65,11 +65,11 @@ pub struct Choices {
 
 impl Choices {
     /// Those that matter to `frame`. Without bridges there are no starts and survivals to try: techniques that do not
-    /// reach every path need every walk. Without surfaces there is no roulette to try: next to nothing is traced.
+    /// reach every path need every walk. Without surfaces or grids there is no roulette to try: next to nothing is traced.
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
         let bridges = scatters && frame.techniques.bridge.is_some();
-        let traces = scatters && frame.techniques.any() && !frame.surfaces.is_empty();
+        let traces = scatters && frame.techniques.any() && (!frame.surfaces.is_empty() || frame.varies());
         let Self { starts, survival, roulette } = self;
         Self { starts: bridges && starts, survival: bridges && survival, roulette: traces && roulette }
     }
@@ -279,7 +279,7 @@ impl<'a> Pilot<'a> {
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
         let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);
-        let cost = cost(&stats, !frame.surfaces.is_empty()) / stats.samples as f64;
+        let cost = cost(&stats, frame) / stats.samples as f64;
         let (means, errors) = film.mean();
         let brightest = (1..3).fold(0, |best, channel| if means[channel] > means[best] { channel } else { best });
         Look { variance, cost, mean: means[brightest], mean_error: errors[brightest] }
@@ -295,19 +295,24 @@ struct Look {
 }
 
 /// Work in units of about a nanosecond on one core: what stages were measured to cost per row.
-fn cost(stats: &Stats, has_surfaces: bool) -> f64 {
+fn cost(stats: &Stats, frame: &Frame) -> f64 {
     const SAMPLE: f64 = 10.0;
     const SEGMENT: f64 = 5.0;
     const CONNECTION: f64 = 40.0;
     const EDGE: f64 = 9.0;
     const TERM: f64 = 9.0;
     const TRACED: f64 = 22.0;
+    const TRACKED: f64 = 100.0;
+    const ESTIMATED: f64 = 150.0;
     let work = stats.work.expect("looks count work");
-    let traced = if has_surfaces { stats.segments + work.traced } else { 0 };
+    let where_that = |happens: bool, count: u64| if happens { count as f64 } else { 0.0 };
+    let traced = where_that(frame.is_solid(), stats.segments + work.traced);
     SAMPLE * stats.samples as f64
         + SEGMENT * stats.segments as f64
         + CONNECTION * work.connections as f64
         + EDGE * work.edges as f64
         + TERM * work.terms as f64
-        + TRACED * traced as f64
+        + TRACED * traced
+        + TRACKED * where_that(frame.varies(), stats.segments)
+        + ESTIMATED * where_that(frame.varies(), work.traced)
 }

@@ -70,20 +70,45 @@ samples = 4
 seed = 7
 "#;
 
+/// The medium of the scene, and the volume that stands in its place in another one.
+const MEDIUM: [&str; 2] = [
+    "[medium]\nscattering = [0.5, 0.75, 1]\nabsorption = [1, 0.75, 0.5]\nphase = { type = \"henyey_greenstein\", g = 0.5 }",
+    r#"[[volume]]
+name = "cloud"
+scattering = [0.5, 0.75, 1]
+absorption = [1, 0.75, 0.5]
+phase = { type = "henyey_greenstein", g = 0.5 }
+
+[volume.grid]
+file = "cloud.vdb"
+name = "density"
+scale = 2
+interpolation = "nearest"
+scale_by = 0.5
+rotate_deg = [10, 20, 30]
+translate = [1, 2, 3]"#,
+];
+
 /// Keys that change no sample.
 const WITHOUT_EFFECT: [&str; 3] = ["render.samples", "film.exposure", "punctual_radius"];
 /// Keys with nothing else to say here: phase functions have a test of their own, and what a light is follows from its
 /// normal and its exponent.
-const WITHOUT_CHOICE: [&str; 2] = ["medium.phase.type", "light.type"];
+const WITHOUT_CHOICE: [&str; 6] =
+    ["medium.phase.type", "light.type", "volume.phase.type", "volume.name", "volume.grid.file", "volume.grid.name"];
 /// Keys of other phase functions, the preset in the place of coefficients, and what needs a file of its own: see below,
 /// and the tests of models.
-const ELSEWHERE: [&str; 6] = [
+const ELSEWHERE: [&str; 11] = [
     "geometry",
     "medium.phase.alpha",
     "medium.phase.diameter_um",
     "medium.phase.file",
     "medium.phase.weight",
     "medium.preset",
+    "volume.phase.alpha",
+    "volume.phase.diameter_um",
+    "volume.phase.file",
+    "volume.phase.weight",
+    "volume.preset",
 ];
 
 /// The scene in a file, and what can be said about its keys.
@@ -94,9 +119,22 @@ struct Keys {
 
 impl Keys {
     fn new() -> Self {
+        Self::of(SCENE)
+    }
+
+    fn of(text: &str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a file");
+        std::fs::write(folder.path().join("scene.toml"), text).expect("a file");
+        let cloud = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/blob.vdb");
+        std::fs::copy(cloud, folder.path().join("cloud.vdb")).expect("a file");
         Self { folder, schema: schema_for!(Scene).to_value() }
+    }
+
+    /// The scene with a volume instead of a medium.
+    fn with_volume() -> Self {
+        let [medium, volume] = MEDIUM;
+        assert!(SCENE.contains(medium));
+        Self::of(&SCENE.replace(medium, volume).replace(", \"lis\"]", "]"))
     }
 
     fn file(&self) -> PathBuf {
@@ -182,16 +220,24 @@ fn key(path: &str) -> String {
 /// What goes with a change at `path`, so that the scene stays valid: extinction is the same in all channels.
 fn companion(path: &str, by: f64) -> Option<(String, Value)> {
     let absorption = |channel: usize| [1.0, 0.75, 0.5][channel];
-    let channel = path.strip_prefix("medium.scattering[")?.strip_suffix(']')?.parse().ok()?;
-    Some((format!("medium.absorption[{channel}]"), (absorption(channel) - by).into()))
+    let (table, channel) = path.strip_suffix(']')?.split_once(".scattering[")?;
+    let channel = channel.parse().ok()?;
+    Some((format!("{table}.absorption[{channel}]"), (absorption(channel) - by).into()))
 }
 
 #[test]
 fn every_key_that_samples_depend_on_changes_the_hash_and_no_other_does() {
-    let keys = Keys::new();
+    let mut seen = BTreeSet::from(ELSEWHERE.map(String::from));
+    for keys in [Keys::new(), Keys::with_volume()] {
+        assert_that_keys_change_the_hash(&keys, &mut seen);
+    }
+    assert_eq!(seen, Keys::new().all(), "keys of a scene, on the left those that were tried");
+}
+
+/// Tries every key of a scene, and notes it.
+fn assert_that_keys_change_the_hash(keys: &Keys, seen: &mut BTreeSet<String>) {
     let base = keys.base();
     let written: Value = base.to_toml().parse::<toml::Table>().expect("a scene is TOML").into();
-    let mut seen = BTreeSet::from(ELSEWHERE.map(String::from));
     leaves("", &written, &mut |path, value| {
         let key = key(path);
         seen.insert(key.clone());
@@ -209,9 +255,20 @@ fn every_key_that_samples_depend_on_changes_the_hash_and_no_other_does() {
             assert!(!same || changed.frame == base.frame, "{changes:?}: another frame under the same hash");
         }
         // Absorption alone is not a spectrum that can be rendered.
-        assert!(accepted > 0 || key == "medium.absorption", "{path}: no other value is accepted");
+        assert!(accepted > 0 || key.ends_with(".absorption"), "{path}: no other value is accepted");
     });
-    assert_eq!(seen, keys.all(), "keys of a scene, on the left those that were tried");
+}
+
+#[test]
+fn what_a_file_of_voxels_says_changes_the_hash_and_not_its_name() {
+    let keys = Keys::with_volume();
+    let hash = |file: &str| keys.with(&[("volume[0].grid.file".into(), file.into())]).expect("a scene").hash();
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes");
+    for (from, to) in [("blob.vdb", "same.vdb"), ("block.vdb", "other.vdb")] {
+        std::fs::copy(data.join(from), keys.folder.path().join(to)).expect("a file");
+    }
+    assert_eq!(hash("same.vdb"), hash("cloud.vdb"));
+    assert_ne!(hash("other.vdb"), hash("cloud.vdb"));
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::WalkLimits;
+use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::{InfoArgs, say, volume, warning_text};
@@ -76,6 +77,15 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
+    if let (Some(grid), Some(volume)) = (frame.medium().grid(), scene.volume.first()) {
+        let free_path = number(1.0 / f64::from(frame.medium().largest_extinction()), 4);
+        let (albedo, g) = (spectrum(frame.medium().albedo), number(frame.medium().phase.mean_cosine(), 4));
+        let (phase, bytes) = (volume.phase.kind.name(), grid.bytes() >> 10);
+        let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
+        let file = quoted(&volume.grid.file);
+        say(format!("volume{name}: {file}, mean free path {free_path} m where it is densest, albedo {albedo}"))?;
+        say(format!("  {phase} of mean cosine {g}, {bytes} KiB"))?;
+    }
     match &scene.medium {
         Some(medium) if frame.medium().largest_extinction() > 0.0 => {
             let free_path = spectrum(frame.medium().extinctions().map(|extinction| 1.0 / extinction));
@@ -83,6 +93,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
             let (albedo, phase) = (spectrum(frame.medium().albedo), medium.phase.kind.name());
             say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}"))?;
         }
+        _ if frame.varies() => {}
         _ if frame.surfaces.is_empty() => say("vacuum: only directly visible light counts")?,
         _ => say("vacuum")?,
     }
@@ -153,8 +164,10 @@ fn describe_contents(contents: &Contents) -> Result<()> {
 
 fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     let Light { name, values } = light;
-    let distance = glam::DVec3::from(values.center).distance(glam::DVec3::from(loaded.camera.position));
-    let depth = spectrum(loaded.frame.medium().extinctions().map(|extinction| distance as f32 * extinction));
+    let [camera, light] = [loaded.camera.position, values.center].map(glam::DVec3::from);
+    let (distance, origin) = (camera.distance(light), glam::DVec3::from(loaded.origin));
+    let depth = |channel| loaded.frame.medium().twin(channel).optical_depth(camera - origin, light - origin) as f32;
+    let depth = spectrum([0, 1, 2].map(depth));
     let (distance, radius) = (number(distance, 4), values.radius);
     let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
     let kind = match (values.kind, values.cone, values.exponent) {

@@ -71,6 +71,9 @@ impl LoadedScene {
         scene.geometry = None;
         scene.punctual_radius = 0.0;
         scene.camera = Some(CameraOrName::Table(self.camera));
+        for volume in &mut scene.volume {
+            (volume.name, volume.grid.file, volume.grid.name) = (None, String::new(), None);
+        }
         scene.light = self.lights.iter().map(|light| light.values.clone()).collect();
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");
         let mut hasher = blake3::Hasher::new();
@@ -82,6 +85,9 @@ impl LoadedScene {
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
         self.frame.medium().phase.digest(&mut digest);
+        if let Some(grid) = self.frame.medium().grid() {
+            grid.digest(&mut digest);
+        }
         hasher.finalize().to_hex()[..32].to_string()
     }
 

@@ -20,8 +20,8 @@ impl Wavefront<'_> {
             self.roulette(source, bucket, purpose);
         }
         let kept = self.count(bucket);
-        if self.frame.is_solid() {
-            // Tracing is dear, and few may be left.
+        if self.frame.is_solid() || self.frame.varies() {
+            // Tracing and tracking are dear, and few may be left.
             bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
             if let Some(work) = &mut self.stats.work {
                 work.traced += bucket.len as u64 * (bucket.inserted as u64 + 1);

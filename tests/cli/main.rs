@@ -2,6 +2,7 @@
 
 mod bar;
 mod bare;
+mod clouds;
 mod compare;
 mod exposure;
 mod files;

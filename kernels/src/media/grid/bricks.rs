@@ -9,6 +9,7 @@ use std::collections::HashMap;
 
 use wide::{f32x8, u32x8};
 
+use crate::lanes;
 use crate::vec3x8::Vec3x8;
 
 /// Voxels along the edge of a brick.
@@ -19,11 +20,8 @@ const STRIDE: usize = SIDE as usize + 1;
 const VALUES: usize = STRIDE * STRIDE * STRIDE;
 /// Largest 16-bit share.
 const WHOLE: f32 = u16::MAX as f32;
-/// Where the eight corners of an interpolation are, from the first of them on: x, then y, then z.
-const CORNERS: [usize; 8] = {
-    let (y, z) = (STRIDE, STRIDE * STRIDE);
-    [0, 1, y, y + 1, z, z + 1, y + z, y + z + 1]
-};
+/// Where the four pairs of an interpolation's corners are, each of two neighbours along x, from the first corner on.
+const PAIRS: [usize; 4] = [0, STRIDE, STRIDE * STRIDE, STRIDE * STRIDE + STRIDE];
 
 /// 8^3 voxels of a file or a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +137,16 @@ impl Bricks {
         Extent { least: value(f32::from(least)), most: value(f32::from(most)), mean }
     }
 
+    /// Hands all densities, and where they are, to `digest`.
+    pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        digest(bytemuck::cast_slice(&self.origin));
+        digest(bytemuck::cast_slice(&self.dims));
+        for Head { first, least, step } in &self.heads {
+            digest(&[first.to_le_bytes(), least.to_le_bytes(), step.to_le_bytes()].concat());
+        }
+        digest(bytemuck::cast_slice(&self.pool));
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.heads.as_slice()) + size_of_val(self.pool.as_slice())
@@ -180,21 +188,22 @@ impl Bricks {
     #[inline(always)]
     fn corners(&self, place: [u32x8; 3], [fx, fy, fz]: [f32x8; 3]) -> f32x8 {
         let [x, y, z] = place.map(u32x8::to_array);
-        let mut corners = [[0.0_f32; 8]; 8];
+        let mut pairs = [[0_u32; 8]; 4];
         let (mut least, mut step) = ([0.0_f32; 8], [0.0_f32; 8]);
         for lane in 0..8 {
             let (head, first) = self.find([x[lane], y[lane], z[lane]]);
             (least[lane], step[lane]) = (head.least, head.step);
-            let values = &self.pool[first..first + CORNERS[7] + 1];
-            for (corner, offset) in corners.iter_mut().zip(CORNERS) {
-                corner[lane] = f32::from(values[offset]);
+            let values = &self.pool[first..first + PAIRS[3] + 2];
+            for (pair, offset) in pairs.iter_mut().zip(PAIRS) {
+                pair[lane] = u32::from(values[offset]) | u32::from(values[offset + 1]) << 16;
             }
         }
-        let c = corners.map(f32x8::new);
         let mix = |a: f32x8, b: f32x8, share: f32x8| (b - a).mul_add(share, a);
-        let low = mix(mix(c[0], c[1], fx), mix(c[2], c[3], fx), fy);
-        let high = mix(mix(c[4], c[5], fx), mix(c[6], c[7], fx), fy);
-        mix(low, high, fz).mul_add(f32x8::new(step), f32x8::new(least))
+        let [low, after_low, high, after_high] = pairs.map(|pair| {
+            let pair = u32x8::new(pair);
+            mix(lanes::to_f32(pair & u32x8::splat(0xffff)), lanes::to_f32(pair >> 16_u32), fx)
+        });
+        mix(mix(low, after_low, fy), mix(high, after_high, fy), fz).mul_add(f32x8::new(step), f32x8::new(least))
     }
 
     #[inline(always)]

@@ -18,7 +18,7 @@ const WIDER: f32 = 1.0 + 1e-5;
 
 /// Optical thickness of a cell, at the largest majorant, up to which cells are made larger, and from which on they are
 /// made smaller: a free flight has about as many candidates as it crosses cells.
-const THICKNESS: f32 = 1.0;
+const THICKNESS: f32 = 2.0;
 
 /// Edges of cells, as powers of two in voxels.
 const SIDES: core::ops::RangeInclusive<u32> = 1..=7;
@@ -33,6 +33,8 @@ pub struct Cells {
     pub dims: [u32; 3],
     /// Edge of a cell in voxels.
     pub side: f32,
+    /// x runs fastest, then y; with a layer of empty cells all around, so that a ray that has just left the grid, but for
+    /// rounding, is still in one.
     cells: Vec<Cell>,
     /// Largest extinction anywhere [1/m].
     pub most: f32,
@@ -52,19 +54,39 @@ impl Cells {
     /// Those of 2^`log_side` voxels along each edge.
     pub fn of(bricks: &Bricks, unit: f32, log_side: u32, smooth: bool) -> Self {
         let dims = counts(bricks, log_side);
-        let mut cells = Vec::with_capacity(dims.iter().map(|dim| *dim as usize).product());
-        for (z, y) in (0..dims[2]).flat_map(|z| (0..dims[1]).map(move |y| (z, y))) {
-            cells.extend((0..dims[0]).map(|x| cell(bricks, unit, [x, y, z], log_side, smooth)));
+        let empty = vec![Cell::default(); dims.iter().map(|dim| *dim as usize + 2).product()];
+        let mut found = Self { dims, side: (1 << log_side) as f32, cells: empty, most: 0.0 };
+        let places = (0..dims[2]).flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])));
+        for place in places {
+            let cell = cell(bricks, unit, place, log_side, smooth);
+            found.most = found.most.max(cell.most);
+            let index = found.index(place);
+            found.cells[index] = cell;
         }
-        let most = cells.iter().map(|cell| cell.most).fold(0.0, f32::max);
-        Self { dims, side: (1 << log_side) as f32, cells, most }
+        found
+    }
+
+    /// From a cell to the next one along each axis, in [`Self::all`].
+    pub fn strides(&self) -> [i32; 3] {
+        let [width, height, _] = self.dims.map(|dim| dim as i32 + 2);
+        [1, width, width * height]
+    }
+
+    /// Where the cell at `place` is in [`Self::all`].
+    pub fn index(&self, place: [u32; 3]) -> usize {
+        let strides = self.strides();
+        (0..3).map(|axis| (place[axis] as usize + 1) * strides[axis] as usize).sum()
     }
 
     /// The cell at `place`, which is inside.
+    pub fn at(&self, place: [u32; 3]) -> &Cell {
+        &self.cells[self.index(place)]
+    }
+
+    /// All of them, and those around.
     #[inline(always)]
-    pub fn at(&self, [x, y, z]: [u32; 3]) -> &Cell {
-        let [width, height, _] = self.dims;
-        &self.cells[((z * height + y) * width + x) as usize]
+    pub fn all(&self) -> &[Cell] {
+        &self.cells
     }
 
     /// The same with all majorants multiplied by `factor` >= 1, and means by `mean`: what no image may depend on.

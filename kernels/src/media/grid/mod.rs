@@ -95,6 +95,14 @@ impl Grid {
         &self.cells
     }
 
+    /// Hands everything that extinctions depend on to `digest`.
+    pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        digest(&self.unit.to_le_bytes());
+        digest(&[u8::from(self.interpolation == Interpolation::Trilinear)]);
+        self.to_voxels.as_flattened().iter().for_each(|entry| digest(&entry.to_le_bytes()));
+        self.bricks.digest(digest);
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.bricks.bytes() + self.cells.bytes()

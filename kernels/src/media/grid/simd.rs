@@ -7,10 +7,9 @@
 //! 1. Lanes with fewer points wait for those with more.
 //! 2. A segment and its reverse have the same points, but for rounding.
 
-use wide::{f32x8, u32x8};
+use wide::{f32x8, i32x8, u32x8};
 
 use super::{Grid, Interpolation};
-use crate::lanes;
 use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8};
@@ -133,16 +132,14 @@ impl<'a> GridX8<'a> {
     #[inline(always)]
     fn mean_at(self, at: Vec3x8) -> f32x8 {
         let cells = &self.0.cells;
-        let [width, height, depth] = cells.dims;
-        let mut inside = lanes::mask(lanes::ALL);
-        let mut component = |v: f32x8, count: u32| -> [u32; 8] {
-            let kept = v.fast_max(f32x8::ZERO).fast_min(f32x8::splat((count - 1) as f32));
-            inside &= v.simd_ge(f32x8::ZERO) & v.simd_lt(f32x8::splat(count as f32));
-            bytemuck::cast(kept.fast_trunc_int())
-        };
-        let (x, y, z) = (component(at.x, width), component(at.y, height), component(at.z, depth));
-        let means = f32x8::new(core::array::from_fn(|lane| cells.at([x[lane], y[lane], z[lane]]).mean));
-        inside.select(means, f32x8::ZERO)
+        let mut index = i32x8::splat(0);
+        for ((v, count), stride) in [at.x, at.y, at.z].into_iter().zip(cells.dims).zip(cells.strides()) {
+            // One beyond the last is one of the empty cells, and so is, moved by one, the one before the first.
+            let kept = (v + f32x8::ONE).fast_max(f32x8::ZERO).fast_min(f32x8::splat((count + 1) as f32));
+            index += kept.fast_trunc_int() * i32x8::splat(stride);
+        }
+        let all = cells.all();
+        f32x8::new(index.to_array().map(|index| all[index as usize].mean))
     }
 }
 

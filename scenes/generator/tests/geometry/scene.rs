@@ -6,7 +6,8 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 6] = ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight", "colonnade", "godrays"];
+pub const SCENES: [&str; 7] =
+    ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight", "colonnade", "godrays", "cloud-box"];
 
 /// The folder of a scene.
 pub fn folder(name: &str) -> PathBuf {

@@ -14,20 +14,23 @@ use crate::random::{self, Stream};
 
 /// Length of the flight of a ray of unit `direction` that starts at `origin` `[m]`; infinite where it leaves the grid.
 pub fn flight(grid: &Grid, origin: DVec3, direction: DVec3, stream: Stream) -> f64 {
+    fly(grid, origin, direction, stream).0
+}
+
+/// The same, and the number of candidates on its way, the collision included.
+pub fn fly(grid: &Grid, origin: DVec3, direction: DVec3, stream: Stream) -> (f64, u32) {
     let mut walk = Walk::new(grid, origin, direction, f64::INFINITY);
-    let mut draws = (0..).map(|k| stream.words(k).map(random::uniform));
-    let mut u = || draws.next().expect("streams do not end");
-    let [mut first, ..] = u();
-    loop {
-        let Some(cell) = walk.advance(-(1.0 - first).ln(), |cell| f64::from(cell.most), |_, _| ()) else {
-            return f64::INFINITY;
-        };
-        let [chance, next, ..] = u();
+    let mut candidates = 0;
+    let [mut first, ..] = stream.words(0).map(random::uniform);
+    while let Some(cell) = walk.advance(-(1.0 - first).ln(), |cell| f64::from(cell.most), |_, _| ()) {
+        candidates += 1;
+        let [chance, next, ..] = stream.words(candidates).map(random::uniform);
         if chance * f64::from(cell.most) < walk.extinction() {
-            return walk.t;
+            return (walk.t, candidates);
         }
         first = next;
     }
+    (f64::INFINITY, candidates)
 }
 
 /// An estimate of the transmittance from `from` to `to`, as a product and the optical depth of the coarse field.

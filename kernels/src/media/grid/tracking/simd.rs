@@ -4,7 +4,8 @@
 //!     t += budget / rate;    ask the density there;    a new budget
 //! ```
 //!
-//! 1. Rays cross cells until each has a candidate or is through; then the density is asked for all of them at once.
+//! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those at
+//!    once, and the others go on where they are.
 //! 2. A lane whose ray has ended takes the next one: none waits for the longest ray. What becomes of a ray does not
 //!    depend on its lane or its neighbours.
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
@@ -18,6 +19,9 @@ use crate::media::grid::{Cell, Grid, GridX8};
 use crate::random::{Stream, uniform_x8};
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
+
+/// So many rays that still cross cells do not keep the others waiting.
+const FEW: u32 = 3;
 
 /// What is looked for along rays.
 trait Quest: Copy {
@@ -96,7 +100,10 @@ struct Lanes {
     next: Vec3x8,
     /// From one cell to the next along each axis.
     delta: Vec3x8,
-    cell: [i32x8; 3],
+    /// The cell that the ray is in.
+    cell: i32x8,
+    /// From there to the next one along each axis.
+    stride: [i32x8; 3],
     /// Length of a unit of t `[m]`.
     scale: f32x8,
     /// Mean free paths left until the next candidate.
@@ -144,7 +151,8 @@ impl Lanes {
             exit: zero,
             next: Vec3x8::ZERO,
             delta: Vec3x8::ZERO,
-            cell: [i32x8::splat(0); 3],
+            cell: i32x8::splat(0),
+            stride: [i32x8::splat(0); 3],
             scale: zero,
             budget: zero,
             result: zero,
@@ -223,6 +231,7 @@ impl Lanes {
         let at = direction.mul_add(enter, origin);
         let mut next = [f32x8::ZERO; 3];
         let mut delta = [f32x8::ZERO; 3];
+        let mut index = i32x8::splat(0);
         for axis in 0..3 {
             let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
             let (start, step) = (pick(origin), pick(direction));
@@ -234,8 +243,11 @@ impl Lanes {
             let moves = !step.simd_eq(f32x8::ZERO);
             next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
             delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
-            self.cell[axis] = choose(fresh, cell, self.cell[axis]);
+            let stride = i32x8::splat(grid.cells.strides()[axis]);
+            index += (cell + i32x8::splat(1)) * stride;
+            self.stride[axis] = choose(fresh, choose(forward, stride, -stride), self.stride[axis]);
         }
+        self.cell = choose(fresh, index, self.cell);
         let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
         self.origin = Vec3x8::select(fresh, origin, self.origin);
         self.direction = Vec3x8::select(fresh, direction, self.direction);
@@ -259,29 +271,31 @@ impl Lanes {
         [uniform_x8(a), uniform_x8(b)]
     }
 
-    /// Takes all rays to their next candidates; gives the lanes whose rays are through.
+    /// Takes most rays to their next candidates; gives the lanes whose rays end.
     #[inline(always)]
     fn cross_and_meet<Q: Quest>(&mut self, grid: &Grid) -> u32 {
-        let mut moving = lanes::mask(self.live);
-        let mut through = f32x8::ZERO;
-        let mut rates = [f32x8::ZERO; 2];
-        while moving.any() {
-            let here = self.rates::<Q>(grid);
-            rates = [0, 1].map(|i| moving.select(here[i], rates[i]));
+        let live = lanes::mask(self.live);
+        let (mut moving, mut through) = (live, f32x8::ZERO);
+        let mut rates;
+        loop {
+            rates = self.rates::<Q>(grid);
             let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
             let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
-            let spent = here[0] * length;
+            let spent = rates[0] * length;
             let crosses = moving & spent.simd_lt(self.budget);
             self.budget = crosses.select(self.budget - spent, self.budget);
-            self.known = crosses.select(here[1].mul_add(length, self.known), self.known);
+            self.known = crosses.select(rates[1].mul_add(length, self.known), self.known);
             self.t = crosses.select(border.fast_max(self.t), self.t);
-            let stays = crosses & border.simd_lt(self.exit);
-            self.step(stays, border);
-            moving = stays & self.inside(grid);
-            through |= crosses & !moving;
+            let goes_on = crosses & border.simd_lt(self.exit);
+            self.step(goes_on, border);
+            through |= crosses & !goes_on;
+            moving = goes_on;
+            if lanes::bits(moving).count_ones() <= FEW {
+                break;
+            }
         }
         self.through = lanes::bits(through);
-        let arrived = lanes::mask(self.live) & !through;
+        let arrived = live & !through & !moving;
         if !arrived.any() {
             return self.through;
         }
@@ -301,51 +315,21 @@ impl Lanes {
     /// The rates of the cells that rays are in.
     #[inline(always)]
     fn rates<Q: Quest>(&self, grid: &Grid) -> [f32x8; 2] {
-        let [x, y, z] = self.cell.map(i32x8::to_array);
-        let mut rates = [[0.0; LANES]; 2];
-        for lane in lanes::each(self.live) {
-            let of_cell = Q::rates(grid.cells.at([x[lane] as u32, y[lane] as u32, z[lane] as u32]));
-            (rates[0][lane], rates[1][lane]) = (of_cell[0], of_cell[1]);
-        }
-        rates.map(f32x8::new)
+        let all = grid.cells.all();
+        let rates = self.cell.to_array().map(|cell| Q::rates(&all[cell as usize]));
+        [0, 1].map(|i| f32x8::new(rates.map(|rates| rates[i])))
     }
 
-    /// Takes the rays in `crosses` across the next `border` that they come to.
+    /// Takes the rays in `crosses` across the next `border` that they come to, at edges and corners across all of them.
     #[inline(always)]
     fn step(&mut self, crosses: f32x8, border: f32x8) {
-        let mut left = crosses;
-        let mut next = [self.next.x, self.next.y, self.next.z];
         let delta = [self.delta.x, self.delta.y, self.delta.z];
-        let direction = [self.direction.x, self.direction.y, self.direction.z];
-        for axis in 0..3 {
-            let here = left & next[axis].simd_le(border);
-            next[axis] = here.select(next[axis] + delta[axis], next[axis]);
-            let forward = direction[axis].simd_gt(f32x8::ZERO);
-            let one: i32x8 = bytemuck::cast(forward.select(as_real(1), as_real(-1)) & here);
-            self.cell[axis] += one;
-            left &= !here;
+        for (axis, next) in [&mut self.next.x, &mut self.next.y, &mut self.next.z].into_iter().enumerate() {
+            let here = crosses & next.simd_le(border);
+            *next = here.select(*next + delta[axis], *next);
+            self.cell += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
         }
-        self.next = Vec3x8::new(next[0], next[1], next[2]);
     }
-
-    /// Which rays are in a cell; those that are not keep to the nearest, and are through.
-    #[inline(always)]
-    fn inside(&mut self, grid: &Grid) -> f32x8 {
-        let mut inside = lanes::mask(lanes::ALL);
-        for (cell, dim) in self.cell.iter_mut().zip(grid.cells.dims) {
-            let (zero, last) = (i32x8::splat(0), i32x8::splat(dim as i32 - 1));
-            let kept = (*cell).max(zero).min(last);
-            inside &= bytemuck::cast::<i32x8, f32x8>((*cell).simd_eq(kept));
-            *cell = kept;
-        }
-        inside
-    }
-}
-
-/// The bits of an integer as real lanes, to be chosen among.
-#[inline(always)]
-fn as_real(integer: i32) -> f32x8 {
-    bytemuck::cast(i32x8::splat(integer))
 }
 
 #[inline(always)]

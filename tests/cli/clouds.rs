@@ -1,0 +1,80 @@
+//! Scenes with a volume.
+
+use std::path::Path;
+
+use super::support::{Folder, SCENE, header};
+
+const MEDIUM: &str = "[medium]\nscattering = 0.7\nabsorption = 0.3";
+
+/// The test scene with a cloud of these keys in place of its fog.
+fn with_cloud(keys: &str) -> Folder {
+    let volume =
+        format!("[[volume]]\nname = \"puff\"\ngrid = {{ file = \"cloud.vdb\"{keys} }}\nscattering = 7\nabsorption = 3");
+    assert!(SCENE.contains(MEDIUM));
+    let folder = Folder::empty();
+    folder.write("scene.toml", SCENE.replace(MEDIUM, &volume));
+    let cloud = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/blob.vdb");
+    std::fs::copy(cloud, folder.path("cloud.vdb")).expect("a file");
+    folder
+}
+
+#[test]
+fn a_cloud_is_rendered_by_every_technique() {
+    let folder = with_cloud(", translate = [0, 0, 1.5]");
+    for technique in ["path", "nee", "mvnee", "nee,omnee", "bridge"] {
+        let run = folder.done(&["render", "scene.toml", "--technique", technique, "-o", "a.exr"]);
+        assert!(!run.stderr.contains("dropped"), "{run}");
+        assert_eq!(header(&folder.image("a.exr"), "technique").split(", ").collect::<Vec<_>>().join(","), technique);
+    }
+}
+
+#[test]
+fn a_cloud_is_described() {
+    let run = with_cloud(", scale = 2").done(&["info", "scene.toml"]);
+    let cloud = "volume \"puff\": \"cloud.vdb\", mean free path 0.05";
+    assert!(run.stdout.lines().any(|line| line.starts_with(cloud)), "{run}");
+    assert!(!run.stdout.contains("vacuum") && !run.stdout.contains("fog:"), "{run}");
+}
+
+#[test]
+fn no_result_replaces_the_voxels() {
+    let folder = with_cloud("");
+    folder.refused(
+        &["render", "scene.toml", "-o", "exr:cloud.vdb"],
+        2,
+        "--output cloud.vdb: names a file that this command reads",
+    );
+    assert!(folder.path("cloud.vdb").metadata().expect("a file").len() > 1000);
+}
+
+#[test]
+fn what_grids_do_not_go_with_is_refused() {
+    let folder = with_cloud("");
+    folder.refused(
+        &["render", "scene.toml", "--technique", "lis"],
+        2,
+        "--technique lis: render.technique is lis, which",
+    );
+    let coloured = ["render", "scene.toml", "--set", "volume[0].scattering=[1, 2, 3]"];
+    folder.refused(&coloured, 2, "--set volume[0].scattering=[1, 2, 3]: volume[0].scattering is an extinction");
+    let both = ["render", "scene.toml", "--set", "medium.scattering=1"];
+    folder.refused(&both, 2, "--set medium.scattering=1: medium is given beside a volume");
+}
+
+#[test]
+fn keys_out_of_range_and_missing_grids_are_refused() {
+    for (keys, beginning) in [
+        (", scale = 0", "scene.toml:10:38: volume[0].grid.scale is 0.0"),
+        (", scale_by = -1", "volume[0].grid.scale_by is -1.0"),
+        (", rotate_deg = [0, 0, 999]", "volume[0].grid.rotate_deg is [0.0, 0.0, 999.0]"),
+        (", translate = [1e10, 0, 0]", "volume[0].grid.translate is [10000000000.0, 0.0, 0.0]"),
+        (", name = \"smoke\"", "smoke"),
+    ] {
+        let run = with_cloud(keys).run(&["render", "scene.toml"]);
+        let finding = beginning.rsplit(": ").next().expect("a finding");
+        assert!(run.code == Some(1) && run.stderr.contains(finding), "{keys}: {run}");
+    }
+    let folder = with_cloud("");
+    folder.write("cloud.vdb", "no voxels");
+    folder.refused(&["render", "scene.toml"], 1, "cloud.vdb: ");
+}
