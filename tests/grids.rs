@@ -153,6 +153,44 @@ fn a_constant_grid_is_fog() {
     }
 }
 
+/// A box with a lamp behind it has the transmittance of its thickness, without noise.
+#[test]
+fn lamps_behind_a_box_have_its_transmittance() {
+    let lamp = Emitter::disk(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [5.0; 3]);
+    for (near, far) in [(0.5, 2.0), (-1.0, 2.0), (-1.0, 7.0)] {
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1e-3, 0.0, [4, 4]);
+        let grid = Grid::block([[-3.0, -2.0, near], [4.0, 2.5, far]], 0.7);
+        let medium = Medium::grid_of(grid, [0.0; 3], PhaseFunction::isotropic());
+        let frame = frames::plain(camera, medium, Lights::new(vec![lamp], Selection::Uniform), 4, 1);
+        let expected = 5.0 * (-0.7 * (far.min(3.0) - f64::max(near, 0.0))).exp();
+        for pipeline in [SIMD, REFERENCE] {
+            let (film, _) = render_with(&frame, &pipeline, WORKERS, [4, 4], 32, 0..8);
+            let off = film.pixels().map(|pixel| (pixel.mean[0] / expected - 1.0).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-5, "{near} to {far}: {off}");
+        }
+    }
+}
+
+/// Lights and a room with a box of fog in the middle of it, whether paths start inside or outside.
+#[test]
+fn all_techniques_have_the_same_means_around_a_box() {
+    let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let room = frames::room(0.5, Selection::IntensityDistance, SMALL);
+    let inside = Grid::block([[-0.7, -0.6, -0.5], [0.9, 0.5, 2.1]], 1.5);
+    let outside = Grid::block([[-0.5, 0.2, 0.8], [0.6, 1.6, 2.0]], 3.0);
+    for (name, base) in [("inside", with_grid(&lights, inside)), ("outside", with_grid(&room, outside))] {
+        for segments in 1..=4 {
+            let base = frames::with_length(&base, segments);
+            let truth = means(&Frame { seed: 99, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 3000);
+            for active in IN_GRIDS {
+                let seed = 100 * active as u32 + segments;
+                let frame = Frame { seed, ..frames::with_techniques(&base, active, 4.0) };
+                assert_same(&format!("{name}, {active:?}, {segments} segments"), means(&frame, 1500), truth);
+            }
+        }
+    }
+}
+
 /// A lamp behind a cloud that only absorbs: the transmittance of the cloud, by quadrature.
 #[test]
 fn lamps_behind_a_cloud_have_its_transmittance() {

@@ -97,7 +97,7 @@ const WITHOUT_CHOICE: [&str; 6] =
     ["medium.phase.type", "light.type", "volume.phase.type", "volume.name", "volume.grid.file", "volume.grid.name"];
 /// Keys of other phase functions, the preset in the place of coefficients, and what needs a file of its own: see below,
 /// and the tests of models.
-const ELSEWHERE: [&str; 11] = [
+const ELSEWHERE: [&str; 14] = [
     "geometry",
     "medium.phase.alpha",
     "medium.phase.diameter_um",
@@ -109,6 +109,9 @@ const ELSEWHERE: [&str; 11] = [
     "volume.phase.file",
     "volume.phase.weight",
     "volume.preset",
+    "volume.shape.max",
+    "volume.shape.min",
+    "volume.shape.type",
 ];
 
 /// The scene in a file, and what can be said about its keys.
@@ -257,6 +260,17 @@ fn assert_that_keys_change_the_hash(keys: &Keys, seen: &mut BTreeSet<String>) {
         // Absorption alone is not a spectrum that can be rendered.
         assert!(accepted > 0 || key.ends_with(".absorption"), "{path}: no other value is accepted");
     });
+}
+
+#[test]
+fn corners_of_a_box_change_the_hash() {
+    let volume = "[[volume]]\nscattering = 1\nshape = { type = 'box', min = [0, 0, 1], max = [1, 2, 3] }\n";
+    let keys = Keys::of(&SCENE.replace(MEDIUM[0], volume).replace(", \"lis\"]", "]"));
+    for (corner, axis) in ["min", "max"].into_iter().flat_map(|corner| (0..3).map(move |axis| (corner, axis))) {
+        let change = (format!("volume[0].shape.{corner}[{axis}]"), Value::from(0.5 + f64::from(axis)));
+        let change = if corner == "max" { (change.0, Value::from(4.5)) } else { change };
+        assert_ne!(keys.with(&[change]).expect("a scene").hash(), keys.base().hash(), "{corner} {axis}");
+    }
 }
 
 #[test]

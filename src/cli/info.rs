@@ -82,8 +82,11 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         let (albedo, g) = (spectrum(frame.medium().albedo), number(frame.medium().phase.mean_cosine(), 4));
         let (phase, bytes) = (volume.phase.kind.name(), grid.bytes() >> 10);
         let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
-        let file = quoted(&volume.grid.file);
-        say(format!("volume{name}: {file}, mean free path {free_path} m where it is densest, albedo {albedo}"))?;
+        let (what, densest) = match &volume.grid {
+            Some(grid) => (quoted(&grid.file), " where it is densest"),
+            None => ("a box".into(), ""),
+        };
+        say(format!("volume{name}: {what}, mean free path {free_path} m{densest}, albedo {albedo}"))?;
         say(format!("  {phase} of mean cosine {g}, {bytes} KiB"))?;
     }
     match &scene.medium {

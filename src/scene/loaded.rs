@@ -72,7 +72,10 @@ impl LoadedScene {
         scene.punctual_radius = 0.0;
         scene.camera = Some(CameraOrName::Table(self.camera));
         for volume in &mut scene.volume {
-            (volume.name, volume.grid.file, volume.grid.name) = (None, String::new(), None);
+            volume.name = None;
+            if let Some(grid) = &mut volume.grid {
+                (grid.file, grid.name) = (String::new(), None);
+            }
         }
         scene.light = self.lights.iter().map(|light| light.values.clone()).collect();
         let canonical = serde_json::to_vec(&scene).expect("a scene is made of numbers and names");

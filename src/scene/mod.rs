@@ -79,7 +79,7 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
     let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
-    let grids = scene.volume.iter().map(|volume| &volume.grid.file);
+    let grids = scene.volume.iter().filter_map(|volume| Some(&volume.grid.as_ref()?.file));
     let named = scene.geometry.iter().chain(table).chain(grids).map(|file| document.folder().join(file));
     let files = named.chain(beside).collect();
     let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 pub use phase::{Phase, PhaseKind};
 pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Spectrum, Starts, Techniques};
-pub use volume::{Grid, Interpolation, Volume};
+pub use volume::{Grid, Interpolation, Shape, Volume};
 
 /// Most segments of a path.
 pub const MOST_SEGMENTS: u32 = 1024;
@@ -46,7 +46,8 @@ pub struct Scene {
     /// The medium around everything, unbounded and homogeneous. Absent: vacuum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub medium: Option<Medium>,
-    /// A medium with bounds, in vacuum: a cloud, smoke. So far a scene has one at most, with a grid, and then no medium.
+    /// A medium with bounds, in vacuum: a cloud, smoke, a block of milk. So far a scene has one at most, and then no
+    /// medium.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub volume: Vec<Volume>,
     /// A light; repeat the table for each one.

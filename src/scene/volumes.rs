@@ -1,4 +1,4 @@
-//! Media with grids: from a file of voxels to the densities that stages read.
+//! Media with bounds: from a box, or a file of voxels, to the densities that stages read.
 
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::media::grid::{Grid, Interpolation, ToIndex};
@@ -12,6 +12,8 @@ use crate::volume::{self, VoxelGrid};
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
+/// Shortest edge of a box `[m]`.
+const SMALLEST_EDGE: f64 = 1e-6;
 
 /// A volume of the scene file, and where errors find its keys.
 pub struct Volume<'a> {
@@ -27,13 +29,45 @@ impl Volume<'_> {
     /// The medium, with coefficients for a density of 1 as in `coefficients`, of positions counted from `origin`.
     ///
     /// # Errors
-    /// If a key is out of range, extinction is coloured, or the file cannot be read.
+    /// If a key is out of range or missing, extinction is coloured, or the file cannot be read.
     pub fn medium(&self, coefficients: Medium, origin: DVec3) -> Result<Medium> {
         let finding =
-            "an extinction (scattering + absorption) that differs between channels, which grids cannot have yet";
+            "an extinction (scattering + absorption) that differs between channels, which volumes cannot have yet";
         let remedy = "make scattering + absorption the same in all channels; their shares may differ";
         self.require(!coefficients.is_coloured(), "scattering", finding, remedy)?;
-        let grid = &self.keys.grid;
+        let extinction = coefficients.largest_extinction();
+        let grid = match (&self.keys.shape, &self.keys.grid) {
+            (Some(shape), None) => self.block(shape, extinction, origin)?,
+            (None, Some(grid)) => self.voxels(grid, extinction, origin)?,
+            (shape, _) => {
+                let found = if shape.is_some() { "both a shape and a grid" } else { "neither a shape nor a grid" };
+                let remedy = "give it a shape, or a grid, which is bounded by its own box";
+                return Err(self.document.error(&self.table, format!("{} has {found}", self.table), remedy));
+            }
+        };
+        Ok(grid.map_or(Medium::vacuum(), |grid| Medium::grid_of(grid, coefficients.albedo, coefficients.phase)))
+    }
+
+    /// A medium that is the same everywhere in a box; none in vacuum.
+    fn block(&self, shape: &schema::Shape, extinction: f32, origin: DVec3) -> Result<Option<Grid>> {
+        for (key, corner) in [("shape.min", shape.min), ("shape.max", shape.max)] {
+            let ok = corner.iter().all(|x| x.abs() <= LARGEST);
+            self.require(ok, key, format!("{corner:?}"), "give three finite coordinates from -1e9 to 1e9 m")?;
+        }
+        let ok = (0..3).all(|axis| shape.max[axis] - shape.min[axis] >= SMALLEST_EDGE);
+        let finding = format!("{:?}, where min is {:?}", shape.max, shape.min);
+        self.require(
+            ok,
+            "shape.max",
+            finding,
+            "make each of its coordinates larger than that of min by 1e-6 m or more",
+        )?;
+        let corners = [shape.min, shape.max].map(|corner| (DVec3::from(corner) - origin).to_array());
+        Ok((extinction > 0.0).then(|| Grid::block(corners, extinction)))
+    }
+
+    /// The grid of a file, in its place; none in vacuum.
+    fn voxels(&self, grid: &schema::Grid, extinction: f32, origin: DVec3) -> Result<Option<Grid>> {
         for (key, scale) in [("grid.scale", grid.scale), ("grid.scale_by", grid.scale_by)] {
             let ok = scale > 0.0 && scale <= LARGEST_SCALE;
             self.require(ok, key, format!("{scale:?}"), "give a number above 0, up to 1e9")?;
@@ -44,27 +78,22 @@ impl Volume<'_> {
         let ok = grid.rotate_deg.iter().all(|x| x.abs() <= 360.0);
         let finding = format!("{:?}", grid.rotate_deg);
         self.require(ok, "grid.rotate_deg", finding, "give three angles from -360 to 360 degrees")?;
-        let unit = f64::from(coefficients.largest_extinction()) * grid.scale;
-        let voxels = self.voxels()?;
-        let Some(unit) = Some(unit as f32).filter(|unit| *unit > 0.0 && !voxels.leaves.is_empty()) else {
-            return Ok(Medium::vacuum());
-        };
+        let path = self.document.folder().join(&grid.file);
+        let voxels = volume::read(&path, grid.name.as_deref(), &|_, _| {})?;
+        let unit = (f64::from(extinction) * grid.scale) as f32;
+        if unit == 0.0 || voxels.leaves.is_empty() {
+            return Ok(None);
+        }
         let interpolation = match grid.interpolation {
             schema::Interpolation::Trilinear => Interpolation::Trilinear,
             schema::Interpolation::Nearest => Interpolation::Nearest,
         };
-        let grid = Grid::new(&voxels.leaves, &self.to_index(&voxels, origin)?, unit, interpolation);
-        Ok(Medium::grid_of(grid, coefficients.albedo, coefficients.phase))
-    }
-
-    fn voxels(&self) -> Result<VoxelGrid> {
-        let path = self.document.folder().join(&self.keys.grid.file);
-        volume::read(&path, self.keys.grid.name.as_deref(), &|_, _| {})
+        let to_index = self.to_index(grid, &voxels, origin)?;
+        Ok(Some(Grid::new(&voxels.leaves, &to_index, unit, interpolation)))
     }
 
     /// From positions counted from `origin` to index coordinates.
-    fn to_index(&self, voxels: &VoxelGrid, origin: DVec3) -> Result<ToIndex> {
-        let grid = &self.keys.grid;
+    fn to_index(&self, grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> Result<ToIndex> {
         let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
         let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
         let placed = DAffine3::from_scale_rotation_translation(

@@ -37,6 +37,26 @@ fn a_cloud_is_described() {
 }
 
 #[test]
+fn a_box_is_rendered_and_described() {
+    let volume = "[[volume]]\nshape = { type = \"box\", min = [-1, -1, 1], max = [1, 1, 2] }\nscattering = 2";
+    let folder = Folder::empty();
+    folder.write("scene.toml", SCENE.replace(MEDIUM, volume));
+    folder.done(&["render", "scene.toml", "--technique", "bridge", "-o", "a.exr"]);
+    let run = folder.done(&["info", "scene.toml"]);
+    assert!(run.stdout.contains("volume: a box, mean free path 0.5000 m, albedo 1"), "{run}");
+    for (set, finding) in [
+        ("volume[0].shape.max=[1, 1, 1]", "volume[0].shape.max is [1.0, 1.0, 1.0], where min is [-1.0, -1.0, 1.0]"),
+        ("volume[0].shape.min=[nan, 0, 0]", "volume[0].shape.min is [NaN, 0.0, 0.0]"),
+        ("volume[0].shape.type=ball", "box"),
+    ] {
+        let run = folder.run(&["render", "scene.toml", "--set", set]);
+        assert!(run.code == Some(2) && run.stderr.contains(finding), "{run}");
+    }
+    folder.write("scene.toml", SCENE.replace(MEDIUM, "[[volume]]\nscattering = 2"));
+    folder.refused(&["render", "scene.toml"], 1, "scene.toml:");
+}
+
+#[test]
 fn no_result_replaces_the_voxels() {
     let folder = with_cloud("");
     folder.refused(

@@ -25,8 +25,35 @@ pub struct Volume {
     /// How a scattering event redirects light.
     #[serde(default, deserialize_with = "phase::table_or_name")]
     pub phase: Phase,
-    /// Densities, which multiply scattering and absorption; 0 outside.
-    pub grid: Grid,
+    /// What bounds a medium that is the same everywhere inside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Shape>,
+    /// Densities, which multiply scattering and absorption; 0 outside. A volume has either a shape or a grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid: Option<Grid>,
+}
+
+/// `[[volume]] shape`
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shape {
+    /// The shape.
+    #[serde(rename = "type")]
+    pub kind: ShapeKind,
+    /// Corner with the smallest coordinates `[m]`.
+    #[serde(deserialize_with = "values::entries")]
+    pub min: [f64; 3],
+    /// Corner with the largest coordinates `[m]`.
+    #[serde(deserialize_with = "values::entries")]
+    pub max: [f64; 3],
+}
+
+/// Shapes of volumes.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeKind {
+    /// A box with its edges along the axes.
+    Box,
 }
 
 /// `[[volume]] grid`

@@ -82,6 +82,23 @@ impl Grid {
         Self { bricks, cells, unit, interpolation, to_voxels }
     }
 
+    /// A box of one `extinction` [1/m] from corner `low` to corner `high` `[m]`: a brick of one density, the voxels of
+    /// which fill it to its faces. Its transmittance is known, so that nothing is left to chance.
+    ///
+    /// # Panics
+    /// If it has no inside.
+    pub fn block([low, high]: [[f64; 3]; 2], extinction: f32) -> Self {
+        let side = f64::from(bricks::SIDE);
+        let mut to_index = [[0.0; 4]; 3];
+        for (axis, row) in to_index.iter_mut().enumerate() {
+            assert!(low[axis] < high[axis], "a box has an inside");
+            row[axis] = side / (high[axis] - low[axis]);
+            row[3] = -low[axis] * row[axis] - 0.5;
+        }
+        let leaf = Leaf { origin: [0; 3], values: Box::new([1.0; 512]) };
+        Self::new(&[leaf], &to_index, extinction, Interpolation::Nearest).with_cells(bricks::SIDE.ilog2(), 1.0, 1.0)
+    }
+
     /// The same with other cells: of 2^`log_side` voxels along each edge, with majorants times `factor` and means times
     /// `mean`. No mean of any image depends on them.
     pub fn with_cells(self, log_side: u32, factor: f32, mean: f32) -> Self {
