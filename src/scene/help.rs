@@ -106,7 +106,8 @@ mod tests {
         let mut count = 0;
         for (key, property) in tables.flat_map(properties) {
             let line = page.lines().position(|line| {
-                let line = line.trim().trim_start_matches("phase.");
+                let nested = ["phase.", "shape.", "grid."].into_iter();
+                let line = nested.fold(line.trim(), |line, table| line.trim_start_matches(table));
                 line.starts_with(&format!("{key} =")) || line.trim_matches(['[', ']']) == key
             });
             let line = line.unwrap_or_else(|| panic!("{key} is missing on\n{page}"));

@@ -26,8 +26,9 @@ fn statistics_tell_what_every_stage_did() {
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
-    // Nothing is solid in this scene, and its extinction is grey; lamps has what is solid.
-    let others = |(_, name): &(usize, &&str)| !["surface", "spectral_weight"].contains(name);
+    // Nothing is solid in this scene, and its extinction is grey and the same everywhere; lamps has what is solid.
+    let elsewhere = ["surface", "spectral_weight", "passage", "transmittance"];
+    let others = |(_, name): &(usize, &&str)| !elsewhere.contains(name);
     for (index, name) in names.iter().enumerate().filter(others) {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
         let lanes = stage("live_lanes_per_batch");
@@ -44,6 +45,15 @@ fn flights_are_weighed_by_channel_where_extinction_is_coloured() {
     let statistics = statistics(&folder, &["--samples", "4", "--set", "medium.scattering=[0.5, 0.7, 1]"]);
     let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
     assert!(calls(Stage::SpectralWeight) >= 1.0 && calls(Stage::FlightWeight) == 0.0, "{statistics:#}");
+}
+
+#[test]
+fn transmittances_are_estimated_where_extinction_varies() {
+    let fog = "[medium]\nscattering = 0.7\nabsorption = 0.3";
+    let volume = "[[volume]]\nshape = { type = 'box', min = [-1, -1, 1], max = [1, 1, 2] }\nscattering = 2";
+    let statistics = statistics(&Folder::with_edited_scene(fog, volume), &["--samples", "4"]);
+    let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
+    assert!(calls(Stage::Passage) >= 1.0 && calls(Stage::Transmittance) >= 1.0, "{statistics:#}");
 }
 
 #[test]
