@@ -8,10 +8,12 @@ use super::document::Document;
 use super::ranges::LARGEST;
 use super::schema;
 use crate::error::{Error, Result};
-use crate::volume::{self, VoxelGrid};
+use crate::volume::{self, Leaf, VoxelGrid};
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
+/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 1.5 GiB.
+const MOST_BRICKS: u64 = 1 << 27;
 /// Shortest edge of a box `[m]`.
 const SMALLEST_EDGE: f64 = 1e-6;
 
@@ -84,11 +86,21 @@ impl Volume<'_> {
         if unit == 0.0 || voxels.leaves.is_empty() {
             return Ok(None);
         }
+        let bricks = bricks_spanned(&voxels.leaves);
+        let finding = format!("a grid whose voxels are so far apart that {bricks} bricks of 8x8x8 lie between them");
+        let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
+        self.require(bricks <= MOST_BRICKS, "grid.file", finding, &remedy)?;
         let interpolation = match grid.interpolation {
             schema::Interpolation::Trilinear => Interpolation::Trilinear,
             schema::Interpolation::Nearest => Interpolation::Nearest,
         };
         let to_index = self.to_index(grid, &voxels, origin)?;
+        let densest =
+            voxels.leaves.iter().flat_map(|leaf| leaf.values.iter()).fold(0.0, |most: f32, value| most.max(*value));
+        let finding =
+            format!("{:?}, which makes an extinction of {:e}/m", grid.scale, f64::from(densest) * f64::from(unit));
+        let remedy = "give a smaller number: extinction goes up to 1e9/m";
+        self.require(f64::from(densest) * f64::from(unit) <= LARGEST, "grid.scale", finding, remedy)?;
         Ok(Some(Grid::new(&voxels.leaves, &to_index, unit, interpolation)))
     }
 
@@ -116,6 +128,16 @@ impl Volume<'_> {
     }
 }
 
+/// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.
+fn bricks_spanned(leaves: &[Leaf]) -> u64 {
+    let along = |axis: usize| {
+        let brick = |leaf: &Leaf| i64::from(leaf.origin[axis].div_euclid(8));
+        let (first, last) = (leaves.iter().map(brick).min(), leaves.iter().map(brick).max());
+        first.zip(last).map_or(0, |(first, last)| (last - first + 2) as u64)
+    };
+    (0..3).map(along).fold(1, u64::saturating_mul)
+}
+
 /// The error that a scene has what volumes do not go with yet, if it does.
 pub fn refused(scene: &schema::Scene, document: &Document) -> Option<Error> {
     let around = scene.medium.as_ref().filter(|_| !scene.volume.is_empty());
@@ -127,4 +149,18 @@ pub fn refused(scene: &schema::Scene, document: &Document) -> Option<Error> {
         let finding = format!("there are {} volumes, but so far a scene has one at most", scene.volume.len());
         document.error("volume[1]", finding, "leave out all but one")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn voxels_far_apart_span_more_bricks_than_there_are() {
+        let leaf = |origin: [i32; 3]| Leaf { origin, values: Box::new([1.0; 512]) };
+        assert_eq!(bricks_spanned(&[leaf([0; 3])]), 8);
+        assert_eq!(bricks_spanned(&[leaf([-8, 0, 0]), leaf([8, 0, 16])]), 4 * 2 * 4);
+        let [least, most] = [i32::MIN, i32::MAX - 7];
+        assert!(bricks_spanned(&[leaf([least; 3]), leaf([most; 3])]) > MOST_BRICKS);
+    }
 }

@@ -85,6 +85,7 @@ fn what_grids_do_not_go_with_is_refused() {
 fn keys_out_of_range_and_missing_grids_are_refused() {
     for (keys, beginning) in [
         (", scale = 0", "scene.toml:10:38: volume[0].grid.scale is 0.0"),
+        (", scale = 1e9", "volume[0].grid.scale is 1000000000.0, which makes an extinction of"),
         (", scale_by = -1", "volume[0].grid.scale_by is -1.0"),
         (", rotate_deg = [0, 0, 999]", "volume[0].grid.rotate_deg is [0.0, 0.0, 999.0]"),
         (", translate = [1e10, 0, 0]", "volume[0].grid.translate is [10000000000.0, 0.0, 0.0]"),

@@ -1,9 +1,9 @@
 //! Voxels in sparse bricks of 8^3, each with an apron.
 //!
 //! A brick holds 9^3 values, those of its own voxels and the first ones of its neighbours behind, so that all eight
-//! corners of an interpolation are in one brick: two loads from one cache line for each of four pairs. Values are 16-bit
-//! shares of the brick's own range: a brick takes 1458 bytes where its voxels would take 2048, and a value is off by at
-//! most 1/131070 of that range. Constant bricks, empty ones among them, share one.
+//! corners of an interpolation are in one brick: two loads from one cache line for each of four pairs. Values are
+//! 16-bit shares of the brick's own range: a brick takes 1458 bytes where its voxels would take 2048, and a value is
+//! off by at most 1/131070 of that range. Constant bricks, empty ones among them, share one.
 
 use std::collections::HashMap;
 

@@ -33,8 +33,8 @@ pub struct Cells {
     pub dims: [u32; 3],
     /// Edge of a cell in voxels.
     pub side: f32,
-    /// x runs fastest, then y; with a layer of empty cells all around, so that a ray that has just left the grid, but for
-    /// rounding, is still in one.
+    /// x runs fastest, then y; with a layer of empty cells all around, so that a ray that has just left the grid, but
+    /// for rounding, is still in one.
     cells: Vec<Cell>,
     /// Largest extinction anywhere [1/m].
     pub most: f32,

@@ -17,10 +17,10 @@
 //! ```
 //!
 //! where `r~_i` is the density of the connection from start i over that of path tracing if its transmittance were
-//! e^{-tau~}. Connections do not depend on T, so their `r~_i` are known, and the weights `r~_i / (reach(n) + ..)` of all
-//! techniques add up to 1 for every path. Extinctions at vertices are the true ones and cancel. The mean of F is
+//! e^{-tau~}. Connections do not depend on T, so their `r~_i` are known, and the weights `r~_i / (reach(n) + ..)` of
+//! all techniques add up to 1 for every path. Extinctions at vertices are the true ones and cancel. The mean of F is
 //! `T e^{tau~}`, so that the mean of C is what it would be if T were known. A bad tau~ makes noise, and nothing else.
-//! The factor F is the stage [`transmittance`](crate::transmittance).
+//! The stage [`transmittance`](crate::transmittance) finds F.
 //!
 //! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are spread along the axis with the
 //! mean extinction `tau~ / s`, of which density and count are exact.

@@ -9,8 +9,8 @@
 //!                  T' = e^{-int mu_c} prod (1 - (mu(x) - mu_c) / mu_r)           (Novak, Selle, Jarosz 2014)
 //! ```
 //!
-//! The majorants are those of the cell, so that empty and even cells cost a step and no candidate. Each candidate has two
-//! numbers of the ray's [stream](crate::random::Stream), in the order in which they are met.
+//! The majorants are those of the cell, so that empty and even cells cost a step and no candidate. Each candidate has
+//! two numbers of the ray's [stream](crate::random::Stream), in the order in which they are met.
 
 pub mod reference;
 pub mod simd;

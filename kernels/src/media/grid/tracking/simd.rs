@@ -4,8 +4,8 @@
 //!     t += budget / rate;    ask the density there;    a new budget
 //! ```
 //!
-//! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those at
-//!    once, and the others go on where they are.
+//! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those
+//!    at once, and the others go on where they are.
 //! 2. A lane whose ray has ended takes the next one: none waits for the longest ray. What becomes of a ray does not
 //!    depend on its lane or its neighbours.
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
