@@ -139,7 +139,7 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
     };
     let w = wavefront;
-    let tables: [&mut dyn ColumnSet; 11] = [
+    let tables: [&mut dyn ColumnSet; 13] = [
         &mut w.paths,
         &mut w.immersion,
         &mut w.log_posterior,
@@ -151,6 +151,8 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         &mut w.flight_density,
         &mut w.hits,
         &mut w.worth,
+        &mut w.passage,
+        &mut w.estimates,
     ];
     tables.into_iter().for_each(|table| table.visit_mut(&mut fill));
     w.flight_weight.rows_mut().fill(f32::NAN);
@@ -159,6 +161,9 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
     let (rows, slots) = (w.trail.lanes(), w.trail.slots() as u32);
     for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
         w.trail.set_numbers(lane, slot, [f32::NAN; 8]);
+    }
+    for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
+        w.passage_trail.set_row(lane, slot, [f32::NAN; 2]);
     }
     let Candidates { views, light_hits, connections, bridged } = &mut w.candidates;
     for queue in [views, light_hits, connections, bridged] {
@@ -172,11 +177,20 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
     }
 }
 
+/// Frames that visit every branch, those of grids included.
+fn variety_and_clouds(size: [u32; 2]) -> Vec<(String, Frame)> {
+    let clouds = frames::clouds::clouds(size).into_iter().flat_map(|(name, cloud)| {
+        frames::clouds::IN_GRIDS
+            .map(|active| (format!("{name}, {active:?}"), frames::with_techniques(&cloud, active, 4.0)))
+    });
+    frames::variety(size).into_iter().chain(clouds).collect()
+}
+
 #[test]
 fn dead_lanes_are_silent() {
     for paths in [1, 5, 8, 13, 17] {
         let size = [paths, 1];
-        for (name, frame) in frames::variety(size) {
+        for (name, frame) in variety_and_clouds(size) {
             let clean = first_samples(&frame, &SIMD, 40, size);
             let arena = Bump::new();
             let mut wavefront = Wavefront::new_in(&arena, &frame, &SIMD, 40);
@@ -193,7 +207,7 @@ fn dead_lanes_are_silent() {
 
 #[test]
 fn a_sample_does_not_depend_on_its_lane() {
-    for (name, frame) in frames::variety([23, 3]) {
+    for (name, frame) in variety_and_clouds([23, 3]) {
         let alone = first_samples(&frame, &SIMD, 8, [23, 3]);
         for lanes in [16, 64, 200] {
             assert_eq!(alone, first_samples(&frame, &SIMD, lanes, [23, 3]), "{name}, {lanes} lanes");

@@ -6,13 +6,14 @@
 //! 1. Products are taken for eight rows; sums go to the lanes one by one, in row order, so that a path's radiance does
 //!    not depend on its neighbours.
 //! 2. Emission and throughput are finite (the weight of a first flight is at most one over the share of free ones), so
-//!    only the weight can fail to be: factors are albedos and bounded quotients of channels.
+//!    only weight and factor can fail to be: an estimated transmittance over what the weight took it for has no bound.
 //! 3. Paths of every length up to the longest are made and none longer, so only the lower limit is tested, and only
 //!    where there is one.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
+use crate::columns::Column;
 use crate::lanes::LANES;
 use crate::{Step, lanes};
 
@@ -28,7 +29,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             let segments = depth + u32x8::splat(bucket.inserted as u32 + 1);
             counts &= lanes::bits(lanes::as_mask(segments.simd_ge(u32x8::splat(lengths.min))));
         }
-        let lost = counts & !lanes::bits(weight.is_finite());
+        let finite = |factor: &Column<'_, f32>| lanes::bits((weight * factor.batch(b)).is_finite());
+        let lost = counts & !worth.factor.channels().iter().map(finite).fold(lanes::ALL, |all, channel| all & channel);
         for lane in lanes::each(lost).map(|i| lane_of[i] as usize) {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         }

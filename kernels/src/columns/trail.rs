@@ -39,64 +39,85 @@ pub struct MarkBatch {
     pub light_sum: f32x8,
 }
 
-/// Vertices of every path, as many as there are slots.
-pub struct TrailTable<'q> {
-    rows: &'q mut [f32x8],
+/// Rows of every path over the bounce clock, those of a lane next to each other.
+struct LaneRings<'q, T> {
+    rows: &'q mut [T],
     slots: usize,
     /// Rows from one lane to the next: odd, so that lanes do not share sets of the cache.
     stride: usize,
 }
 
+impl<'q, T: Copy> LaneRings<'q, T> {
+    /// `slots` rows for each of `lanes` paths.
+    fn new_in(arena: &'q Bump, lanes: usize, slots: usize, zero: T) -> Self {
+        let stride = if slots == 0 { 0 } else { slots | 1 };
+        Self { rows: arena.alloc_slice_fill_copy(lanes.next_multiple_of(LANES) * stride, zero), slots, stride }
+    }
+
+    #[inline(always)]
+    fn index(&self, lane: usize, clock: u32) -> usize {
+        lane * self.stride + clock as usize % self.slots
+    }
+
+    #[inline(always)]
+    fn at(&self, lane: usize, clock: u32) -> T {
+        self.rows[self.index(lane, clock)]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, clock: u32, row: T) {
+        let index = self.index(lane, clock);
+        self.rows[index] = row;
+    }
+}
+
+/// Vertices of every path, as many as there are slots.
+pub struct TrailTable<'q> {
+    rings: LaneRings<'q, f32x8>,
+}
+
 impl<'q> TrailTable<'q> {
     /// Room for the last `slots` vertices of `lanes` paths; none at all if nothing looks back.
     pub fn new_in(arena: &'q Bump, lanes: usize, slots: usize) -> Self {
-        let stride = if slots == 0 { 0 } else { slots | 1 };
-        Self { rows: arena.alloc_slice_fill_copy(lanes.next_multiple_of(LANES) * stride, f32x8::ZERO), slots, stride }
+        Self { rings: LaneRings::new_in(arena, lanes, slots, f32x8::ZERO) }
     }
 
     /// Vertices that are remembered at a time.
     pub fn slots(&self) -> usize {
-        self.slots
-    }
-
-    #[inline(always)]
-    fn slot(&self, clock: u32) -> usize {
-        clock as usize % self.slots
+        self.rings.slots
     }
 
     /// Overwrites the vertices that were current at `clock` in the lanes of batch `b`.
     #[inline(always)]
     pub fn set_batch(&mut self, b: usize, clock: u32, mark: MarkBatch) {
-        let slot = self.slot(clock);
         let MarkBatch { position, arc, leaving, light_sum } = mark;
         let columns = [position.x, position.y, position.z, arc, leaving.x, leaving.y, leaving.z, light_sum];
         for (i, row) in f32x8::transpose(columns).into_iter().enumerate() {
-            self.rows[(b * LANES + i) * self.stride + slot] = row;
+            self.rings.set(b * LANES + i, clock, row);
         }
     }
 
     /// The vertices that were current at `clock` in the lanes that `lanes` names.
     #[inline(always)]
     pub fn gather(&self, lanes: &[u32; LANES], clock: u32) -> MarkBatch {
-        let slot = self.slot(clock);
         let [x, y, z, arc, dx, dy, dz, light_sum] =
-            f32x8::transpose(lanes.map(|lane| self.rows[lane as usize * self.stride + slot]));
+            f32x8::transpose(lanes.map(|lane| self.rings.at(lane as usize, clock)));
         MarkBatch { position: Vec3x8::new(x, y, z), arc, leaving: Vec3x8::new(dx, dy, dz), light_sum }
     }
 
     /// Lanes of the table.
     pub fn lanes(&self) -> usize {
-        self.rows.len().checked_div(self.stride).unwrap_or(0)
+        self.rings.rows.len().checked_div(self.rings.stride).unwrap_or(0)
     }
 
     /// The eight numbers of a row.
     pub fn numbers(&self, lane: usize, clock: u32) -> [f32; 8] {
-        self.rows[lane * self.stride + self.slot(clock)].to_array()
+        self.rings.at(lane, clock).to_array()
     }
 
     /// Overwrites the eight numbers of a row.
     pub fn set_numbers(&mut self, lane: usize, clock: u32, numbers: [f32; 8]) {
-        self.rows[lane * self.stride + self.slot(clock)] = f32x8::new(numbers);
+        self.rings.set(lane, clock, f32x8::new(numbers));
     }
 
     /// The vertex that was current at `clock` in `lane`.
@@ -115,57 +136,44 @@ impl<'q> TrailTable<'q> {
 /// What every path had passed through at the vertices that it has left: the fields of
 /// [`Passage`](super::paths::Passage), in as many slots as the trail has, where extinction varies.
 pub struct PassageTrail<'q> {
-    rows: &'q mut [[f32; 2]],
-    slots: usize,
-    stride: usize,
+    rings: LaneRings<'q, [f32; 2]>,
 }
 
 impl<'q> PassageTrail<'q> {
     /// Room for the last `slots` vertices of `lanes` paths.
     pub fn new_in(arena: &'q Bump, lanes: usize, slots: usize) -> Self {
-        let stride = if slots == 0 { 0 } else { slots | 1 };
-        Self { rows: arena.alloc_slice_fill_copy(lanes.next_multiple_of(LANES) * stride, [0.0; 2]), slots, stride }
+        Self { rings: LaneRings::new_in(arena, lanes, slots, [0.0; 2]) }
     }
 
     /// Vertices that are remembered at a time.
     pub fn slots(&self) -> usize {
-        self.slots
-    }
-
-    #[inline(always)]
-    fn index(&self, lane: usize, clock: u32) -> usize {
-        lane * self.stride + clock as usize % self.slots
+        self.rings.slots
     }
 
     /// Overwrites what the lanes of batch `b` had passed through at `clock`, if anything is remembered.
     #[inline(always)]
     pub fn set_batch(&mut self, b: usize, clock: u32, [depth, log_extinction]: [f32x8; 2]) {
-        if self.slots == 0 {
-            return;
-        }
-        for (i, pair) in depth.to_array().into_iter().zip(log_extinction.to_array()).enumerate() {
-            let index = self.index(b * LANES + i, clock);
-            self.rows[index] = pair.into();
-        }
+        let pairs = depth.to_array().into_iter().zip(log_extinction.to_array());
+        pairs.enumerate().for_each(|(i, pair)| self.set_row(b * LANES + i, clock, pair.into()));
     }
 
     /// Overwrites what `lane` had passed through at `clock`, if anything is remembered.
+    #[inline(always)]
     pub fn set_row(&mut self, lane: usize, clock: u32, pair: [f32; 2]) {
-        if self.slots > 0 {
-            let index = self.index(lane, clock);
-            self.rows[index] = pair;
+        if self.slots() > 0 {
+            self.rings.set(lane, clock, pair);
         }
     }
 
     /// What `lane` had passed through at `clock`.
     pub fn row(&self, lane: usize, clock: u32) -> [f32; 2] {
-        self.rows[self.index(lane, clock)]
+        self.rings.at(lane, clock)
     }
 
     /// What the lanes that `lanes` names had passed through at `clock`.
     #[inline(always)]
     pub fn gather(&self, lanes: &[u32; LANES], clock: u32) -> [f32x8; 2] {
-        let pairs = lanes.map(|lane| self.rows[self.index(lane as usize, clock)]);
+        let pairs = lanes.map(|lane| self.rings.at(lane as usize, clock));
         [0, 1].map(|i| f32x8::new(pairs.map(|pair| pair[i])))
     }
 }

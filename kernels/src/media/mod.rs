@@ -163,24 +163,17 @@ impl Medium {
     }
 }
 
-/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: twice per kind in the program, for grey and for
-/// coloured extinction, and one of them at a time.
+/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: once per kind in the program, and twice for
+/// homogeneous media, for grey and for coloured extinction; one of them at a time.
 #[macro_export]
 macro_rules! with_medium {
     ($medium:expr, |$lanes:ident| $body:expr) => {
         match &$medium.kind {
-            $crate::media::Kind::Homogeneous(medium) if medium.is_grey() => {
-                let $lanes = $crate::media::homogeneous::GreyLanes::new(medium);
-                $body
-            }
-            $crate::media::Kind::Homogeneous(medium) => {
-                let $lanes = $crate::media::homogeneous::ColouredLanes::new(medium);
-                $body
-            }
             $crate::media::Kind::Grid(grid) => {
                 let $lanes = $crate::media::grid::GridLanes::new(grid);
                 $body
             }
+            $crate::media::Kind::Homogeneous(_) => $crate::with_homogeneous!($medium, |$lanes| $body),
         }
     };
 }

@@ -11,21 +11,22 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::media::Homogeneous;
 use crate::media::MediumLanes;
 use crate::media::grid::Grid;
 use crate::media::grid::tracking::{self, Ray};
-use crate::media::homogeneous::{GreyLanes, HomogeneousX8};
 use crate::random::{self, Stream, uniform_x8};
 use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, mut columns: Columns<'_, '_>) {
-    let Some(grid) = columns.medium.grid() else {
-        return with_homogeneous!(columns.medium, |medium| sample(step, &mut columns, medium));
-    };
-    sample(step, &mut columns, GreyLanes::new(&Homogeneous::grey(1.0)));
-    track(step, columns, grid);
+    if let Some(grid) = columns.medium.grid() {
+        sample(step, &mut columns, |_, _| f32x8::ZERO);
+        return track(step, columns, grid);
+    }
+    let hero = columns.immersion.hero.view(columns.live.batches());
+    with_homogeneous!(columns.medium, |medium| {
+        sample(step, &mut columns, |b, rest| medium.in_channel(|| hero[b]).flight(rest));
+    });
 }
 
 /// Overwrites the flights of live paths with those through a grid.
@@ -39,12 +40,12 @@ fn track(step: Step, columns: Columns<'_, '_>, grid: &Grid) {
     tracking::simd::flights(grid, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
 }
 
+/// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.
 #[inline(always)]
-fn sample(step: Step, columns: &mut Columns<'_, '_>, medium: impl MediumLanes<Channel = HomogeneousX8>) {
-    let Columns { walk, live, paths, immersion, flights, .. } = columns;
+fn sample(step: Step, columns: &mut Columns<'_, '_>, fly: impl Fn(usize, f32x8) -> f32x8) {
+    let Columns { walk, live, paths, flights, .. } = columns;
     let n = live.batches();
     let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.view(n));
-    let hero = immersion.hero.view(n);
     let flight = flights.flight.view_mut(n);
     let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
     let survival = f32x8::splat(walk.survival);
@@ -55,7 +56,7 @@ fn sample(step: Step, columns: &mut Columns<'_, '_>, medium: impl MediumLanes<Ch
         let depth = u32x8::splat(step.clock) - birth[b];
         let block = random::block_x8(depth, random::SEGMENT);
         let words = random::words_x8(pixel[b], sample[b], block, step.seed);
-        flight[b] = medium.in_channel(|| hero[b]).flight(f32x8::ONE - uniform_x8(words[0]));
+        flight[b] = fly(b, f32x8::ONE - uniform_x8(words[0]));
         (cosine[b], azimuth[b]) = (words[1], words[2]);
         if walk.survival < 1.0 {
             let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));

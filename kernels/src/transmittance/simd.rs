@@ -43,11 +43,12 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             let (from, to) = (from.batch(b), to.batch(b));
             let depth = GridX8::of(grid).optical_depth(from, to, (to - from).length_squared().sqrt());
             let through = factor(estimates.product.batch(b), estimates.depth.batch(b), depth);
-            let through = lanes::mask(rows).select(through, f32x8::ZERO);
+            // Rows that count nothing were not estimated: what stands there is of no meaning.
+            let weighs = lanes::mask(rows) & !worth.weight.batch(b).simd_eq(f32x8::ZERO);
             for channel in worth.factor.channels_mut() {
                 let before = channel.batch(b);
-                let after = before.simd_eq(f32x8::ZERO).select(f32x8::ZERO, before * through);
-                channel.set_batch(b, after);
+                let counts = weighs & !before.simd_eq(f32x8::ZERO);
+                channel.set_batch(b, counts.select(before * through, before));
             }
         }
     }

@@ -1,0 +1,229 @@
+//! The stages that take paths from one vertex to the next.
+
+use fogbow_kernels::pipeline::Stage;
+use fogbow_kernels::{
+    extend, first_flight, flight_weight, generate, medium_sample, passage, prune, remember, scatter, spectral_weight,
+    surface,
+};
+
+use super::rows;
+use crate::wavefront::Wavefront;
+
+impl Wavefront<'_> {
+    /// Camera rays for the requested lanes.
+    pub fn generate(&mut self) {
+        let size = self.stats.lane_rows(&self.requested);
+        let (vertex, ray) = (self.vertices.at_mut(self.step.clock), self.rays.at_mut(self.step.clock));
+        self.stats.run(Stage::Generate, size, || {
+            let columns = generate::Columns {
+                camera: &self.frame.camera,
+                medium: self.frame.medium(),
+                requested: &self.requested,
+                requests: &self.requests,
+                live: &mut self.live,
+                occupied: &mut self.occupied,
+                paths: &mut self.paths,
+                immersion: &mut self.immersion,
+                log_posterior: &mut self.log_posterior,
+                last_surface: &mut self.last_surface,
+                outlook: &mut self.outlook,
+                throughput: &mut self.throughput,
+                radiance: &mut self.radiance,
+                vertex,
+                ray,
+            };
+            (self.pipeline.generate)(self.step, columns);
+        });
+    }
+
+    /// The current vertices go into the trail, if anything looks back.
+    pub fn remember(&mut self) {
+        if self.trail.slots() == 0 {
+            return;
+        }
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::Remember, size, || {
+            let columns = remember::Columns {
+                live: &self.live,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                outlook: &self.outlook,
+                trail: &mut self.trail,
+            };
+            (self.pipeline.remember)(self.step, columns);
+        });
+    }
+
+    /// Free flights.
+    pub fn medium_sample(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::MediumSample, size, || {
+            let columns = medium_sample::Columns {
+                medium: self.frame.medium(),
+                walk: &self.frame.walk,
+                live: &mut self.live,
+                paths: &self.paths,
+                immersion: &self.immersion,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                flights: &mut self.flights,
+            };
+            (self.pipeline.medium_sample)(self.step, columns);
+        });
+    }
+
+    /// First flights towards the lights.
+    pub fn first_flight(&mut self) {
+        let size = self.stats.lane_rows(&self.requested);
+        self.stats.run(Stage::FirstFlight, size, || {
+            let columns = first_flight::Columns {
+                medium: self.frame.medium(),
+                lights: &self.frame.lights,
+                share: self.frame.aimed,
+                requested: &self.requested,
+                paths: &self.paths,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                flight: &mut self.flights.flight,
+                weight: &mut self.flight_weight,
+                density: &mut self.flight_density,
+            };
+            (self.pipeline.first_flight)(self.step, columns);
+        });
+    }
+
+    /// Closest light and closest triangle within the flight.
+    pub fn extend(&mut self) {
+        (self.hits.len, self.surface_hits.len) = (0, 0);
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::Extend, size, || {
+            let columns = extend::Columns {
+                lights: &self.frame.lights,
+                surfaces: &self.frame.surfaces,
+                live: &self.live,
+                paths: &self.paths,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                flight: &self.flights.flight,
+                on_surface: &mut self.on_surface,
+                hits: &mut self.hits,
+                surface_hits: &mut self.surface_hits,
+            };
+            (self.pipeline.extend)(self.step, columns);
+        });
+    }
+
+    /// Paths that have come far enough end.
+    pub fn prune(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::Prune, size, || {
+            let columns = prune::Columns {
+                segments: self.frame.walk_segments(),
+                scatters: !self.frame.medium().never_scatters(),
+                flights: &self.flights,
+                on_surface: &self.on_surface,
+                paths: &self.paths,
+                live: &mut self.live,
+            };
+            (self.pipeline.prune)(self.step, columns);
+        });
+    }
+
+    /// What first flights count goes to the throughput.
+    pub fn flight_weight(&mut self) {
+        let size = self.stats.lane_rows(&self.requested);
+        self.stats.run(Stage::FlightWeight, size, || {
+            let columns = flight_weight::Columns {
+                requested: &self.requested,
+                live: &self.live,
+                weight: &self.flight_weight,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.flight_weight)(self.step, columns);
+        });
+    }
+
+    /// What flights say of their channels goes to the throughput.
+    pub fn spectral_weight(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::SpectralWeight, size, || {
+            let columns = spectral_weight::Columns {
+                medium: self.frame.medium(),
+                live: &self.live,
+                on_surface: &self.on_surface,
+                aimed: self.frame.aims().then_some(&self.requested),
+                density: &self.flight_density,
+                flight: &self.flights.flight,
+                surface_hits: &self.surface_hits,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                log_posterior: &mut self.log_posterior,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.spectral_weight)(self.step, columns);
+        });
+    }
+
+    /// Next vertex and direction.
+    pub fn scatter(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        let (vertex, next) = self.vertices.step(self.step.clock);
+        let (ray, next_ray) = self.rays.step(self.step.clock);
+        self.stats.run(Stage::Scatter, size, || {
+            let columns = scatter::Columns {
+                medium: self.frame.medium(),
+                live: &self.live,
+                on_surface: &self.on_surface,
+                paths: &self.paths,
+                flights: &self.flights,
+                vertex,
+                next,
+                ray,
+                next_ray,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.scatter)(self.step, columns);
+        });
+    }
+
+    /// Reflection, for paths that met a surface.
+    pub fn surface(&mut self) {
+        let (vertex, next) = self.vertices.step(self.step.clock);
+        let (ray, next_ray) = self.rays.step(self.step.clock);
+        self.stats.run(Stage::Surface, rows(self.surface_hits.len), || {
+            let columns = surface::Columns {
+                surfaces: &self.frame.surfaces,
+                surface_hits: &self.surface_hits,
+                paths: &self.paths,
+                flights: &self.flights,
+                live: &mut self.live,
+                last_surface: &mut self.last_surface,
+                vertex,
+                next,
+                ray,
+                next_ray,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.surface)(self.step, columns);
+        });
+    }
+
+    /// What the paths have passed through on their way to the next vertex.
+    pub fn passage(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        let (vertex, next) = self.vertices.step(self.step.clock);
+        self.stats.run(Stage::Passage, size, || {
+            let columns = passage::Columns {
+                medium: self.frame.medium(),
+                live: &self.live,
+                on_surface: &self.on_surface,
+                paths: &self.paths,
+                vertex,
+                next,
+                passage: &mut self.passage,
+                trail: &mut self.passage_trail,
+            };
+            (self.pipeline.passage)(self.step, columns);
+        });
+    }
+}

@@ -1,0 +1,132 @@
+//! The stages that make candidates of lights that were met, and contributions of candidates.
+
+use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::pipeline::Stage;
+use fogbow_kernels::random::Purpose;
+use fogbow_kernels::roulette::Threshold;
+use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, roulette, transmittance};
+
+use super::rows;
+use crate::wavefront::{Source, Wavefront};
+
+impl Wavefront<'_> {
+    /// Hits become candidates, and end paths.
+    pub fn light_hit(&mut self) {
+        (self.candidates.views.len, self.candidates.light_hits.len) = (0, 0);
+        let [before, ray] = self.rays.last_two(self.step.clock);
+        self.stats.run(Stage::LightHit, rows(self.hits.len), || {
+            let columns = light_hit::Columns {
+                medium: self.frame.medium(),
+                lights: &self.frame.lights,
+                hits: &self.hits,
+                paths: &self.paths,
+                vertex: self.vertices.at(self.step.clock),
+                ray,
+                before,
+                flight: &self.flights.flight,
+                live: &mut self.live,
+                views: &mut self.candidates.views,
+                worth: &mut self.worth,
+                light_hits: &mut self.candidates.light_hits,
+            };
+            (self.pipeline.light_hit)(self.step, columns);
+        });
+    }
+
+    /// One weight per candidate.
+    pub fn mis_weight(&mut self, source: Source, bucket: Bucket) {
+        self.stats.run(Stage::MisWeight, rows(bucket.len), || {
+            let columns = mis_weight::Columns {
+                medium: self.frame.medium(),
+                lights: &self.frame.lights,
+                techniques: &self.frame.techniques,
+                walk: &self.frame.walk,
+                lengths: self.frame.lengths,
+                solid: self.frame.is_solid(),
+                bucket,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                paths: &self.paths,
+                log_posterior: &self.log_posterior,
+                last_surface: &self.last_surface,
+                outlook: &self.outlook,
+                vertex: self.vertices.at(self.step.clock),
+                trail: &self.trail,
+                passage: &self.passage,
+                passage_trail: &self.passage_trail,
+                suffix: &mut self.suffix,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.mis_weight)(self.step, columns);
+        });
+    }
+
+    /// Faint connections to light points of `purpose` are dropped.
+    pub fn roulette(&mut self, source: Source, bucket: Bucket, purpose: Purpose) {
+        self.stats.run(Stage::Roulette, rows(bucket.len), || {
+            let columns = roulette::Columns {
+                lights: &self.frame.lights,
+                threshold: Threshold { contribution: self.frame.roulette, purpose },
+                bucket,
+                candidates: self.candidates.of(source),
+                paths: &self.paths,
+                throughput: &self.throughput,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.roulette)(self.step, columns);
+        });
+    }
+
+    /// Blocked connections count nothing.
+    pub fn occlusion(&mut self, source: Source, bucket: Bucket) {
+        self.stats.run(Stage::Occlusion, rows(bucket.len), || {
+            let columns = occlusion::Columns {
+                lights: &self.frame.lights,
+                surfaces: &self.frame.surfaces,
+                bucket,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.occlusion)(self.step, columns);
+        });
+    }
+
+    /// What comes through of candidates with light points of `purpose`, where nobody knows how much.
+    pub fn transmittance(&mut self, source: Source, bucket: Bucket, purpose: Purpose) {
+        let Some(grid) = self.frame.medium().grid().filter(|_| bucket.len > 0) else { return };
+        self.stats.run(Stage::Transmittance, rows(bucket.len), || {
+            let columns = transmittance::Columns {
+                grid,
+                bucket,
+                purpose,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                paths: &self.paths,
+                estimates: &mut self.estimates,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.transmittance)(self.step, columns);
+        });
+    }
+
+    /// Contributions reach their paths.
+    pub fn accumulate(&mut self, source: Source, bucket: Bucket) {
+        let mut dropped = self.stats.dropped;
+        self.stats.run(Stage::Accumulate, rows(bucket.len), || {
+            let columns = accumulate::Columns {
+                lights: &self.frame.lights,
+                lengths: self.frame.lengths,
+                bucket,
+                candidates: self.candidates.of(source),
+                worth: &self.worth,
+                paths: &self.paths,
+                throughput: &self.throughput,
+                radiance: &mut self.radiance,
+                dropped: &mut dropped,
+            };
+            (self.pipeline.accumulate)(self.step, columns);
+        });
+        self.stats.dropped = dropped;
+    }
+}
