@@ -65,7 +65,7 @@ fn main() {
 
 /// `frame` with Poisson counts of mean mu_t s in the place of those from the table.
 fn with_poisson_counts(mut frame: Frame) -> Frame {
-    let counts = CountTable::poisson(frame.medium().phase.twin().lobe());
+    let counts = CountTable::poisson(frame.medium.phase.twin().lobe());
     frame.techniques.bridge.iter_mut().for_each(|bridge| bridge.counts = Arc::new(counts.clone()));
     frame
 }

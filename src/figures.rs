@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use fogbow_kernels::survival::Survival;
+
 /// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an
 /// exponent.
 pub fn number(value: f64, digits: usize) -> String {
@@ -19,6 +21,14 @@ pub fn number(value: f64, digits: usize) -> String {
 /// How many vertices connect.
 pub fn starts(starts: u32) -> String {
     if starts == u32::MAX { "all".into() } else { starts.to_string() }
+}
+
+/// How readily walks go on: a number, or one for every octave of depth.
+pub fn survival(survival: &Survival) -> String {
+    match survival.constant() {
+        Some(constant) => constant.to_string(),
+        None => survival.octaves().map(|octave| octave.to_string()).join(" "),
+    }
 }
 
 /// A rate with its unit.

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
-use fogbow_kernels::media::{Media, Medium};
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::survival::Survival;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{PathLengths, WalkLimits};
+use fogbow_kernels::{LONGEST_BRIDGED_PATH, PathLengths, WalkLimits};
 
 use crate::film::Region;
 
@@ -17,7 +18,7 @@ pub struct Frame {
     /// The camera, its film included.
     pub camera: Camera,
     /// What fills space.
-    pub media: Media,
+    pub medium: Medium,
     /// The lights, and how connections choose among them.
     pub lights: Lights,
     /// What is solid.
@@ -47,14 +48,19 @@ impl Frame {
         (Self { camera, ..self.clone() }, Region::whole(size[0], size[1]))
     }
 
-    /// The medium around everything.
-    pub fn medium(&self) -> &Medium {
-        &self.media[Media::AROUND]
-    }
-
     /// Whether extinction differs from place to place, so that flights are tracked and transmittances estimated.
     pub fn varies(&self) -> bool {
-        self.medium().grid().is_some()
+        self.medium.field().is_some()
+    }
+
+    /// Whether media emit light, which walks alone meet.
+    pub fn emits(&self) -> bool {
+        self.medium.glow.is_some()
+    }
+
+    /// About the largest radiance of a light or a flight [W/(m^2 sr)].
+    pub fn largest_radiance(&self) -> f32 {
+        self.lights.largest_radiance().max(self.medium.largest_radiance())
     }
 
     /// Longest walk, in segments: 1 where light is never scattered or reflected.
@@ -69,33 +75,38 @@ impl Frame {
 
     /// Whether nothing turns light.
     pub fn stays_straight(&self) -> bool {
-        self.medium().never_scatters() && self.surfaces.is_empty()
+        self.medium.never_scatters() && self.surfaces.is_empty()
     }
 
     /// The same frame whose first `starts` vertices connect; `u32::MAX` for all.
     ///
-    /// Where a bridge from the first vertex can make every path, and that takes a world without surfaces, walks end
-    /// with the segment after the last start: it meets the light that bridges from that vertex hardly find, the one
-    /// right in front of it.
-    pub fn with_walk(self, starts: u32, survival: f32) -> Self {
+    /// Where a bridge from the first vertex can make every path, walks end with the segment after the last start: it meets
+    /// the light that bridges from that vertex hardly find, the one right in front of it. That takes a world without
+    /// surfaces, without media that emit, and without lights at infinity, where no bridge goes.
+    pub fn with_walk(self, starts: u32, survival: impl Into<Survival>) -> Self {
         let reaches_everything =
             self.techniques.bridge.as_ref().is_some_and(|bridge| bridge.reaches_everything(self.lengths.max));
-        let suffices = reaches_everything && self.surfaces.is_empty();
+        let suffices = reaches_everything && self.surfaces.is_empty() && !self.lights.has_distant() && !self.emits();
         let segments = if suffices { starts.saturating_add(1) } else { u32::MAX };
-        Self { walk: WalkLimits { segments, starts, survival }, ..self }
+        Self { walk: WalkLimits { segments, starts, survival: survival.into() }, ..self }
     }
 
-    /// Whether first flights are drawn towards the lights.
+    /// Whether paths may be longer than any connection.
+    pub fn wanders(&self) -> bool {
+        self.lengths.max > LONGEST_BRIDGED_PATH && !self.stays_straight()
+    }
+
+    /// Whether first flights are drawn towards the lights: not where media emit along them.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium().never_scatters() && !self.varies()
+        self.aimed > 0.0 && !self.medium.never_scatters() && !self.varies() && !self.emits()
     }
 
-    /// Channels that differ: 1 where lights, medium and surfaces are grey, 3 otherwise.
+    /// Channels that differ: 1 where lights, medium, its emission and surfaces are grey, 3 otherwise.
     pub fn channels(&self) -> usize {
         let grey = |channels: [f32; 3]| channels == [channels[0]; 3];
-        let radiances = self.lights.emitters().iter().map(|emitter| emitter.radiance);
-        let medium = self.medium();
-        let grey_medium = grey(medium.albedo) && !medium.is_coloured();
-        if grey_medium && radiances.into_iter().all(grey) && self.surfaces.are_grey() { 1 } else { 3 }
+        let medium = &self.medium;
+        let grey_glow = medium.glow.as_ref().is_none_or(|glow| glow.is_grey());
+        let grey_medium = medium.all_albedos().iter().copied().all(grey) && !medium.is_coloured() && grey_glow;
+        if grey_medium && self.lights.are_grey() && self.surfaces.are_grey() { 1 } else { 3 }
     }
 }

@@ -27,8 +27,8 @@
 //! [`session`] is the longer way, which lets you choose and watch everything; [`wavefront`] is the loop that runs the
 //! stages one after another, and [`kernels`] has the stages themselves, each with a scalar twin.
 //!
-//! Light that is neither absorbed nor gets away may take hundreds of turns. How much of it `render.max_segments` leaves
-//! out is among the warnings.
+//! Light that is neither absorbed nor gets away may take thousands of turns. Paths have any length, unless
+//! `render.max_segments` is a number; how much light that leaves out is among the warnings.
 //!
 //! # Speed
 //!

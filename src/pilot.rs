@@ -16,10 +16,13 @@
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.
 
+mod depths;
+
 use core::cmp::Ordering;
 
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::survival::Survival;
 
 use crate::film::{Film, Region, tile_size};
 use crate::frame::Frame;
@@ -64,14 +67,16 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// Those that matter to `frame`. Without bridges there are no starts and survivals to try: techniques that do not
-    /// reach every path need every walk. Without surfaces or grids there is no roulette to try: next to nothing is traced.
+    /// Those that matter to `frame`. Without bridges, which need lights that have a place, there are no starts and
+    /// survivals to try: techniques that do not reach every path need every walk. Without surfaces or volumes there is no
+    /// roulette to try: next to nothing is traced.
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
-        let bridges = scatters && frame.techniques.bridge.is_some();
+        let bridges = scatters && frame.techniques.bridge.is_some() && !frame.lights.lights().is_empty();
         let traces = scatters && frame.techniques.any() && (!frame.surfaces.is_empty() || frame.varies());
         let Self { starts, survival, roulette } = self;
-        Self { starts: bridges && starts, survival: bridges && survival, roulette: traces && roulette }
+        let starts = bridges && starts && !frame.wanders();
+        Self { starts, survival: (bridges || frame.wanders()) && survival, roulette: traces && roulette }
     }
 }
 
@@ -81,7 +86,7 @@ pub struct Setting {
     /// Vertices that connect; `u32::MAX` for all.
     pub starts: u32,
     /// Probability of going on from a vertex.
-    pub survival: f32,
+    pub survival: Survival,
     /// Contribution below which connections play roulette [W/(m^2 sr)].
     pub roulette: f32,
 }
@@ -129,7 +134,7 @@ impl Trial {
     /// Less to luck first: by starts, then by survival.
     fn compare_walks(&self, other: &Self) -> Ordering {
         let [a, b] = [self.setting, other.setting];
-        a.starts.cmp(&b.starts).then(a.survival.total_cmp(&b.survival))
+        a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)))
     }
 }
 
@@ -148,10 +153,14 @@ pub fn choose(
     renderer: &Renderer,
     monitor: &Monitor,
 ) -> (Frame, Vec<Trial>) {
-    let choices = choices.that_matter(frame);
+    let mut choices = choices.that_matter(frame);
     let monitor = &monitor.uncounted();
     let pilot = Pilot::new(frame, size, renderer, monitor);
     let mut search = Search { pilot, trials: Vec::new(), setting: Setting::of(frame) };
+    if frame.wanders() && choices.survival {
+        search.find_depths();
+        choices.survival = false;
+    }
     if choices != Choices::default() {
         search.begin(choices);
     }
@@ -164,7 +173,7 @@ pub fn choose(
     if choices.survival && (search.setting.starts > 1 || !frame.surfaces.is_empty()) {
         search.try_survivals();
     }
-    if choices.starts && choices.survival && search.setting.survival < 1.0 {
+    if choices.starts && choices.survival && !search.setting.survival.is_certain() {
         search.try_neighbours();
     }
     (search.setting.apply(frame), search.trials)
@@ -191,6 +200,12 @@ impl Search<'_> {
         self.attempt(Setting { starts, ..self.setting });
     }
 
+    /// Has walks end by their depth.
+    fn find_depths(&mut self) {
+        let survival = depths::survival(&self.pilot, self.setting);
+        self.setting.survival = survival.unwrap_or(self.setting.survival);
+    }
+
     fn try_roulette(&mut self) {
         let mean = self.trials.first().map_or(0.0, |trial| trial.mean);
         self.attempt(Setting { roulette: mean as f32, ..self.setting });
@@ -207,8 +222,9 @@ impl Search<'_> {
     /// Tries shorter walks.
     fn try_survivals(&mut self) {
         let base = self.setting;
-        let shorter = SURVIVALS.into_iter().filter(|survival| *survival < base.survival);
-        shorter.for_each(|survival| self.attempt(Setting { survival, ..base }));
+        let longest = base.survival.at(1);
+        let shorter = SURVIVALS.into_iter().filter(|survival| *survival < longest);
+        shorter.for_each(|survival| self.attempt(Setting { survival: survival.into(), ..base }));
     }
 
     /// Tries the next numbers of starts.
@@ -304,6 +320,7 @@ fn cost(stats: &Stats, frame: &Frame) -> f64 {
     const TRACED: f64 = 22.0;
     const TRACKED: f64 = 100.0;
     const ESTIMATED: f64 = 150.0;
+    const EMITTED: f64 = 350.0;
     let work = stats.work.expect("looks count work");
     let where_that = |happens: bool, count: u64| if happens { count as f64 } else { 0.0 };
     let traced = where_that(frame.is_solid(), stats.segments + work.traced);
@@ -315,4 +332,5 @@ fn cost(stats: &Stats, frame: &Frame) -> f64 {
         + TRACED * traced
         + TRACKED * where_that(frame.varies(), stats.segments)
         + ESTIMATED * where_that(frame.varies(), work.traced)
+        + EMITTED * where_that(frame.varies() && frame.emits(), stats.segments)
 }

@@ -1,5 +1,7 @@
 //! What a render did: rows, lanes and time per stage, and the fate of connections.
 
+mod by_depth;
+
 use std::time::Instant;
 
 use fogbow_kernels::accumulate::Dropped;
@@ -7,6 +9,7 @@ use fogbow_kernels::connect::Technique;
 use fogbow_kernels::lanes::LaneSet;
 use fogbow_kernels::pipeline::Stage;
 
+pub use self::by_depth::ByDepth;
 use crate::film::{ExactSum, Unit};
 use crate::frame::Frame;
 
@@ -78,6 +81,8 @@ pub struct Stats {
     pub dropped: Dropped,
     /// Light by the length of its paths, if anybody asked for it.
     pub light_by_length: Option<LightByLength>,
+    /// What walks found by their depth, if anybody asked for it.
+    pub by_depth: Option<ByDepth>,
 }
 
 /// Contributions of all samples, summed over channels, by the number of segments of their paths; exact, so that it does
@@ -92,7 +97,7 @@ impl LightByLength {
     /// None so far, of paths of up to `longest` segments in `frame`.
     pub fn new(frame: &Frame) -> Self {
         let sums = vec![ExactSum::default(); frame.lengths.max as usize + 1];
-        Self { unit: Unit::for_largest(frame.lights.largest_radiance()), sums }
+        Self { unit: Unit::for_largest(frame.largest_radiance()), sums }
     }
 
     /// Adds a contribution of a path of so many segments [W/(m^2 sr)].
@@ -122,6 +127,7 @@ impl Stats {
             work: None,
             dropped: Dropped::default(),
             light_by_length: None,
+            by_depth: None,
         }
     }
 
@@ -157,6 +163,9 @@ impl Stats {
         self.dropped.merge(&other.dropped);
         if let (Some(light), Some(other)) = (&mut self.light_by_length, &other.light_by_length) {
             light.merge(other);
+        }
+        if let (Some(sums), Some(other)) = (&mut self.by_depth, &other.by_depth) {
+            sums.merge(other);
         }
     }
 

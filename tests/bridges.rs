@@ -36,7 +36,7 @@ fn frame(g: f32, roll: Roll) -> Frame {
 fn thicker(g: f32, roll: Roll, extinction: f32, longest: u32) -> Frame {
     let mut frame = frames::with_extinction(&frames::fog_facing(0.0, g, [64, 64]), extinction);
     frame.lengths = PathLengths { min: 1, max: longest };
-    let bridge = Some(Bridge::new(roll, frame.medium(), longest));
+    let bridge = Some(Bridge::new(roll, &frame.medium, longest));
     Frame { techniques: Techniques { bridge, ..Techniques::default() }, ..frame }
 }
 
@@ -48,7 +48,7 @@ fn with(frame: Frame, change: impl FnOnce(Bridge) -> Bridge) -> Frame {
 
 /// The medium of `frame`, as the twins ask it.
 fn medium(frame: &Frame) -> Homogeneous<'_> {
-    frame.medium().homogeneous_twin(0)
+    frame.medium.homogeneous_twin(0)
 }
 
 /// A start in the medium.
@@ -110,7 +110,7 @@ fn numbers_of_edges_follow_the_defensive_mixture() {
     let mixed = |frame: Frame, defensive: f32| with(frame, |bridge| Bridge { defensive, ..bridge });
     let few = |frame: Frame, max_inserted: u32| with(frame, |bridge| Bridge { max_inserted, ..bridge });
     let poisson = |frame: Frame| {
-        let counts = Arc::new(CountTable::poisson(frame.medium().phase.twin().lobe()));
+        let counts = Arc::new(CountTable::poisson(frame.medium.phase.twin().lobe()));
         with(frame, |bridge| Bridge { defensive: 0.0, counts, ..bridge })
     };
     for (name, frame, events) in [
@@ -153,7 +153,7 @@ fn any_density_over_that_of_bridges_has_mean_one() {
     for (roll, g) in [(Roll::Aligned, 0.5), (Roll::Uniform, 0.4), (Roll::Aligned, -0.3)] {
         // All counts from 1 to 8 alike: h / p is conditional on the count.
         let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
-        let (bridge, phase, longest) = (settings(&frame), frame.medium().phase.twin(), frame.lengths.max);
+        let (bridge, phase, longest) = (settings(&frame), frame.medium.phase.twin(), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
         bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
             let edges = chain.len() - 1;
@@ -281,7 +281,7 @@ fn the_vertex_of_once_more_next_event_estimation_matches_its_density() {
     const ACROSS: usize = 10;
     for g in [-0.5_f32, 0.0, 0.5, 0.9] {
         let frame = frame(g, Roll::Aligned);
-        let phase = frame.medium().phase.twin();
+        let phase = frame.medium.phase.twin();
         // All vertices lie in the ball over the chain, where the turn is less than a right angle. Place along the axis,
         // (1 - cos(pi x)) / 2, and distance from it, a share y^2 of the widest there: finer where vertices are dense.
         let widest = |along: f64| (along * (1.0 - along)).max(0.0).sqrt();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
-use fogbow_kernels::media::{Media, Medium};
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
@@ -99,13 +99,13 @@ fn lengths_can_be_counted_in_mean_free_paths() {
     let base = frames::fog_facing(0.5, 0.7, [8, 8]);
     let (mean, error) = green(&render(&base, [8, 8], 0..4000).0);
     for scale in [1e-4, 1e4] {
-        let Medium { albedo, phase, .. } = base.medium().clone();
+        let Medium { albedo, phase, .. } = base.medium.clone();
         let medium = Medium::homogeneous((1.7 / scale) as f32, albedo, phase);
         let disk = Emitter::disk(DVec3::new(0.0, 0.0, 5.0 * scale), -DVec3::Z, 0.5 * scale, [80.0; 3]);
         let frame = Frame {
             camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.5 * scale, [8, 8]),
             techniques: Active::Mvnee.techniques(&medium, 5, 4.0),
-            media: Media::everywhere(medium),
+            medium,
             lights: Lights::new(vec![disk], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
             ..base.clone()
@@ -141,7 +141,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
         let frame = Frame {
             camera: ray_camera(0.0),
             techniques: Active::Both.techniques(&medium, 5, 4.0),
-            media: Media::everywhere(medium),
+            medium,
             lights: Lights::new(vec![behind, front], Selection::Uniform),
             surfaces: Arc::new(Surfaces::none()),
             walk: WalkLimits::ALL,

@@ -18,7 +18,7 @@ const SMALL: [u32; 2] = [16, 16];
 
 /// `frame` in grey extinction: that of one channel.
 fn grey(frame: &Frame, channel: usize) -> Frame {
-    frames::with_extinction(frame, frame.medium().extinctions()[channel])
+    frames::with_extinction(frame, frame.medium.extinctions()[channel])
 }
 
 /// Image mean and standard error per channel.
@@ -182,7 +182,7 @@ fn presets_cost_little_variance() {
             );
             scene::parse("scene.toml", &text).unwrap_or_else(|error| panic!("{error}")).frame
         };
-        let extinction = parse(1.0, "path").medium().extinctions();
+        let extinction = parse(1.0, "path").medium.extinctions();
         let distance = 12.0 / f64::from(extinction.into_iter().sum::<f32>());
         for (technique, samples, limit) in COSTS {
             let name = format!("{preset}, {technique}");

@@ -60,6 +60,7 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
         let settings = mvnee::reference::Settings {
             max_distance: f64::INFINITY,
             max_depth: f64::INFINITY,
+            max_inserted: u32::MAX,
             offset: Offset::Ggx,
             slope: slope::of(case.g),
         };

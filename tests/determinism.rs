@@ -19,7 +19,14 @@ fn frames() -> Vec<Frame> {
         frames::with_techniques(&frames::fog_facing(0.0, 0.9, SIZE), Active::Nee, 4.0),
         bridges(Active::Bridge, 0.8, 0.3),
         bridges(Active::Every, 0.6, 0.05),
+        under_a_sky(),
     ]
+}
+
+/// A cloud under all lights at infinity at once, whose connections play roulette.
+fn under_a_sky() -> Frame {
+    let (_, cloud) = frames::skies::clouds(SIZE).pop().expect("clouds");
+    Frame { roulette: 0.05, ..frames::with_techniques(&cloud, Active::Bridge, 4.0) }.with_walk(2, 0.8)
 }
 
 /// A frame whose walks end early and whose connections play roulette.

@@ -1,17 +1,20 @@
 //! Samplers against their densities, and moments of the random walk.
 
+use core::f64::consts::{PI, TAU};
+
 use bumpalo::Bump;
 use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::accumulate::reference::contribution;
 use fogbow_kernels::columns::queues::Candidate;
+use fogbow_kernels::connect::distant;
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
-use fogbow_kernels::tables::lights::{Emitter, Selection, Shape};
+use fogbow_kernels::tables::lights::{Distant, Emitter, Panorama, Selection, Shape};
 use fogbow_kernels::{WalkLimits, random};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded;
@@ -52,8 +55,7 @@ fn free_flights_are_exponential() {
     let mut cells = vec![0.0; 60];
     after_walks(&frame, SAMPLES, 1, |wavefront| {
         for lane in 0..LANES {
-            let depth =
-                f64::from(wavefront.flights.flight.rows()[lane]) * frame.medium().homogeneous_twin(0).extinction;
+            let depth = f64::from(wavefront.flights.flight.rows()[lane]) * frame.medium.homogeneous_twin(0).extinction;
             cells[((depth / 0.2) as usize).min(59)] += 1.0;
         }
     });
@@ -70,7 +72,7 @@ fn scattered_directions_match_the_phase_function() {
     for g in [-0.95, -0.3, 0.0, 1e-4, 0.5, 0.9, 0.99] {
         let frame = frame(g);
         // Cells of equal probability in the cosine, from the twin's inversion, and of equal azimuth.
-        let edges: Vec<_> = (1..32).map(|i| frame.medium().phase.twin().sample_cosine(f64::from(i) / 32.0)).collect();
+        let edges: Vec<_> = (1..32).map(|i| frame.medium.phase.twin().sample_cosine(f64::from(i) / 32.0)).collect();
         let mut cells = vec![0.0; 32 * 8];
         after_walks(&frame, SAMPLES, 1, |wavefront| {
             let clock = wavefront.step.clock;
@@ -111,7 +113,7 @@ fn random_walks_have_the_moments_of_the_phase_function() {
                 squared.add(way.length_squared());
             }
         }
-        let (g, mu_t, n) = (f64::from(g), frame.medium().homogeneous_twin(0).extinction, f64::from(EVENTS));
+        let (g, mu_t, n) = (f64::from(g), frame.medium.homogeneous_twin(0).extinction, f64::from(EVENTS));
         let power = g.powi(EVENTS);
         let mean = (1.0 - power) / (mu_t * (1.0 - g));
         let mean_square = 2.0 / (mu_t * mu_t) * (n / (1.0 - g) - g * (1.0 - power) / ((1.0 - g) * (1.0 - g)));
@@ -150,6 +152,7 @@ fn coordinates(emitter: &Emitter, point: DVec3) -> [f64; 2] {
             let (p, q) = (weight(tangent, bitangent), weight(bitangent, tangent));
             [(p + q).powi(2), q / (p + q)]
         }
+        Shape::Distant => unreachable!("directions have a test of their own"),
     }
 }
 
@@ -168,6 +171,68 @@ fn light_points_are_uniform_on_disks_spheres_and_triangles() {
             let count: f64 = cells.iter().sum();
             let p = p_of_counts(cells, &[count / 64.0; 64]);
             assert!(p > SUSPICIOUS && count > 1000.0, "emitter {light}: p = {p} of {count} points");
+        }
+    }
+}
+
+/// The numbers in the unit square that a direction to a cap of the sphere stands for.
+fn in_cap(light: &Distant, direction: DVec3) -> [f64; 2] {
+    let [axis, tangent, bitangent] = [light.axis, light.tangent, light.bitangent].map(vector);
+    let azimuth = direction.dot(bitangent).atan2(direction.dot(tangent)) / TAU;
+    [(direction - axis).length_squared() / 4.0 / f64::from(light.cap), azimuth.rem_euclid(1.0)]
+}
+
+/// What is expected of `count` directions in each pixel of an image, and where this one is.
+fn in_pixels(panorama: &Panorama, count: f64) -> (Vec<f64>, impl Fn(DVec3) -> usize) {
+    let [width, height] = panorama.size();
+    let solid_angle = |row: u32| {
+        let cosine = |row: u32| (PI * f64::from(row) / f64::from(height)).cos();
+        TAU / f64::from(width) * (cosine(row) - cosine(row + 1))
+    };
+    let pixels = (0..height).flat_map(move |row| (0..width).map(move |column| [column, row]));
+    let share = |[column, row]: [u32; 2]| {
+        let radiance: f64 = panorama.texel(column, row).iter().map(|x| f64::from(*x)).sum();
+        radiance / 3.0 * f64::from(panorama.largest()) * solid_angle(row) / panorama.flux()
+    };
+    let place = move |direction: DVec3| {
+        let [column, row] = distant::reference::pixel(panorama, direction);
+        (row * width + column) as usize
+    };
+    (pixels.map(|pixel| count * share(pixel)).collect(), place)
+}
+
+#[test]
+fn directions_to_lights_at_infinity_have_their_density() {
+    let lamps = frames::lamps(1.0, 0.3, Selection::Uniform, [64, 64]);
+    for selection in [Selection::Uniform, Selection::Intensity] {
+        for (name, sources) in frames::skies::sources() {
+            let frame = frames::skies::under(&lamps, &sources, selection);
+            let mut found = vec![Vec::new(); sources.len()];
+            light_points(&frame, distant::SCOPE, |start, emitter, point| {
+                found[emitter - frame.lights.first_distant() as usize].push((point - start).normalize());
+            });
+            let total = found.iter().map(Vec::len).sum::<usize>() as f64;
+            let counts: Vec<f64> = found.iter().map(|directions| directions.len() as f64).collect();
+            let expected: Vec<f64> = frame.lights.distant().iter().map(|x| total * f64::from(x.share)).collect();
+            let p = p_of_counts(&counts, &expected);
+            assert!(p > SUSPICIOUS && total > 1000.0, "{name}, {selection:?}: p = {p}, {counts:?} of {expected:?}");
+            for (light, directions) in frame.lights.distant().iter().zip(&found) {
+                let count = directions.len() as f64;
+                let p = if let Some(panorama) = &light.panorama {
+                    let (expected, place) = in_pixels(panorama, count);
+                    let mut cells = vec![0.0; expected.len()];
+                    directions.iter().for_each(|direction| cells[place(*direction)] += 1.0);
+                    p_of_counts(&cells, &expected)
+                } else {
+                    let mut cells = vec![0.0; 64];
+                    for direction in directions {
+                        let cell = in_cap(light, *direction).map(|x| ((x * 8.0) as usize).min(7));
+                        cells[8 * cell[0] + cell[1]] += 1.0;
+                    }
+                    p_of_counts(&cells, &[count / 64.0; 64])
+                };
+                assert!(p > SUSPICIOUS, "{name}, {selection:?}: p = {p} of {count} directions");
+            }
         }
     }
 }
@@ -220,7 +285,7 @@ fn isotropic_media_forget_where_light_came_from() {
 #[test]
 fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
     for survival in [0.3_f32, 0.75, 1.0] {
-        let frame = Frame { walk: WalkLimits { survival, ..WalkLimits::ALL }, ..frame(0.5) };
+        let frame = Frame { walk: WalkLimits { survival: survival.into(), ..WalkLimits::ALL }, ..frame(0.5) };
         for vertices in 0..6 {
             // The camera is no vertex that a walk has to survive.
             let (mut alive, mut flights) = (0.0, Moments::default());
@@ -235,8 +300,8 @@ fn walks_survive_as_often_as_they_should_and_survivors_are_like_all() {
             let expected = [share, 1.0 - share].map(|share| share * SAMPLES as f64);
             let p = p_of_counts(&counts, &expected);
             assert!(p > SUSPICIOUS, "{alive} instead of {} walks survive {vertices} vertices, p = {p}", expected[0]);
-            let z = (flights.mean() * frame.medium().homogeneous_twin(0).extinction - 1.0)
-                / (flights.standard_error() * frame.medium().homogeneous_twin(0).extinction);
+            let z = (flights.mean() * frame.medium.homogeneous_twin(0).extinction - 1.0)
+                / (flights.standard_error() * frame.medium.homogeneous_twin(0).extinction);
             assert!(z.abs() < 4.0, "flights of survivors of {vertices} vertices have a mean of {}", flights.mean());
         }
     }

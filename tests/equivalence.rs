@@ -94,7 +94,7 @@ fn media_of_any_density_leave_the_range_of_numbers_nowhere() {
         let base = frames::three_lights(0.6, Selection::IntensityDistance, size);
         let base = frames::with_extinction(&base, extinction);
         for active in frames::Active::ALL {
-            let techniques = active.techniques(base.medium(), base.lengths.max, f64::INFINITY);
+            let techniques = active.techniques(&base.medium, base.lengths.max, f64::INFINITY);
             let frame = Frame { techniques, ..base.clone() };
             let (film, stats) = render(&frame, size, 0..1);
             assert_eq!(stats.dropped.count, 0, "extinction {extinction}, {active:?}: {:?}", stats.dropped.first);
@@ -180,10 +180,13 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
 /// Frames that visit every branch, those of grids included.
 fn variety_and_clouds(size: [u32; 2]) -> Vec<(String, Frame)> {
     let clouds = frames::clouds::clouds(size).into_iter().flat_map(|(name, cloud)| {
-        frames::clouds::IN_GRIDS
+        frames::clouds::IN_FIELDS
             .map(|active| (format!("{name}, {active:?}"), frames::with_techniques(&cloud, active, 4.0)))
     });
-    frames::variety(size).into_iter().chain(clouds).collect()
+    let under_skies = frames::skies::clouds(size).into_iter().zip(frames::clouds::IN_FIELDS.into_iter().cycle());
+    let under_skies = under_skies
+        .map(|((name, cloud), active)| (format!("{name}, {active:?}"), frames::with_techniques(&cloud, active, 4.0)));
+    frames::variety(size).into_iter().chain(clouds).chain(under_skies).collect()
 }
 
 #[test]

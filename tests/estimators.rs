@@ -304,7 +304,7 @@ fn where_walks_end_and_what_roulette_drops_change_no_mean() {
 fn path_tracing_finds_what_limited_bridges_leave_out() {
     let limited = |base: &Frame, mesc: f64, vertices: u32, starts: u32, survival: f32| {
         let frame = frames::with_techniques(base, Active::Bridge, f64::INFINITY);
-        let bridge = Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max).with_mesc(frame.medium(), mesc);
+        let bridge = Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max).with_mesc(&frame.medium, mesc);
         let bridge = Bridge { max_inserted: vertices, ..bridge };
         let techniques = Techniques { bridge: Some(bridge), ..frame.techniques };
         Frame { techniques, seed: 17 * vertices.min(9) + starts.min(9), ..frame }.with_walk(starts, survival)

@@ -40,7 +40,7 @@ fn lit(g: f32, lights: Lights, connector: impl Fn(&Frame) -> Connector) -> Frame
     frame.lengths = PathLengths { min: 1, max: 60 };
     frame.lights = lights;
     frame.techniques = Techniques::default();
-    frame.techniques.lis = Some(Lis::new(frame.medium(), connector(&frame)));
+    frame.techniques.lis = Some(Lis::new(&frame.medium, connector(&frame)));
     frame
 }
 
@@ -70,7 +70,7 @@ fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(DVec3, &[DVe
 fn vertices_made_from_lights_follow_emission_and_flight() {
     // Cells of equal probability: side, and shares of the density's integrals over cosine, azimuth and flight.
     const CELLS: usize = 8;
-    let bridge = |frame: &Frame| Connector::Bridge(Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max));
+    let bridge = |frame: &Frame| Connector::Bridge(Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max));
     let disks = [None, Some(0.0), Some(3.0), Some(50.0), Some(5000.0)].map(|exponent| frame(0.6, exponent, bridge));
     let sphere = Emitter::sphere(DVec3::new(0.3, -0.2, 4.0), 0.6, [80.0; 3]);
     let sphere = lit(0.6, Lights::new(vec![sphere], Selection::Uniform), bridge);
@@ -123,12 +123,12 @@ fn walk_density(phase: &dyn Phase, chain: &[DVec3]) -> f64 {
 /// Another density of the inner vertices between start and vertex, where the connector has any.
 fn other_connector_density(frame: &Frame, to_vertex: &[DVec3]) -> f64 {
     match &settings(frame).connector {
-        Connector::Bridge(_) => walk_density(frame.medium().phase.twin(), to_vertex),
+        Connector::Bridge(_) => walk_density(frame.medium.phase.twin(), to_vertex),
         Connector::Mvnee(mvnee) => {
             let settings = mvnee::reference::Settings::from(mvnee);
             let other =
                 mvnee::reference::Settings { offset: Offset::Gaussian, slope: 0.8 * settings.slope, ..settings };
-            let made = mvnee::reference::density(&other, &frame.medium().twin(0), to_vertex, 1.0).value();
+            let made = mvnee::reference::density(&other, &frame.medium.twin(0), to_vertex, 1.0).value();
             // Given the number of edges: it is Poisson-distributed.
             let mean = EXTINCTION * to_vertex[0].distance(to_vertex[to_vertex.len() - 1]);
             let count: f64 = (1..to_vertex.len() - 1).map(|m| mean / m as f64).product();
@@ -142,10 +142,10 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
     // E[h / p] = 1 for every density h of a number of inserted vertices, where p is the twin's density of what the
     // kernels make, and connections with another number of vertices count as nothing.
     let bridge = |frame: &Frame| {
-        let bridge = Bridge::new(Roll::Aligned, frame.medium(), frame.lengths.max);
+        let bridge = Bridge::new(Roll::Aligned, &frame.medium, frame.lengths.max);
         Connector::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
     };
-    let mvnee = |frame: &Frame| Connector::Mvnee(Mvnee::new(frame.medium(), f64::INFINITY, Offset::Ggx));
+    let mvnee = |frame: &Frame| Connector::Mvnee(Mvnee::new(&frame.medium, f64::INFINITY, Offset::Ggx));
     let mut p_values = Vec::new();
     for frame in [
         frame(0.5, None, bridge),
@@ -153,7 +153,7 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
         frame(0.6, None, mvnee),
         frame(0.6, Some(20.0), mvnee),
     ] {
-        let (disk, medium) = (&frame.lights.emitters()[0], frame.medium().twin(0));
+        let (disk, medium) = (&frame.lights.emitters()[0], frame.medium.twin(0));
         let mut quotients = [Moments::default(); 8];
         connections(&frame, 16 * SAMPLES, |arriving, chain| {
             let (to_vertex, edges) = (&chain[..chain.len() - 1], chain.len() - 1);

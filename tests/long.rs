@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use fogbow::frame::Frame;
+use fogbow::pilot;
 use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::{self, document::Override};
 use fogbow::truncation::{self, Truncation};
@@ -15,6 +16,7 @@ use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::random;
 use fogbow_kernels::tables::lights::Selection;
+use fogbow_testing::agreement::assert_equal_means;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::meshes;
 use fogbow_testing::rays::{Departures, depart, leaks};
@@ -140,8 +142,7 @@ fn counts_without_a_defensive_part_leave_long_detours_to_luck() {
     ];
     let frame = small_light(&near);
     let tabled = frame.techniques.bridge.clone().expect("a frame with bridges");
-    let poisson =
-        Bridge { counts: Arc::new(CountTable::poisson(frame.medium().phase.twin().lobe())), ..tabled.clone() };
+    let poisson = Bridge { counts: Arc::new(CountTable::poisson(frame.medium.phase.twin().lobe())), ..tabled.clone() };
     let [tabled, poisson] = [tabled, poisson].map(|bridge| {
         [bridge.defensive, 0.0].map(|defensive| {
             let bridge = Some(Bridge { defensive, ..bridge.clone() });
@@ -303,7 +304,7 @@ fn every_technique_has_the_mean_of_an_independent_program_in_a_cloud() {
     let (name, size) = ("cloud-box", [64, 64]);
     // Mitsuba 3.9 with the same numbers in its grid: scenes/cloud-box/in_mitsuba.py.
     let (expected, known) = ([0.81802, 0.81846, 0.77027], [0.00035, 0.00034, 0.00034]);
-    for active in frames::clouds::IN_GRIDS {
+    for active in frames::clouds::IN_FIELDS {
         let (mean, error) = render(&frames::shipped(name, size, active), size, 0..1500).0.mean();
         let z = [0, 1, 2].map(|i| (mean[i] - expected[i]) / error[i].hypot(known[i]));
         assert!(z.iter().all(|z| z.abs() < 4.0), "{active:?}: {mean:?} +- {error:?}, z = {z:?}");
@@ -353,4 +354,42 @@ fn millions_of_rays_leave_surfaces_to_the_side_they_go_to() {
 #[test]
 fn a_hundred_thousand_damaged_volumes_are_grids_or_errors() {
     println!("{:?}", volumes::damage(1 << 32, 100_000));
+}
+
+/// Far from a small source in endless white fog the fluence is that of diffusion, P / (4 pi D r) with D = 1 / (3 mu_s'),
+/// and with absorption it falls by e^(-kappa r). Radiance at the angles of cosine +- 1 / sqrt 3 to the source, whose mean
+/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a hundredth of its light.
+#[test]
+fn light_diffuses_from_a_point_in_endless_fog() {
+    let (radius, radiance, scattering, distance) = (0.02_f64, 1000.0, 20.0 * 0.3, 1.0);
+    let power = 4.0 * core::f64::consts::PI.powi(2) * radius.powi(2) * radiance;
+    for absorption in [0.0_f64, 0.06] {
+        let diffusion = 1.0 / (3.0 * (scattering + absorption));
+        let fluence = power * (-(absorption / diffusion).sqrt() * distance).exp()
+            / (4.0 * core::f64::consts::PI * diffusion * distance);
+        let expected = fluence / (4.0 * core::f64::consts::PI);
+        let [toward, away] = [1.0, -1.0].map(|side: f64| {
+            let look_at = format!("camera.look_at=[{}, 0.81649658093, 0]", side / 3.0_f64.sqrt());
+            let settings = [look_at, format!("medium.absorption={absorption:?}")];
+            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/point");
+            let overrides =
+                settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+            let scene = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"));
+            let (renderer, size) = (Renderer::new(WORKERS).expect("threads start"), scene.scene.film.size);
+            let frame = pilot::choose(&scene.frame, size, scene.choices(), &renderer, &Monitor::default()).0;
+            green(&render(&frame, size, 0..4000).0)
+        });
+        let (mean, error) = (0.5 * (toward.0 + away.0), 0.5 * toward.1.hypot(away.1));
+        println!("absorption {absorption}: {mean} +- {error}, diffusion {expected}");
+        assert!(error < 0.03 * expected, "{mean} +- {error} says little");
+        assert!((mean - expected).abs() < 3.5 * error + 0.03 * expected, "{mean} +- {error} instead of {expected}");
+    }
+}
+
+/// Paths through several volumes, a coloured ball and a coloured cloud that are longer than the short suite has time for.
+#[test]
+fn all_techniques_have_the_same_means_in_volumes_at_longer_lengths() {
+    for (name, frame) in frames::clouds::volumes([16, 16]) {
+        assert_equal_means(name, &frame, 4..=8);
+    }
 }

@@ -36,7 +36,7 @@ fn connections(frame: &Frame, samples: usize, mut visit: impl FnMut(&[DVec3])) {
 fn mvnee_frame(g: f32, offset: Offset) -> Frame {
     let mut frame = frames::with_extinction(&frames::fog_facing(0.0, g, [64, 64]), 0.5);
     frame.lengths = PathLengths { min: 1, max: 60 };
-    frame.techniques.mvnee = Some(Mvnee::new(frame.medium(), f64::INFINITY, offset));
+    frame.techniques.mvnee = Some(Mvnee::new(&frame.medium, f64::INFINITY, offset));
     frame
 }
 
@@ -46,7 +46,7 @@ fn numbers_of_seeds_are_poisson_distributed() {
     let (mut found, mut expected) = (vec![0.0; 25], vec![0.0; 25]);
     connections(&frame, SAMPLES, |chain| {
         found[(chain.len() - 2).min(24)] += 1.0;
-        let mean = chain[0].distance(chain[chain.len() - 1]) * frame.medium().homogeneous_twin(0).extinction;
+        let mean = chain[0].distance(chain[chain.len() - 1]) * frame.medium.homogeneous_twin(0).extinction;
         let mut share = (-mean).exp();
         for (m, expected) in expected.iter_mut().enumerate() {
             *expected += share;
@@ -61,8 +61,8 @@ fn numbers_of_seeds_are_poisson_distributed() {
 
 /// The twin's density of the inserted vertices of `chain`, given their number and the light point.
 fn density(frame: &Frame, settings: &mvnee::reference::Settings, chain: &[DVec3]) -> f64 {
-    let medium = frame.medium().twin(0);
-    let mean = chain[0].distance(chain[chain.len() - 1]) * f64::from(frame.medium().largest_extinction());
+    let medium = frame.medium.twin(0);
+    let mean = chain[0].distance(chain[chain.len() - 1]) * f64::from(frame.medium.largest_extinction());
     let count: f64 = (1..=chain.len() - 2).map(|m| mean / m as f64).product();
     mvnee::reference::density(settings, &medium, chain, 1.0).value() / (count * (-mean).exp())
 }

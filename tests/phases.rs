@@ -59,7 +59,7 @@ fn different_ways_to_the_same_phase_function_make_the_same_image() {
 #[test]
 fn every_technique_has_a_row_that_names_it() {
     let frame = frames::fog_facing(0.0, 0.5, SIZE);
-    let medium = frame.medium();
+    let medium = &frame.medium;
     let all =
         Techniques { lis: Active::Lis.techniques(medium, 15, 3.0).lis, ..Active::Every.techniques(medium, 15, 3.0) };
     let names: Vec<_> = all.rows().map(|(technique, _)| technique.name()).collect();

@@ -29,7 +29,8 @@ fn few_starts_are_chosen_for_a_light_in_open_fog() {
         let (frame, trials) = piloted(&scene("fog-facing", &[&format!("render.seed={seed}")]));
         assert!(frame.walk.starts <= 4, "seed {seed}: {} starts of {trials:#?}", frame.walk.starts);
         let efficiency = |starts: u32| {
-            let trial = trials.iter().find(|trial| trial.setting.starts == starts && trial.setting.survival == 1.0);
+            let trial =
+                trials.iter().find(|trial| trial.setting.starts == starts && trial.setting.survival.is_certain());
             trial.map_or_else(|| panic!("no trial of {starts} starts"), Trial::efficiency)
         };
         let (chosen, all) = (efficiency(frame.walk.starts), efficiency(u32::MAX));
@@ -55,7 +56,7 @@ fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
             "{folder}, {settings:?}: the walk alone changes, to the best of {trials:#?}"
         );
         let mut tried: Vec<_> =
-            trials.iter().map(|trial| (trial.setting.starts, trial.setting.survival.to_bits())).collect();
+            trials.iter().map(|trial| (trial.setting.starts, trial.setting.survival.at(1).to_bits())).collect();
         tried.sort_unstable();
         tried.dedup();
         assert_eq!(tried.len(), trials.len(), "{folder}, {settings:?}: something was tried twice");
@@ -71,11 +72,14 @@ fn what_the_scene_fixes_is_kept() {
     assert_eq!(frame.walk.starts, u32::MAX);
     assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.starts == u32::MAX), "{trials:#?}");
     let (frame, trials) = piloted(&scene("fog-facing", &["render.survival=0.8"]));
-    assert_eq!(frame.walk.survival, 0.8);
-    assert!(trials.len() > 1 && trials.iter().all(|trial| trial.setting.survival == 0.8), "{trials:#?}");
+    assert_eq!(frame.walk.survival.constant(), Some(0.8));
+    assert!(
+        trials.len() > 1 && trials.iter().all(|trial| trial.setting.survival.constant() == Some(0.8)),
+        "{trials:#?}"
+    );
     let both = scene("fog-facing", &["render.survival=0.8", "render.starts=2"]);
     assert_eq!(piloted(&both), (both.frame.clone(), vec![]));
-    assert_eq!((both.frame.walk.starts, both.frame.walk.survival), (2, 0.8));
+    assert_eq!((both.frame.walk.starts, both.frame.walk.survival.constant()), (2, Some(0.8)));
 }
 
 #[test]
@@ -123,7 +127,7 @@ fn images_of_extreme_shape_are_tried_too() {
 }
 
 fn trial(starts: u32, variance: f64, cost: f64) -> Trial {
-    let setting = Setting { starts, survival: 1.0, roulette: 0.0 };
+    let setting = Setting { starts, survival: 1.0.into(), roulette: 0.0 };
     Trial { setting, variance, variance_error: 0.0, cost, mean: 1.0, mean_error: 0.01 }
 }
 
@@ -164,7 +168,8 @@ fn what_misses_the_light_is_not_chosen() {
             &format!("render.seed={seed}"),
         ];
         let (frame, trials) = piloted(&scene("fog-facing", &settings));
-        let fullest = trials.iter().find(|trial| (trial.setting.starts, trial.setting.survival) == (u32::MAX, 1.0));
+        let fullest =
+            trials.iter().find(|trial| (trial.setting.starts, trial.setting.survival.at(1)) == (u32::MAX, 1.0));
         let fullest = fullest.expect("all starts are tried");
         let misses =
             |trial: &Trial| (trial.mean - fullest.mean).abs() > 5.0 * trial.mean_error.hypot(fullest.mean_error);

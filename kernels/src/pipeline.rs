@@ -4,8 +4,8 @@ mod joint;
 
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
-    accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
-    passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
+    accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample, mis_weight,
+    occlusion, passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 pub use joint::Joint;
@@ -58,6 +58,8 @@ pipeline! {
     first_flight (FirstFlight): first_flight::Kernel = first_flight::simd::run, first_flight::reference::run;
     /// Closest light and closest triangle within the flight.
     extend (Extend): extend::Kernel = extend::simd::run, extend::reference::run;
+    /// What media emit along flights reaches their paths.
+    glow (Glow): glow::Kernel = glow::simd::run, glow::reference::run;
     /// Hits become candidates, and end paths.
     light_hit (LightHit): light_hit::Kernel = light_hit::simd::run, light_hit::reference::run;
     /// Paths that have come far enough end.
@@ -66,6 +68,8 @@ pipeline! {
     flight_weight (FlightWeight): flight_weight::Kernel = flight_weight::simd::run, flight_weight::reference::run;
     /// What flights say of their channels goes to the throughput.
     spectral_weight (SpectralWeight): spectral_weight::Kernel = spectral_weight::simd::run, spectral_weight::reference::run;
+    /// What flights leave out of other channels goes to the throughput.
+    flight_hue (FlightHue): flight_hue::Kernel = flight_hue::simd::run, flight_hue::reference::run;
     /// Next vertex and direction.
     scatter (Scatter): scatter::Kernel = scatter::simd::run, scatter::reference::run;
     /// Reflection, for paths that met a surface.

@@ -13,7 +13,7 @@
 
 use wide::{f32x8, i32x8, u32x8};
 
-use crate::LONGEST_PATH;
+use crate::{LONGEST_BRIDGED_PATH, LONGEST_PATH};
 
 /// What blocks of random words are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,18 +113,24 @@ purposes! {
     HERO = Purpose::one(11);
     /// The streams of a flight's collisions.
     TRACKING = Purpose::one(12);
+    /// The light point of connections to lights at infinity: light, two for the direction, roulette; the words for an
+    /// emitter pick the pixel of an image.
+    DISTANT_LIGHT = Purpose::light_point(13);
+    /// The stream of the points at which a flight asks for emission.
+    GLOW = Purpose::one(14);
     /// The streams of the transmittance of connections to light points of a purpose, one per segment; view the first.
     TRANSMITTANCE = Purpose::row(0x10, 0x10);
     /// The seeds' free flights: block k has those of seeds 4 k .. 4 k + 4.
-    MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_PATH / 4);
+    MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_BRIDGED_PATH / 4);
     /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.
-    MVNEE_OFFSETS = Purpose::row(0x200, LONGEST_PATH / 2);
+    MVNEE_OFFSETS = Purpose::row(0x200, LONGEST_BRIDGED_PATH / 2);
     /// A bridge's free walk: block k has length of edge k, cosine and azimuth of the turn at its end, -.
-    BRIDGE_WALK = Purpose::row(0x400, LONGEST_PATH);
+    BRIDGE_WALK = Purpose::row(0x400, LONGEST_BRIDGED_PATH);
 }
 
 /// Bits of a block's number that say what it is for.
 const PURPOSE_BITS: u32 = 16;
+const _: () = assert!(LONGEST_PATH - 1 <= u32::MAX >> PURPOSE_BITS, "every vertex has blocks of its own");
 
 /// Number of the block that the vertex at `depth` uses for `purpose`, the first one of a row.
 #[inline(always)]
@@ -243,7 +249,7 @@ mod tests {
         for seed in [0, 1, u32::MAX] {
             let mut keys = Vec::new();
             for seed in [seed, lis_seed(seed)] {
-                for depth in 0..LONGEST_PATH {
+                for depth in (0..600).chain(LONGEST_PATH - 600..LONGEST_PATH) {
                     let numbers = PURPOSES.iter().flat_map(|(_, purpose)| purpose.numbers());
                     keys.extend(numbers.map(|number| (seed, block(depth, Purpose::one(number)))));
                 }
@@ -263,15 +269,17 @@ mod tests {
     #[test]
     fn a_block_that_is_not_declared_is_refused_in_every_build() {
         let refused = |ask: fn() -> Purpose| std::panic::catch_unwind(ask).is_err();
-        assert!(!refused(|| BRIDGE_WALK.nth(LONGEST_PATH - 1)) && refused(|| BRIDGE_WALK.nth(LONGEST_PATH)));
+        assert!(
+            !refused(|| BRIDGE_WALK.nth(LONGEST_BRIDGED_PATH - 1)) && refused(|| BRIDGE_WALK.nth(LONGEST_BRIDGED_PATH))
+        );
         assert!(!refused(|| SEGMENT.nth(0)) && refused(|| SEGMENT.nth(1)));
         assert!(!refused(|| NEE_LIGHT.emitter()) && refused(|| BRIDGE_COUNT.emitter()));
     }
 
     #[test]
-    fn rows_have_a_block_for_every_vertex_of_the_longest_path() {
+    fn rows_have_a_block_for_every_vertex_of_the_longest_connection() {
         // A connection starts behind the camera, so that it has fewer edges than the path has segments.
-        let edges = LONGEST_PATH - 1;
+        let edges = LONGEST_BRIDGED_PATH - 1;
         let last = |purpose: Purpose| purpose.numbers().count() as u32 - 1;
         assert!(last(BRIDGE_WALK) >= edges - 1);
         // Counting looks for one seed more than fits.

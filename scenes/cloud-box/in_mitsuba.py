@@ -8,6 +8,7 @@ Needs mitsuba, numpy, trimesh and the Python module of OpenVDB (openvdb or pyope
 import math
 import pathlib
 import sys
+import tempfile
 import time
 
 import mitsuba as mi
@@ -44,7 +45,7 @@ def cloud():
 def walls():
     model = trimesh.load(HERE.parent / "cornell-fog" / "cornell-fog.glb")
     for name, mesh in model.geometry.items():
-        path = f"/tmp/cloud-box-{name}.ply"
+        path = str(pathlib.Path(tempfile.gettempdir()) / f"cloud-box-{name}.ply")
         trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path, vertex_normal=False)
         colour = [float(x) / 255 for x in mesh.visual.material.baseColorFactor[:3]]
         bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": colour}}

@@ -9,14 +9,14 @@ use fogbow_kernels::pipeline::SIMD;
 
 use super::{InfoArgs, say, volume, warning_text};
 use crate::error::{Error, Result};
-use crate::figures::{duration, number, rate, starts};
+use crate::figures::{duration, number, rate, starts, survival};
 use crate::film::{self, Film, Region};
 use crate::gltf::quoted;
 use crate::image::{self, Format};
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
-use crate::scene::schema::LightKind;
-use crate::scene::{self, Contents, Light, LoadedScene};
+use crate::scene::schema::{Grid, LightKind, Medium};
+use crate::scene::{self, ANGULAR_RADIUS, Contents, Light, LoadedScene};
 use crate::truncation::{self, Truncation};
 use crate::volume::is_volume;
 
@@ -72,29 +72,62 @@ fn spectrum(channels: [f32; 3]) -> String {
     if channels.iter().all(|channel| *channel == channels[0]) { channels[0].clone() } else { channels.join(" | ") }
 }
 
+/// Mean free path and albedo of a medium of density 1 times `scale`; none in vacuum.
+fn coefficients(medium: &Medium, scale: f64) -> Option<(String, String)> {
+    let [scattering, absorption] =
+        [medium.scattering.0, medium.absorption.0].map(|of| of.map(|channel| scale * channel));
+    let extinction = [0, 1, 2].map(|c: usize| scattering[c] + absorption[c]);
+    let free_path = spectrum(extinction.map(|extinction| (1.0 / extinction) as f32));
+    let albedo =
+        [0, 1, 2].map(|c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 });
+    (extinction != [0.0; 3]).then(|| (free_path, spectrum(albedo)))
+}
+
+/// What a medium emits, as the end of a line about it.
+fn glow(medium: &Medium, grid: Option<&Grid>) -> String {
+    if medium.emission.is_black() {
+        return String::new();
+    }
+    let of = grid.map_or_else(String::new, |grid| format!(" times {}", quoted(&grid.file)));
+    format!(", emission {} W/(m^3 sr){of}", spectrum(medium.emission.0.map(|channel| channel as f32)))
+}
+
+fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
+    for volume in &loaded.scene.volume {
+        let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
+        let shape = volume.shape.as_ref().map(|shape| format!("a {}", shape.kind.name()));
+        let grid = volume.grid.as_ref().map(|grid| quoted(&grid.file));
+        let what = [shape, grid].into_iter().flatten().collect::<Vec<_>>().join(" of ");
+        let what = if what.is_empty() { "a flame".into() } else { what };
+        let glow = glow(&volume.medium(), volume.emission_grid.as_ref());
+        let of = if volume.grid.is_some() { " at density 1" } else { "" };
+        let scale = volume.grid.as_ref().map_or(1.0, |grid| grid.scale);
+        let inside = coefficients(&volume.medium(), scale).map_or_else(
+            || "vacuum".into(),
+            |(free_path, albedo)| format!("mean free path {free_path} m{of}, albedo {albedo}"),
+        );
+        say(format!("volume{name}: {what}, {inside}{glow}"))?;
+    }
+    let Some(field) = loaded.frame.medium.field() else { return Ok(()) };
+    let medium = &loaded.frame.medium;
+    let free_path = spectrum(medium.extinctions().map(|extinction| 1.0 / extinction));
+    let [x, y, z] = field.cells().dims;
+    let (g, size) = (number(medium.phase.mean_cosine(), 4), field.bytes() >> 10);
+    say(format!("  mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
+}
+
 fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     let LoadedScene { name, scene, frame, contents, warnings, .. } = loaded;
     let [width, height] = scene.film.size;
     let render = &scene.render;
     say(format!("{name}: {width}x{height} pixels, {} samples each, seed {}", render.samples, render.seed))?;
-    if let (Some(grid), Some(volume)) = (frame.medium().grid(), scene.volume.first()) {
-        let free_path = number(1.0 / f64::from(frame.medium().largest_extinction()), 4);
-        let (albedo, g) = (spectrum(frame.medium().albedo), number(frame.medium().phase.mean_cosine(), 4));
-        let (phase, bytes) = (volume.phase.kind.name(), grid.bytes() >> 10);
-        let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
-        let (what, densest) = match &volume.grid {
-            Some(grid) => (quoted(&grid.file), " where it is densest"),
-            None => ("a box".into(), ""),
-        };
-        say(format!("volume{name}: {what}, mean free path {free_path} m{densest}, albedo {albedo}"))?;
-        say(format!("  {phase} of mean cosine {g}, {bytes} KiB"))?;
-    }
+    describe_volumes(loaded)?;
     match &scene.medium {
-        Some(medium) if frame.medium().largest_extinction() > 0.0 => {
-            let free_path = spectrum(frame.medium().extinctions().map(|extinction| 1.0 / extinction));
-            let g = number(frame.medium().phase.mean_cosine(), 4);
-            let (albedo, phase) = (spectrum(frame.medium().albedo), medium.phase.kind.name());
-            say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}"))?;
+        Some(medium) if coefficients(medium, 1.0).is_some() => {
+            let (free_path, albedo) = coefficients(medium, 1.0).expect("there is something");
+            let (phase, g) = (medium.phase.kind.name(), number(frame.medium.phase.mean_cosine(), 4));
+            let glow = glow(medium, None);
+            say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}{glow}"))?;
         }
         _ if frame.varies() => {}
         _ if frame.surfaces.is_empty() => say("vacuum: only directly visible light counts")?,
@@ -111,12 +144,13 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     }
     describe_contents(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {}", warning_text(warning, verbose))))?;
+    describe_environment(loaded)?;
     loaded.lights.iter().take(MOST_NAMED).try_for_each(|light| describe_light(light, loaded))?;
     if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
         say(format!("and {}", count(more, "more light")))?;
     }
     if let shining @ 1.. = frame.lights.lights().len() - frame.lights.bodies().len() {
-        let triangles = frame.lights.emitters().len() - frame.lights.bodies().len();
+        let triangles = frame.lights.first_distant() as usize - frame.lights.bodies().len();
         say(format!("emissive meshes: {shining}, with {}", count(triangles, "triangle")))?;
     }
     let names: Vec<_> = render.technique.0.iter().map(|technique| technique.name()).collect();
@@ -134,7 +168,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         .filter(|left_out| left_out.matters())
         .try_for_each(|left_out| say(format!("warning: {left_out}")))?;
     if frame.techniques.any() {
-        say(format!("vertices that connect: {}, survival {}", starts(walk.starts), walk.survival))?;
+        say(format!("vertices that connect: {}, survival {}", starts(walk.starts), survival(&walk.survival)))?;
     }
     let samples = pixels * u64::from(render.samples);
     say(format!(
@@ -165,14 +199,38 @@ fn describe_contents(contents: &Contents) -> Result<()> {
     Ok(())
 }
 
+/// The sky.
+fn describe_environment(loaded: &LoadedScene) -> Result<()> {
+    let Some(environment) = &loaded.scene.environment else { return Ok(()) };
+    if let Some(radiance) = environment.radiance {
+        return say(format!("environment: radiance {radiance} W/(m^2 sr)"));
+    }
+    let images = loaded.frame.lights.distant().iter().filter_map(|light| light.panorama.as_ref());
+    for (image, file) in images.zip(&environment.image) {
+        let ([width, height], largest) = (image.size(), number(f64::from(image.largest()), 4));
+        let mean = number(image.flux() / (4.0 * core::f64::consts::PI), 4);
+        let kib = image.bytes() >> 10;
+        say(format!("environment: {}, {width}x{height} pixels, {kib} KiB", quoted(file)))?;
+        say(format!("  radiance {mean} W/(m^2 sr) in the mean of all directions, {largest} at most"))?;
+    }
+    Ok(())
+}
+
 fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     let Light { name, values } = light;
-    let [camera, light] = [loaded.camera.position, values.center].map(glam::DVec3::from);
-    let (distance, origin) = (camera.distance(light), glam::DVec3::from(loaded.origin));
-    let depth = |channel| loaded.frame.medium().twin(channel).optical_depth(camera - origin, light - origin) as f32;
-    let depth = spectrum([0, 1, 2].map(depth));
-    let (distance, radius) = (number(distance, 4), values.radius);
     let name = name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
+    let (Some(center), Some(radius)) = (values.center, values.radius) else {
+        let degrees = number(values.angular_radius_deg.unwrap_or(ANGULAR_RADIUS), 4);
+        let irradiance = values.irradiance.unwrap_or_default();
+        return say(format!(
+            "light{name}: sun of irradiance {irradiance} W/m^2 and {degrees} degrees about its centre"
+        ));
+    };
+    let [camera, light] = [loaded.camera.position, center].map(glam::DVec3::from);
+    let (distance, origin) = (camera.distance(light), glam::DVec3::from(loaded.origin));
+    let depth = |channel| loaded.frame.medium.twin(channel).optical_depth(camera - origin, light - origin) as f32;
+    let depth = spectrum([0, 1, 2].map(depth));
+    let distance = number(distance, 4);
     let kind = match (values.kind, values.cone, values.exponent) {
         (LightKind::Spot, Some(cone), _) => {
             let [inner, outer] = cone.map(|angle| number(angle.to_degrees(), 4));

@@ -22,12 +22,12 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Result};
 use crate::scene::document::Override;
-use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
+use crate::scene::schema::MOST_SAMPLES;
 use crate::session::Reference;
 use crate::warning::Warning;
 use values::ImageOutput;
 
-/// Renders light in fog: one homogeneous medium of any density and any phase, with lamps and diffuse surfaces in it.
+/// Renders light in fog, clouds, smoke, milk and wax, among lamps, fires and diffuse surfaces, under sun and sky.
 #[derive(Debug, Parser)]
 #[command(name = "fogbow", version, arg_required_else_help = true)]
 struct Cli {
@@ -92,10 +92,9 @@ struct RenderArgs {
     /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel).
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
-    /// Longest path, in segments, including the camera and light segments.
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
-    #[arg(value_parser = values::whole_number("--max-segments", 1..=MOST_SEGMENTS))]
-    max_segments: Option<i64>,
+    /// Longest path, in segments, including the camera and light segments, or auto, where no number ends it.
+    #[arg(long, value_name = "K|auto", allow_hyphen_values = true, value_parser = values::segments)]
+    max_segments: Option<toml::Value>,
     /// Samples per pixel.
     #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true)]
     #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]

@@ -31,7 +31,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let outputs = outputs(args, &scene);
     check_destinations(args, &scene, &outputs)?;
     let has_png = outputs.iter().any(|image| image.format == Format::Png);
-    if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(stops) {
+    if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
     }
     let target = match (args.time, args.noise) {
@@ -88,19 +88,19 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
     let exposure = args
         .exposure
         .as_ref()
-        .map(|value| change("film.exposure", value.clone(), format!("--exposure {}", stops(value))));
-    let numbers = [
-        number("render.max_segments", "max-segments", args.max_segments),
-        number("render.samples", "samples", args.samples),
-        number("render.seed", "seed", args.seed),
-    ];
-    let flags = [technique, mesc, size, exposure].into_iter().chain(numbers).flatten();
+        .map(|value| change("film.exposure", value.clone(), format!("--exposure {}", word(value))));
+    let segments = args
+        .max_segments
+        .as_ref()
+        .map(|value| change("render.max_segments", value.clone(), format!("--max-segments {}", word(value))));
+    let numbers = [number("render.samples", "samples", args.samples), number("render.seed", "seed", args.seed)];
+    let flags = [technique, mesc, segments, size, exposure].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
 }
 
-/// An exposure as it is written after its flag.
-fn stops(exposure: &toml::Value) -> String {
-    exposure.as_str().map_or_else(|| exposure.to_string(), str::to_string)
+/// A number or a word as it is written after its flag.
+fn word(value: &toml::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_string)
 }
 
 fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {

@@ -10,6 +10,7 @@ use fogbow_kernels::pipeline::Stage;
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::output;
+use crate::scene::schema::MOST_SEGMENTS;
 use crate::session::Reference;
 
 /// An image to write.
@@ -116,6 +117,15 @@ pub fn mesc(text: &str) -> Result<f64> {
     text.parse().or_else(|_| refuse("--mesc", text, "is not a number", "give a number of segments above 0"))
 }
 
+/// `--max-segments`
+pub fn segments(text: &str) -> Result<toml::Value> {
+    if text == "auto" {
+        Ok(text.into())
+    } else {
+        whole_number_or("--max-segments", 1..=MOST_SEGMENTS, " or \"auto\"")(text).map(Into::into)
+    }
+}
+
 /// `--exposure`
 pub fn exposure(text: &str) -> Result<toml::Value> {
     if text == "auto" {
@@ -137,6 +147,15 @@ pub fn threads(text: &str) -> Result<u32> {
 
 /// A parser of the whole numbers in `range` after `flag`.
 pub fn whole_number(flag: &'static str, range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<i64> + Clone {
+    whole_number_or(flag, range, "")
+}
+
+/// The same, where the remedy says what `else_` may be given.
+fn whole_number_or(
+    flag: &'static str,
+    range: RangeInclusive<u32>,
+    else_: &'static str,
+) -> impl Fn(&str) -> Result<i64> + Clone {
     use core::num::IntErrorKind::{NegOverflow, PosOverflow};
     move |text| {
         let finding = match text.parse() {
@@ -145,7 +164,7 @@ pub fn whole_number(flag: &'static str, range: RangeInclusive<u32>) -> impl Fn(&
             Err(error) if matches!(error.kind(), PosOverflow | NegOverflow) => "is out of range",
             Err(_) => "is not a whole number",
         };
-        refuse(flag, text, finding, &format!("give a whole number from {} to {}", range.start(), range.end()))
+        refuse(flag, text, finding, &format!("give a whole number from {} to {}{else_}", range.start(), range.end()))
     }
 }
 

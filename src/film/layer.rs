@@ -27,7 +27,7 @@ pub fn layers(frame: &Frame) -> Vec<Layer> {
     vec![Layer {
         name: "radiance", // W/(m^2 sr)
         channels: frame.channels(),
-        unit: Unit::for_largest(frame.lights.largest_radiance()),
+        unit: Unit::for_largest(frame.largest_radiance()),
         squares: true,
         planes: &["R", "G", "B"],
     }]

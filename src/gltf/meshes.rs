@@ -72,7 +72,8 @@ pub fn flatten(
             all.add_instance(&mesh, placed.world, origin).at(|| planned.label()).at(|| placed.label())?;
             let triangles = first..all.triangles.len() as u32;
             if !triangles.is_empty() {
-                instances.push(Instance { node: placed.index as u32, name: name(placed, planned), triangles });
+                let (node, mesh) = (placed.index as u32, planned.mesh.name.clone());
+                instances.push(Instance { node, name: name(placed, planned), mesh, triangles });
             }
         }
     }

@@ -61,6 +61,8 @@ pub struct Instance {
     pub node: u32,
     /// The node's name, or else the mesh's, or else `mesh 0` with its index.
     pub name: String,
+    /// The mesh's name, if it has one.
+    pub mesh: Option<String>,
     /// Its triangles in [`Model::triangles`]; one or more.
     pub triangles: Range<u32>,
 }

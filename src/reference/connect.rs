@@ -19,8 +19,8 @@ use crate::frame::Frame;
 impl Walk<'_> {
     /// Tries every active technique from the last vertex.
     pub(super) fn connect(&mut self) {
-        let Frame { techniques, lengths, .. } = self.frame;
-        for connection in techniques.connections(*lengths) {
+        let Frame { techniques, lengths, lights, .. } = self.frame;
+        for connection in techniques.connections(*lengths, lights) {
             self.try_technique(&connection);
         }
     }
@@ -47,7 +47,7 @@ impl Walk<'_> {
     /// The vertex that once-more next event estimation inserts between the last one and `point`.
     fn once_more(&self, point: DVec3) -> DVec3 {
         let u = omnee_sample::uniforms(self.pixel, self.sample, self.depth(), self.frame.seed);
-        omnee_sample::place(self.frame.medium().phase.twin(), self.last(), point, u)
+        omnee_sample::place(self.frame.medium.phase.twin(), self.last(), point, u)
     }
 
     /// The vertices that multiple-vertex next event estimation inserts between the last one and `point`, in a path of
@@ -70,7 +70,7 @@ impl Walk<'_> {
         let from = bridge::reference::Start { depth: self.depth(), position: start, arriving, on_surface };
         let count = bridge_sample::count_edges(bridge, &medium, lengths, &from, point, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(bridge, self.frame.medium().phase.twin(), &from, point, &draws, &mut inserted);
+        bridge_sample::place(bridge, self.frame.medium.phase.twin(), &from, point, &draws, &mut inserted);
         Some(inserted)
     }
 
@@ -79,7 +79,7 @@ impl Walk<'_> {
         let Frame { lights, lengths, seed, .. } = self.frame;
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
         let vertex =
-            lis_sample::place(&lights.emitters()[emitter], &self.frame.medium().homogeneous_twin(self.hero), point, u);
+            lis_sample::place(&lights.emitters()[emitter], &self.frame.medium.homogeneous_twin(self.hero), point, u);
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
             return None;
         }
@@ -118,8 +118,8 @@ impl Walk<'_> {
         let Frame { lights, surfaces, .. } = self.frame;
         let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
         if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
-            let through = self.comes_through(&chain, purpose);
-            worth.factor = worth.factor.map(|channel| channel * through);
+            let through = self.comes_through(&chain, purpose, None);
+            worth.factor = [0, 1, 2].map(|c| worth.factor[c] * through[c]);
             self.add(Some(technique), emitter, worth, rest.len() - 1);
         }
     }

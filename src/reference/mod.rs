@@ -4,7 +4,8 @@
 //! segments j = 0, 1, .. tries, in this order, at each of them
 //!
 //! 1. to survive the vertex it leaves, x_j with j > 0;
-//! 2. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments;
+//! 2. to meet a light: a view from the camera by expectation, later a candidate path of j + 1 segments; and what media
+//!    emit along the way, as light of a path of as many;
 //! 3. to scatter, or to be reflected by the surface on which the flight ended, unless that was a light or black, or
 //!    the walk is over;
 //! 4. to connect the new vertex x_{j+1} with a light, once per active technique, if it is among the starts.
@@ -21,16 +22,17 @@ mod connect;
 use fogbow_kernels::columns::queues::SurfaceHit;
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::connect::density::Density;
+use fogbow_kernels::connect::distant;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::emission::reference as emission;
 use fogbow_kernels::media::reference::Twin;
 use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
-use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth};
+use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth, reach};
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    accumulate, extend, first_flight, generate, light_hit, medium_sample, random, scatter, spectral_weight,
-    transmittance,
+    accumulate, extend, first_flight, flight_hue, generate, glow, light_hit, medium_sample, random, scatter,
+    spectral_weight, transmittance,
 };
 use glam::DVec3;
 
@@ -41,7 +43,7 @@ use crate::frame::Frame;
 pub struct Contribution {
     /// Segments of the path, camera and light segment included.
     pub segments: u32,
-    /// The technique that made it; none where the walk itself met a light.
+    /// The technique that made it; none where the walk itself met a light or emission.
     pub technique: Option<Technique>,
     /// Weighted radiance per channel [W/(m^2 sr)].
     pub radiance: [f64; 3],
@@ -65,14 +67,14 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         direction,
         last_surface: None,
         throughput: [1.0; 3],
-        hero: if frame.medium().is_coloured() { generate::reference::hero(pixel, sample, frame.seed) } else { 0 }
+        hero: if frame.medium.is_coloured() { generate::reference::hero(pixel, sample, frame.seed) } else { 0 }
             as usize,
         log_posterior: [f64::from(SHARE.ln()); CHANNELS],
         found: Vec::new(),
     };
     for segment in 0..frame.walk_segments() {
         let words = medium_sample::reference::words(pixel, sample, segment, frame.seed);
-        if segment > 0 && !medium_sample::reference::survives(&frame.walk, random::uniform(words[3])) {
+        if segment > 0 && !medium_sample::reference::survives(&frame.walk, segment, random::uniform(words[3])) {
             break;
         }
         let mut flight = walk.fly(random::uniform(words[0]));
@@ -81,7 +83,8 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
             flight = walk.aim(flight);
         }
         let (ended, surface) = walk.meet(segment, flight);
-        if ended || segment + 1 == frame.walk_segments() {
+        walk.glow(ended.or(surface.map(|hit| f64::from(hit.distance))).unwrap_or(flight));
+        if ended.is_some() || segment + 1 == frame.walk_segments() {
             break;
         }
         walk.weigh_flight(flight, surface.as_ref(), aims);
@@ -89,7 +92,7 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         match surface {
             Some(hit) if surface_stage::is_black(&frame.surfaces, hit, walk.direction) => break,
             Some(hit) => walk.reflect(hit, u),
-            None if frame.medium().never_scatters() || flight.is_infinite() => break,
+            None if frame.medium.never_scatters() || flight.is_infinite() => break,
             None => walk.scatter(flight, u),
         }
         walk.connect();
@@ -120,7 +123,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// The medium around everything, in the channel of the hero.
     fn medium(&self) -> Twin<'_> {
-        self.frame.medium().twin(self.hero)
+        self.frame.medium.twin(self.hero)
     }
 
     /// What the random numbers of the last vertex are drawn from.
@@ -140,7 +143,7 @@ impl Walk<'_> {
     /// A free flight, for a number `u` where extinction is the same everywhere.
     fn fly(&self, u: f64) -> f64 {
         let ray = (self.last(), self.direction);
-        medium_sample::reference::flight(self.frame.medium(), self.hero, ray, u, &self.draws())
+        medium_sample::reference::flight(&self.frame.medium, self.hero, ray, u, &self.draws())
     }
 
     /// The camera's flight: `free`, or one drawn towards a light.
@@ -154,7 +157,7 @@ impl Walk<'_> {
     /// aimed, and all where extinction is coloured.
     fn weigh_flight(&mut self, flight: f64, surface: Option<&SurfaceHit>, aimed: bool) {
         let Frame { lights, aimed: share, .. } = self.frame;
-        let (medium, share, sight) = (self.frame.medium(), f64::from(*share), (self.last(), self.direction));
+        let (medium, share, sight) = (&self.frame.medium, f64::from(*share), (self.last(), self.direction));
         let mut quotients = [1.0; CHANNELS];
         if medium.is_coloured() {
             let surface = surface.filter(|_| !aimed);
@@ -166,6 +169,10 @@ impl Walk<'_> {
             };
             let drawn = if aimed { [0, 1, 2].map(|c| Density::new(mixed(c))) } else { free };
             (self.log_posterior, quotients) = spectral_weight::reference::update(self.log_posterior, drawn, free);
+            if let Some(field) = medium.field() {
+                let missing = flight_hue::reference::missing(field, self.hero, sight.0, end, &self.draws());
+                quotients = [0, 1, 2].map(|c| quotients[c] * missing[c]);
+            }
         } else if aimed {
             quotients =
                 [first_flight::reference::weight(&medium.homogeneous_twin(0), lights, share, sight, flight); CHANNELS];
@@ -175,30 +182,59 @@ impl Walk<'_> {
         }
     }
 
-    /// Adds what the current ray sees of a light; tells whether the path ends on it, or else the surface it meets.
-    fn meet(&mut self, segment: u32, flight: f64) -> (bool, Option<SurfaceHit>) {
+    /// Adds what the current ray sees of lights; tells how far away the nearest one is if the path ends on it, or else the
+    /// surface it meets.
+    fn meet(&mut self, segment: u32, flight: f64) -> (Option<f64>, Option<SurfaceHit>) {
         let Frame { lights, surfaces, .. } = self.frame;
         let bound = if segment == 0 { f64::INFINITY } else { flight };
-        let (light, surface) =
-            extend::reference::meet_first(lights, surfaces, self.last(), self.direction, bound, flight);
-        let Some((index, distance)) = light else {
-            return (false, surface);
-        };
+        let met = extend::reference::meet(lights, surfaces, self.last(), self.direction, bound, flight);
+        let mut ended: Option<f64> = None;
+        for (index, distance) in met.lights {
+            self.see(segment, index, distance);
+            if light_hit::reference::ends(&lights.emitters()[index], flight, distance) {
+                ended = Some(ended.map_or(distance, |nearest| nearest.min(distance)));
+            }
+        }
+        (ended, met.surface)
+    }
+
+    /// Adds what the current ray sees of one emitter at this distance.
+    fn see(&mut self, segment: u32, index: usize, distance: f64) {
+        let lights = &self.frame.lights;
         let emitter = &lights.emitters()[index];
         let point = self.last() + distance * self.direction;
         if emission::cosine(emitter, point, self.direction) > 0.0 {
             let worth = match segment {
                 0 => {
                     let weight = emission::profile(emitter, point, self.direction);
-                    let factor = light_hit::reference::transmittance(self.frame.medium(), self.last(), point);
-                    let through = self.comes_through(&[self.last(), point], random::CAMERA);
-                    Worth { weight, factor: factor.map(|channel| through * channel.value()) }
+                    let factor = light_hit::reference::transmittance(&self.frame.medium, self.last(), point);
+                    let through = self.comes_through(&[self.last(), point], random::CAMERA, None);
+                    let colour = distant::reference::colour(lights, index, self.direction);
+                    Worth { weight, factor: [0, 1, 2].map(|c| through[c] * factor[c].value() * colour[c]) }
                 }
-                _ => self.weigh(index, &[point]),
+                _ => {
+                    let Worth { weight, factor } = self.weigh(index, &[point]);
+                    let through = self.comes_through(&[self.last(), point], random::CAMERA, Some(self.hero));
+                    Worth { weight, factor: [0, 1, 2].map(|c| through[c] * factor[c]) }
+                }
             };
             self.add(None, index, worth, 0);
         }
-        (light_hit::reference::ends(emitter, flight, distance), surface)
+    }
+
+    /// Adds what media emit along the way flown.
+    fn glow(&mut self, flown: f64) {
+        let Some(glow) = &self.frame.medium.glow else { return };
+        if !accumulate::reference::counts(self.frame.lengths, self.depth(), 0) {
+            return;
+        }
+        let ray = (self.last(), self.direction);
+        let met = glow::reference::along(&self.frame.medium, glow, ray, flown, &self.draws());
+        let reached = reach(&self.frame.walk, self.depth() as usize + 1);
+        let radiance = [0, 1, 2].map(|c| met[c] * self.throughput[c] / reached);
+        if radiance != [0.0; 3] && radiance.iter().all(|channel| channel.is_finite()) {
+            self.found.push(Contribution { segments: self.depth() + 1, technique: None, radiance });
+        }
     }
 
     /// Appends the vertex on a surface.
@@ -222,19 +258,19 @@ impl Walk<'_> {
 
     /// Appends the vertex at the end of the flight.
     fn scatter(&mut self, flight: f64, u: [f64; 2]) {
-        let medium = self.frame.medium();
+        let medium = &self.frame.medium;
         let event = scatter::reference::scatter(medium.phase.twin(), self.last(), self.direction, flight, u);
         self.path.push(event.position);
         self.direction = event.direction;
-        for (throughput, albedo) in self.throughput.iter_mut().zip(medium.albedo) {
-            *throughput *= f64::from(albedo);
+        for (throughput, albedo) in self.throughput.iter_mut().zip(medium.albedo_at(event.position)) {
+            *throughput *= albedo;
         }
     }
 
     /// What the path counts that goes on from the last vertex through `rest`.
     fn weigh(&self, emitter: usize, rest: &[DVec3]) -> Worth {
         let Frame { lights, techniques, walk, lengths, .. } = self.frame;
-        let medium = self.frame.medium();
+        let medium = &self.frame.medium;
         let competition = Competition { medium, lights, techniques, walk, lengths: *lengths };
         competition.worth(&CompletePath {
             vertices: &[self.path.as_slice(), rest].concat(),
@@ -246,10 +282,11 @@ impl Walk<'_> {
         })
     }
 
-    /// What a chain of segments leaves of light, over what its weight takes that for.
-    pub(super) fn comes_through(&self, chain: &[DVec3], purpose: Purpose) -> f64 {
-        let grid = self.frame.medium().grid();
-        grid.map_or(1.0, |grid| transmittance::reference::factor(grid, chain, purpose, &self.draws()))
+    /// What a chain of segments leaves of light per channel, over what its weight takes that for; relative to the `hero`'s
+    /// if its flights have got through.
+    pub(super) fn comes_through(&self, chain: &[DVec3], purpose: Purpose, hero: Option<usize>) -> [f64; CHANNELS] {
+        let factor = |field| transmittance::reference::factor(field, hero, chain, purpose, &self.draws());
+        self.frame.medium.field().map_or([1.0; CHANNELS], factor)
     }
 
     /// What a candidate of this worth adds to the pixel.

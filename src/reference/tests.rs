@@ -7,14 +7,15 @@ use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::connect::{Technique, Techniques};
-use fogbow_kernels::media::{Media, Medium};
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
+use fogbow_kernels::survival::Survival;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, WalkLimits};
 
-const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: Survival::CERTAIN };
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let albedo = [albedo, 0.75 * albedo, 0.9 * albedo];
@@ -24,7 +25,7 @@ fn frame(albedo: f32, lengths: PathLengths) -> Frame {
     let bridge = Bridge::new(Roll::Aligned, &medium, lengths.max);
     Frame {
         camera: Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 0.02, 0.0, [4, 4]),
-        media: Media::everywhere(medium.clone()),
+        medium: medium.clone(),
         lights: Lights::new(disks, Selection::IntensityDistance),
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques {
@@ -70,7 +71,8 @@ fn contributions_keep_to_the_path_lengths() {
 #[test]
 fn walks_end_and_connect_where_they_are_told_to() {
     let lengths = PathLengths { min: 1, max: 6 };
-    let frame = Frame { walk: WalkLimits { segments: 3, starts: 1, survival: 1.0 }, ..frame(1.0, lengths) };
+    let frame =
+        Frame { walk: WalkLimits { segments: 3, starts: 1, survival: Survival::CERTAIN }, ..frame(1.0, lengths) };
     let found: Vec<_> = (0..400).flat_map(|sample| contributions(&frame, 9, sample)).collect();
     let longest = |technique: Option<Technique>| {
         found.iter().filter(|c| c.technique == technique).map(|c| c.segments).max().expect("makes some path")
@@ -98,7 +100,7 @@ fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         // The same stretched flight, weighed for either share.
         let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
         let words = medium_sample::reference::words(9, sample, 0, free.seed);
-        let medium = free.medium().homogeneous_twin(0);
+        let medium = free.medium.homogeneous_twin(0);
         let t = medium.flight(random::uniform(words[0])) / 0.75;
         let weight = |share| first_flight::reference::weight(&medium, &free.lights, share, (origin, direction), t);
         let expected = weight(shares[0]) / weight(shares[1]);
@@ -147,12 +149,12 @@ fn means(frame: &Frame) -> Vec<[(f64, f64); 3]> {
 fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
     let all = frame(0.9, PathLengths { min: 1, max: 5 });
     let only = |techniques: Techniques| Frame { techniques, ..all.clone() };
-    let shape = |roll: Roll| Bridge::new(roll, all.medium(), all.lengths.max);
+    let shape = |roll: Roll| Bridge::new(roll, &all.medium, all.lengths.max);
     let bridge = |roll: Roll| Techniques { bridge: Some(shape(roll)), ..Techniques::default() };
     let truth = means(&only(Techniques { nee: true, ..Techniques::default() }));
-    let brief = WalkLimits { segments: 2, starts: 1, survival: 1.0 };
+    let brief = WalkLimits { segments: 2, starts: 1, survival: Survival::CERTAIN };
     let lis = |connector: Connector| {
-        only(Techniques { lis: Some(Lis::new(all.medium(), connector)), ..Techniques::default() })
+        only(Techniques { lis: Some(Lis::new(&all.medium, connector)), ..Techniques::default() })
     };
     let limited = Bridge { max_inserted: 1, max_distance: 3.0, ..shape(Roll::Aligned) };
     for (name, frame) in [
@@ -163,10 +165,10 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ("limited bridge", only(Techniques { bridge: Some(limited.clone()), ..Techniques::default() })),
         ("lis by bridges", lis(Connector::Bridge(shape(Roll::Aligned)))),
         ("lis by limited bridges", lis(Connector::Bridge(limited))),
-        ("lis by mvnee", lis(Connector::Mvnee(Mvnee::new(all.medium(), 3.0, Offset::Ggx)))),
+        ("lis by mvnee", lis(Connector::Mvnee(Mvnee::new(&all.medium, 3.0, Offset::Ggx)))),
         ("all", all.clone()),
         ("all, first two starts", Frame { walk: WalkLimits { starts: 2, ..FREE }, ..all.clone() }),
-        ("all, survival", Frame { walk: WalkLimits { survival: 0.7, ..FREE }, ..all.clone() }),
+        ("all, survival", Frame { walk: WalkLimits { survival: Survival::Constant(0.7), ..FREE }, ..all.clone() }),
         ("path, aimed", Frame { aimed: 0.5, ..only(Techniques::default()) }),
         ("all, aimed", Frame { aimed: 0.5, ..all.clone() }),
         ("all, mostly aimed, roulette", Frame { aimed: 0.9, roulette: 0.3, ..all.clone() }),
@@ -174,7 +176,11 @@ fn techniques_walks_and_roulette_do_not_change_the_mean_of_any_path_length() {
         ("bridge, one start", Frame { walk: brief, ..only(bridge(Roll::Aligned)) }),
         (
             "all, two starts, survival, roulette",
-            Frame { walk: WalkLimits { segments: 3, starts: 2, survival: 0.8 }, roulette: 0.2, ..all.clone() },
+            Frame {
+                walk: WalkLimits { segments: 3, starts: 2, survival: Survival::Constant(0.8) },
+                roulette: 0.2,
+                ..all.clone()
+            },
         ),
     ] {
         for (n, (found, expected)) in means(&frame).into_iter().zip(&truth).enumerate() {

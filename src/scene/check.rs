@@ -6,26 +6,29 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
-use fogbow_kernels::media::{Media, Medium};
-use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_kernels::media::{Glow, Medium};
+use fogbow_kernels::survival::{FIRST_FADING, Survival};
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection, Source};
 use fogbow_kernels::tables::surfaces::Surfaces;
-use fogbow_kernels::{LONGEST_PATH, PathLengths, WalkLimits};
+use fogbow_kernels::{LONGEST_BRIDGED_PATH, MOST_INSERTED, PathLengths, WalkLimits};
 use glam::DVec3;
 
 use super::cameras::Chosen;
 use super::document::Document;
-use super::lights::{self, Placed};
+use super::environment;
+use super::lights::{self, Placed, Shining};
 use super::model;
 use super::phase;
-use super::ranges::{LARGEST, LARGEST_RADIANCE};
+use super::punctual;
+use super::ranges::{LARGEST, LARGEST_EMISSION, LARGEST_RADIANCE, Owner};
 use super::schema::{
     self, LARGEST_FILM, LightSelection, LisConnector, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
 };
 use super::surfaces;
-use super::volumes::{self, Volume};
+use super::volumes::{self, Boundaries, Volume};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
-use crate::gltf::{LightKind, Model};
+use crate::gltf::Model;
 
 /// Share of the flights that are aimed if nothing else is asked for. Measured on the fog scenes: 0.02 to 0.1 are alike,
 /// 0 has fireflies, 0.3 costs a third.
@@ -44,14 +47,15 @@ struct Check<'a> {
     document: &'a Document,
 }
 
-/// The frame of `scene`, whose values stand in `document`, with this camera, these lights, and the surfaces of `model`;
-/// positions are counted from `origin`.
+/// The frame of `scene`, whose values stand in `document`, with this camera, what is `shining`, the surfaces of `model`
+/// and `boundaries` of volumes; positions are counted from `origin`.
 pub fn frame(
     scene: &Scene,
     document: &Document,
     camera: &Chosen<'_>,
-    lights: &[Placed<'_>],
+    shining: &Shining<'_>,
     model: Option<Model>,
+    boundaries: &Boundaries,
     origin: DVec3,
 ) -> Result<Frame> {
     let check = Check { document };
@@ -59,24 +63,32 @@ pub fn frame(
     check.exposure(scene.film.exposure)?;
     let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
-    let medium = check.medium_of(scene, origin)?;
+    let medium = check.medium_of(scene, boundaries, origin)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, WalkLimits::ALL, 0.0, 0.0);
-    let suns = model.as_ref().map_or_else(Vec::new, suns);
+    let left_out = model.as_ref().filter(|_| scene.has_endless_medium()).map_or_else(Vec::new, suns);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
     let surfaces = Arc::new(surfaces);
-    let placed = lights;
-    let lights = check.lights(placed, meshes, &suns, scene.render.light_selection, origin)?;
-    placed.iter().try_for_each(|light| outside(light, start))?;
+    let dark = shining.placed.is_empty() && shining.sky.is_none() && meshes.is_empty() && medium.glow.is_none();
+    if dark {
+        return Err(check.no_light(&left_out));
+    }
+    let lights = check.lights(scene, shining, meshes, origin)?;
+    shining.placed.iter().try_for_each(|light| outside(light, start))?;
     let techniques = if medium.never_scatters() { techniques.without_vertices() } else { techniques };
-    let media = Media::everywhere(medium);
-    let frame = Frame { camera, media, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
+    // With nothing to connect with, nothing connects.
+    let nowhere = lights.lights().is_empty() && !lights.has_distant();
+    let techniques = if nowhere { Techniques::default() } else { techniques };
+    let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
     check.walk(&scene.render, frame)
 }
 
 /// An error if `start`, where the camera's rays start, is inside a sphere: black within, it would hide all else.
 fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
-    let schema::Light { kind: schema::LightKind::Sphere, center, radius, .. } = light.light else { return Ok(()) };
+    let schema::Light { kind: schema::LightKind::Sphere, center: Some(center), radius: Some(radius), .. } = light.light
+    else {
+        return Ok(());
+    };
     let distance = start.distance(DVec3::from(center));
     let finding = format!(
         "{center:?}, which puts the camera inside: its rays start {distance:?} m from there, and the radius is \
@@ -87,9 +99,9 @@ fn outside(light: &Placed<'_>, start: DVec3) -> Result<()> {
     light.owner.require(distance >= radius, "center", finding, remedy)
 }
 
-/// Names of the lights that shine from nowhere, which are left out.
+/// Names of the lights that shine from infinity.
 fn suns(model: &Model) -> Vec<String> {
-    let directional = model.lights.iter().filter(|light| light.kind == LightKind::Directional);
+    let directional = model.lights.iter().filter(|light| punctual::is_sun(light));
     directional.map(|light| light.name.clone()).collect()
 }
 
@@ -120,21 +132,29 @@ impl Check<'_> {
         Ok(value.0)
     }
 
-    /// The medium around everything, or that of the only volume, with positions counted from `origin`.
-    fn medium_of(&self, scene: &Scene, origin: DVec3) -> Result<Medium> {
-        if let Some(error) = volumes::refused(scene, self.document) {
-            return Err(error);
+    /// What fills space: the medium around everything, and volumes in it, with positions counted from `origin`.
+    fn medium_of(&self, scene: &Scene, boundaries: &Boundaries, origin: DVec3) -> Result<Medium> {
+        let around = scene.medium.as_ref().map_or(Ok(Medium::vacuum()), |medium| self.medium("medium", medium))?;
+        let finding = "given, but the medium has no extinction, so that endless ways would meet light without end";
+        let remedy = "give scattering or absorption, or put the emission into a [[volume]], which needs none";
+        let ends = around.glow.is_none() || around.largest_extinction() > 0.0;
+        self.require(ends, "medium.emission", finding, remedy)?;
+        if scene.volume.is_empty() {
+            return Ok(around);
         }
-        let Some(keys) = scene.volume.first() else {
-            return scene.medium.as_ref().map_or(Ok(Medium::vacuum()), |medium| self.medium("medium", medium));
-        };
         if scene.render.technique.0.contains(&Technique::Lis) {
-            let remedy = "leave lis out: nee, mvnee, omnee and bridge go with grids";
-            return Err(self.wrong("render.technique", "lis, which does not go with the grid of a volume yet", remedy));
+            let remedy = "leave lis out: nee, mvnee, omnee and bridge go with volumes";
+            return Err(self.wrong("render.technique", "lis, which does not go with volumes yet", remedy));
         }
-        let table = "volume[0]".to_string();
-        let coefficients = self.medium(&table, &keys.medium())?;
-        Volume { document: self.document, table, keys }.medium(coefficients, origin)
+        let volume = |(index, keys): (usize, _)| {
+            let keys: &schema::Volume = keys;
+            let table = format!("volume[{index}]");
+            let medium = self.medium(&table, &keys.medium())?;
+            let boundary = boundaries.get(&index).cloned();
+            Ok(Volume { document: self.document, table, keys, medium, boundary })
+        };
+        let volumes: Vec<Volume<'_>> = scene.volume.iter().enumerate().map(volume).collect::<Result<_>>()?;
+        volumes::medium(self.document, around, &volumes, origin)
     }
 
     /// The homogeneous medium of the keys at `table`.
@@ -146,10 +166,25 @@ impl Check<'_> {
         let extinction = if grey { [extinction[0]; 3] } else { extinction };
         let albedo = |c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 };
         let phase = phase::function(self.document, &format!("{table}.phase"), &medium.phase)?;
-        Ok(Medium::coloured(extinction.map(|channel| channel as f32), [0, 1, 2].map(albedo), phase))
+        let found = Medium::coloured(extinction.map(|channel| channel as f32), [0, 1, 2].map(albedo), phase);
+        self.emission(table, medium.emission, found)
     }
 
-    /// The error that nothing shines; `suns` are names of directional lights.
+    /// `medium` with the emission of the keys at `table`.
+    fn emission(&self, table: &str, emission: Spectrum, medium: Medium) -> Result<Medium> {
+        if emission.is_black() {
+            return Ok(medium);
+        }
+        let path = format!("{table}.emission");
+        let ok = emission.0.iter().all(|x| (0.0..=LARGEST_EMISSION).contains(x));
+        self.require(ok, &path, emission, "give a finite emission from 0 to 1e20 W/(m^3 sr)")?;
+        let finding = "given, but emission needs extinction that is the same in all channels, so far";
+        let remedy = "make scattering + absorption the same in all channels; the shares of the two may differ";
+        self.require(!medium.is_coloured(), &path, finding, remedy)?;
+        Ok(medium.with_glow(Glow::everywhere(emission.0.map(|channel| channel as f32))))
+    }
+
+    /// The error that nothing shines; `suns` are names of directional lights that were left out.
     fn no_light(&self, suns: &[String]) -> Error {
         let remedy = match self.document.is_model() {
             true => {
@@ -158,8 +193,8 @@ impl Check<'_> {
                  center = [0, 3, 0], radius = 0.1, radiance = 100 }]'"
             }
             false => {
-                "add a [[light]] table, or geometry with a point light, a spot light or an emissive material; without \
-                 a light the image is black"
+                "add a [[light]] table, an [environment], geometry with a point light, a spot light or an emissive \
+                 material, or the emission of a medium; without a light the image is black"
             }
         };
         let finding = match suns {
@@ -167,36 +202,44 @@ impl Check<'_> {
             suns => {
                 let names = model::list(suns.iter().map(String::as_str));
                 format!(
-                    "the scene has no light: directional lights (suns) are not rendered yet and are left out: {names}"
+                    "the scene has no light: nothing arrives from directional lights (suns) through a medium without \
+                     end: {names}"
                 )
             }
         };
         self.document.error("light", finding, remedy)
     }
 
-    fn lights(
-        &self,
-        lights: &[Placed<'_>],
-        meshes: Vec<Vec<Emitter>>,
-        suns: &[String],
-        selection: LightSelection,
-        origin: DVec3,
-    ) -> Result<Lights> {
-        if lights.is_empty() && meshes.is_empty() {
-            return Err(self.no_light(suns));
-        }
+    /// All lights, with positions counted from `origin`.
+    fn lights(&self, scene: &Scene, shining: &Shining<'_>, meshes: Vec<Vec<Emitter>>, origin: DVec3) -> Result<Lights> {
+        let of_kind = |suns: bool| {
+            let is_sun = |placed: &Placed<'_>| placed.light.kind == schema::LightKind::Sun;
+            shining.placed.iter().filter(move |placed| is_sun(placed) == suns)
+        };
         let body = |placed: &Placed<'_>| lights::emitter(&placed.owner, &placed.light, origin);
-        let bodies = lights.iter().map(body).collect::<Result<_>>()?;
-        let selection = match selection {
+        let bodies = of_kind(false).map(body).collect::<Result<_>>()?;
+        let suns = of_kind(true).map(|placed| self.sun(scene, placed)).collect::<Result<Vec<_>>>()?;
+        let distant: Vec<Source> = shining.sky.iter().cloned().chain(suns).collect();
+        let selection = match scene.render.light_selection {
             LightSelection::Uniform => Selection::Uniform,
             LightSelection::Intensity => Selection::Intensity,
             LightSelection::IntensityDistance => Selection::IntensityDistance,
         };
-        Ok(Lights::with_meshes(bodies, meshes, selection))
+        Ok(Lights::with_meshes(bodies, meshes, selection).with_distant(&distant, selection))
+    }
+
+    /// A sun, where light arrives from infinity.
+    fn sun(&self, scene: &Scene, placed: &Placed<'_>) -> Result<Source> {
+        match &placed.owner {
+            Owner::Table(_, path) if scene.has_endless_medium() => {
+                Err(environment::refused(self.document, path, "a sun"))
+            }
+            owner => lights::sun(owner, &placed.light),
+        }
     }
 
     fn render(&self, render: &schema::Render, medium: &Medium) -> Result<(Techniques, PathLengths)> {
-        let lengths = PathLengths { min: render.min_segments, max: render.max_segments };
+        let lengths = PathLengths { min: render.min_segments, max: render.max_segments.most() };
         let remedy = "give a number of segments from 1 to max_segments";
         self.require(lengths.min <= lengths.max, "render.min_segments", lengths.min, remedy)?;
         Ok((self.techniques(render, medium)?, lengths))
@@ -221,13 +264,20 @@ impl Check<'_> {
             schema::Roll::Uniform => Roll::Uniform,
         };
         let active = |technique: Technique| names.contains(&technique);
-        let max_inserted = render.bridge_vertices.unwrap_or(u32::MAX);
+        let wanders = render.max_segments.most() > LONGEST_BRIDGED_PATH;
+        let [max_inserted, max_seeds] = match (wanders, render.bridge_vertices) {
+            (false, vertices) => [vertices.unwrap_or(u32::MAX), u32::MAX],
+            (true, vertices) => {
+                [vertices.map_or(MOST_INSERTED, |most| most.min(LONGEST_BRIDGED_PATH - 2)), MOST_INSERTED]
+            }
+        };
         let bridge = (active(Technique::Bridge) || active(Technique::Lis)).then(|| {
             // No bridge is longer than from the first vertex behind the camera to the last.
-            let longest = render.max_segments.min(max_inserted.saturating_add(2));
+            let longest =
+                if wanders { u32::MAX } else { render.max_segments.most().min(max_inserted.saturating_add(2)) };
             Bridge { max_inserted, ..Bridge::new(roll, medium, longest).with_mesc(medium, bridge_mesc) }
         });
-        let mvnee = Mvnee::new(medium, mesc, offset);
+        let mvnee = Mvnee { max_inserted: max_seeds, ..Mvnee::new(medium, mesc, offset) };
         let connector = match render.lis {
             LisConnector::Bridge => bridge.clone().map(Connector::Bridge),
             LisConnector::Mvnee => Some(Connector::Mvnee(mvnee)),
@@ -255,7 +305,7 @@ impl Check<'_> {
         let starts = match render.starts {
             Starts::First(count) => {
                 let remedy = "give a number from 1 to 1024, \"all\" or \"auto\"";
-                self.require((1..=LONGEST_PATH).contains(&count), "render.starts", count, remedy)?;
+                self.require((1..=LONGEST_BRIDGED_PATH).contains(&count), "render.starts", count, remedy)?;
                 count
             }
             Starts::All | Starts::Auto => u32::MAX,
@@ -264,7 +314,7 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
-        let open = frame.surfaces.is_empty() && !frame.medium().never_scatters();
+        let open = frame.surfaces.is_empty() && !frame.medium.never_scatters() && !frame.emits();
         let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
         let aimed = render.aimed.0.unwrap_or(if open && small { AIMED } else { 0.0 });
         let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";
@@ -275,6 +325,9 @@ impl Check<'_> {
         let ok = (0.0..=LARGEST_RADIANCE).contains(&roulette);
         let remedy = "give a radiance from 0 to 1e30 W/(m^2 sr), or \"auto\"";
         self.require(ok, "render.roulette", format!("{roulette:?}"), remedy)?;
-        Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival as f32))
+        let certain = Survival::Constant(survival as f32);
+        let survival =
+            if frame.wanders() && render.survival.0.is_none() { Survival::fading(FIRST_FADING) } else { certain };
+        Ok(Frame { aimed: aimed as f32, roulette: roulette as f32, ..frame }.with_walk(starts, survival))
     }
 }

@@ -106,7 +106,7 @@ mod tests {
         let mut count = 0;
         for (key, property) in tables.flat_map(properties) {
             let line = page.lines().position(|line| {
-                let nested = ["phase.", "shape.", "grid."].into_iter();
+                let nested = ["phase.", "shape.", "grid.", "emission_grid."].into_iter();
                 let line = nested.fold(line.trim(), |line, table| line.trim_start_matches(table));
                 line.starts_with(&format!("{key} =")) || line.trim_matches(['[', ']']) == key
             });

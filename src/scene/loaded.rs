@@ -71,9 +71,15 @@ impl LoadedScene {
         scene.geometry = None;
         scene.punctual_radius = 0.0;
         scene.camera = Some(CameraOrName::Table(self.camera));
+        if let Some(image) = scene.environment.as_mut().and_then(|environment| environment.image.as_mut()) {
+            image.clear();
+        }
         for volume in &mut scene.volume {
             volume.name = None;
-            if let Some(grid) = &mut volume.grid {
+            if let Some(shape) = &mut volume.shape {
+                shape.name = None;
+            }
+            for grid in [&mut volume.grid, &mut volume.emission_grid].into_iter().flatten() {
                 (grid.file, grid.name) = (String::new(), None);
             }
         }
@@ -87,9 +93,12 @@ impl LoadedScene {
         };
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
-        self.frame.medium().phase.digest(&mut digest);
-        if let Some(grid) = self.frame.medium().grid() {
-            grid.digest(&mut digest);
+        self.frame.medium.phase.digest(&mut digest);
+        if let Some(field) = self.frame.medium.field() {
+            field.digest(&mut digest);
+        }
+        if let Some(glow) = &self.frame.medium.glow {
+            glow.digest(&mut digest);
         }
         hasher.finalize().to_hex()[..32].to_string()
     }

@@ -1,9 +1,11 @@
 //! Scenes: from a file and flags to a [`Frame`](crate::frame::Frame).
 
 mod backs;
+mod boundaries;
 mod cameras;
 mod check;
 pub mod document;
+mod environment;
 mod extras;
 pub mod help;
 mod lights;
@@ -25,11 +27,12 @@ use crate::error::{Error, Result};
 use crate::gltf::Asset;
 use crate::warning::Warning;
 use document::{Document, Override, words};
-use lights::Placed;
+pub use lights::ANGULAR_RADIUS;
+use lights::{Placed, Shining};
 pub use loaded::{Contents, Light, LoadedScene};
 use model::Loaded;
 use ranges::Owner;
-use schema::{Film, Scene};
+use schema::{Film, Scene, Technique, Techniques};
 
 /// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in
 /// order.
@@ -64,25 +67,34 @@ pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
 fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
     presets::resolve(&mut scene, document)?;
+    if !scene.volume.is_empty() && !scene.has_endless_medium() && !document.has("render.technique") {
+        scene.render.technique = Techniques(vec![Technique::Nee]);
+    }
     let asset = model::open(&scene, document, asset)?;
     let chosen = cameras::choose(&scene, document, asset.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
         scene.film.size = Film::of_aspect(aspect).size;
     }
     let origin = chosen.origin();
-    let loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
+    let mut loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
+    let boundaries = volumes::boundaries(&scene, document, loaded.as_mut())?;
 
     let placed = all_lights(&scene, document, loaded.as_ref())?;
-    let mut warnings = loaded.as_ref().map_or_else(Vec::new, surfaces::warnings);
+    let has_suns = !scene.has_endless_medium();
+    let mut warnings = loaded.as_ref().map_or_else(Vec::new, |loaded| surfaces::warnings(loaded, has_suns));
     warnings.extend(no_medium(document));
     let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
     let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
-    let grids = scene.volume.iter().filter_map(|volume| Some(&volume.grid.as_ref()?.file));
+    let grids = scene.volume.iter().flat_map(|volume| [&volume.grid, &volume.emission_grid]);
+    let grids = grids.flatten().map(|grid| &grid.file);
     let named = scene.geometry.iter().chain(table).chain(grids).map(|file| document.folder().join(file));
-    let files = named.chain(beside).collect();
-    let frame = check::frame(&scene, document, &chosen, &placed, loaded.map(|loaded| loaded.model), origin)?;
+    let files = named.chain(environment::file(&scene, document)).chain(beside).collect();
+    let sky = environment::source(&scene, document)?;
+    warnings.extend(environment::warning(&scene, sky.as_ref()));
+    let (shining, model) = (Shining { placed: &placed, sky }, loaded.map(|loaded| loaded.model));
+    let frame = check::frame(&scene, document, &chosen, &shining, model, &boundaries, origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
@@ -92,7 +104,8 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
 /// The lights of `scene`: those of its file first, then those that stand for the punctual ones of its model.
 fn all_lights<'a>(scene: &Scene, document: &'a Document, loaded: Option<&Loaded>) -> Result<Vec<Placed<'a>>> {
     let radius = Owner::Table(document, String::new()).radius("punctual_radius", scene.punctual_radius)?;
-    let of_model = loaded.map_or(Ok(Vec::new()), |loaded| punctual::of_model(loaded, radius))?;
+    let has_suns = !scene.has_endless_medium();
+    let of_model = loaded.map_or(Ok(Vec::new()), |loaded| punctual::of_model(loaded, radius, has_suns))?;
     Ok(lights::of_file(scene, document).chain(of_model).collect())
 }
 

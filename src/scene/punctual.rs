@@ -3,44 +3,53 @@
 //! A point light of intensity I [W/sr] becomes a sphere, whose intensity is pi r^2 times its radiance. A spot becomes a
 //! disk, whose intensity at the angle theta is pi r^2 cos theta Le(theta): its cone is that of the file, with Le so
 //! that it falls as `KHR_lights_punctual` recommends. Of a cone too narrow for that single precision is left with a
-//! power of the cosine.
+//! power of the cosine. A directional light of illuminance E [lux] becomes a sun of irradiance E [W/m^2].
 
 use core::f64::consts::PI;
 
-use super::lights::{LARGEST_EXPONENT, Placed};
+use super::lights::{ANGULAR_RADIUS, LARGEST_EXPONENT, Placed};
 use super::model::Loaded;
 use super::ranges::Owner;
 use super::schema::{Light, LightKind, Spectrum};
 use crate::error::Result;
 use crate::gltf;
 
-/// The lights that stand for the point and spot lights of a model; `radius` is of those that do not say their own.
-/// Directional lights shine from nowhere and are left out.
-pub fn of_model(loaded: &Loaded, radius: f64) -> Result<Vec<Placed<'static>>> {
+/// The lights that stand for the punctual lights of a model; `radius` is of those that do not say their own. Where no
+/// light arrives from infinity, directional ones are left out.
+pub fn of_model(loaded: &Loaded, radius: f64, has_suns: bool) -> Result<Vec<Placed<'static>>> {
     let placed = |light: &gltf::Light| {
         let owner = Owner::object(&loaded.file, "light", &light.name);
-        let radius = match owner.extra(light.extras.as_ref(), "radius") {
-            Ok(own) => own.unwrap_or(radius),
-            Err(error) => return Some(Err(error)),
-        };
-        let light =
-            extended(light, radius).map(|values| Placed { owner, name: Some(light.name.clone()), light: values });
-        light.map(Ok)
+        let (key, size) = if is_sun(light) { ("angular_radius_deg", ANGULAR_RADIUS) } else { ("radius", radius) };
+        let size = owner.extra(light.extras.as_ref(), key)?.unwrap_or(size);
+        Ok(Placed { owner, name: Some(light.name.clone()), light: extended(light, size) })
     };
-    loaded.model.lights.iter().filter_map(placed).collect()
+    loaded.model.lights.iter().filter(|light| has_suns || !is_sun(light)).map(placed).collect()
+}
+
+/// Whether a light shines from infinity.
+pub fn is_sun(light: &gltf::Light) -> bool {
+    light.kind == gltf::LightKind::Directional
 }
 
 /// Narrowest cone whose edge single precision can place `[rad]`, about a degree.
 const NARROWEST: f64 = 0.02;
 
-/// What stands for `light`, with this radius.
-fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
+/// What stands for `light`, with this radius `[m]`, or angular radius of a sun in degrees.
+fn extended(light: &gltf::Light, radius: f64) -> Light {
     let (kind, exponent, cone) = match light.kind {
         gltf::LightKind::Point => (LightKind::Sphere, None, None),
         gltf::LightKind::Spot { inner, outer } => {
             (LightKind::Spot, Some(exponent(inner, outer)), (outer >= NARROWEST).then_some([inner, outer]))
         }
-        gltf::LightKind::Directional => return None,
+        gltf::LightKind::Directional => {
+            let irradiance = Spectrum(light.color.map(|channel| f64::from(channel) * light.intensity));
+            return Light {
+                direction: Some(light.direction),
+                irradiance: Some(irradiance),
+                angular_radius_deg: Some(radius),
+                ..Light::of(LightKind::Sun)
+            };
+        }
     };
     // What makes a radiance of 1 an intensity, of a power of the cosine r^2 (n + 1) / 2.
     let area = match (exponent, cone) {
@@ -49,7 +58,8 @@ fn extended(light: &gltf::Light, radius: f64) -> Option<Light> {
     };
     let radiance = light.color.map(|channel| f64::from(channel) * light.intensity / area);
     let normal = exponent.map(|_| light.direction);
-    Some(Light { kind, center: light.position, normal, radius, radiance: Spectrum(radiance), exponent, cone })
+    let (center, radius, radiance) = (Some(light.position), Some(radius), Some(Spectrum(radiance)));
+    Light { center, normal, radius, radiance, exponent, cone, ..Light::of(kind) }
 }
 
 /// The n with which a power of the cosine, cos^(n + 1), is about the intensity of a spot: one half midway between its
@@ -90,8 +100,9 @@ mod tests {
     #[test]
     fn a_sphere_has_the_intensity_of_its_point_light() {
         for radius in [0.001, 0.01, 2.0] {
-            let sphere = extended(&light(gltf::LightKind::Point), radius).expect("a sphere");
-            assert_eq!((sphere.kind, sphere.center, sphere.radius), (LightKind::Sphere, [1.0, 2.0, 3.0], radius));
+            let sphere = extended(&light(gltf::LightKind::Point), radius);
+            let (center, extent) = (Some([1.0, 2.0, 3.0]), Some(radius));
+            assert_eq!((sphere.kind, sphere.center, sphere.radius), (LightKind::Sphere, center, extent));
             assert_eq!((sphere.normal, sphere.exponent), (None, None));
             let sphere = emitter(&Owner::Object("bulb".into()), &sphere, DVec3::ZERO).expect("valid");
             assert!((sphere.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {radius} m", sphere.intensity());
@@ -106,7 +117,7 @@ mod tests {
     #[test]
     fn a_disk_has_the_intensity_of_its_spot_along_the_axis() {
         for (inner, outer) in CONES {
-            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
+            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02);
             let owner = Owner::Object("spot".into());
             let disk = emitter(&owner, &disk, DVec3::ZERO).expect("valid");
             assert!((disk.intensity() - 14.0 / 3.0).abs() < 1e-5, "{} W/sr of {inner} to {outer}", disk.intensity());
@@ -117,7 +128,7 @@ mod tests {
     #[test]
     fn a_disk_has_the_cone_of_its_spot() {
         let spot = |inner, outer| {
-            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02).expect("a disk");
+            let disk = extended(&light(gltf::LightKind::Spot { inner, outer }), 0.02);
             emitter(&Owner::Object("spot".into()), &disk, DVec3::ZERO).expect("valid")
         };
         let intensity = |disk: &Emitter, angle: f64| {
@@ -156,7 +167,9 @@ mod tests {
     }
 
     #[test]
-    fn directional_lights_are_left_out() {
-        assert_eq!(extended(&light(gltf::LightKind::Directional), 0.01), None);
+    fn a_sun_has_the_irradiance_of_its_directional_light() {
+        let sun = extended(&light(gltf::LightKind::Directional), ANGULAR_RADIUS);
+        assert_eq!((sun.kind, sun.direction, sun.center), (LightKind::Sun, Some([0.0, 0.0, -1.0]), None));
+        assert_eq!((sun.irradiance, sun.angular_radius_deg), (Some(Spectrum([8.0, 4.0, 2.0])), Some(0.265)));
     }
 }

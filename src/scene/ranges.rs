@@ -19,6 +19,9 @@ const SMALLEST_RADIUS: f64 = 1e-9;
 /// Largest radiance: sums over paths stay far inside f32.
 pub const LARGEST_RADIANCE: f64 = 1e30;
 
+/// Largest emission of a medium [W/(m^3 sr)]: along the longest way it is still less than the largest radiance.
+pub const LARGEST_EMISSION: f64 = 1e20;
+
 /// What has a value: a camera, a light or a material.
 #[derive(Debug)]
 pub enum Owner<'a> {
@@ -73,10 +76,11 @@ impl Owner<'_> {
         Ok(value)
     }
 
-    /// The length under `key` of `extras`, its extras, if there is one.
+    /// The number under `key` of `extras`, its extras, if there is one.
     pub fn extra(&self, extras: Option<&Value>, key: &str) -> Result<Option<f64>> {
         let Some(value) = extras.and_then(|extras| extras.get(key)) else { return Ok(None) };
-        let remedy = "give a number in metres, or leave it out";
+        let unit = if key.ends_with("_deg") { "degrees" } else { "metres" };
+        let remedy = &format!("give a number in {unit}, or leave it out");
         value.as_f64().map(Some).ok_or_else(|| self.wrong(&format!("extras.{key}"), value, remedy))
     }
 }

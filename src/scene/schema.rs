@@ -1,5 +1,7 @@
 //! The keys of a scene file. The comments here are what `fogbow render --help-scene` prints.
 
+mod environment;
+mod light;
 mod phase;
 mod values;
 mod volume;
@@ -7,12 +9,14 @@ mod volume;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use environment::Environment;
+pub use light::{Light, LightKind};
 pub use phase::{Phase, PhaseKind};
-pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Spectrum, Starts, Techniques};
-pub use volume::{Grid, Interpolation, Shape, Volume};
+pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Segments, Spectrum, Starts, Techniques};
+pub use volume::{Grid, Interpolation, Shape, ShapeKind, Volume};
 
 /// Most segments of a path.
-pub const MOST_SEGMENTS: u32 = 1024;
+pub const MOST_SEGMENTS: u32 = fogbow_kernels::LONGEST_PATH;
 /// Most samples per pixel.
 pub const MOST_SAMPLES: u32 = 1 << 31;
 /// Pixels of the largest film, and of its longest side: it takes 12 GiB.
@@ -24,15 +28,16 @@ pub const LARGEST_FILM: u32 = 1 << 27;
 pub struct Scene {
     /// A glTF file, .gltf or .glb, relative to this one. Its meshes are opaque surfaces that reflect diffusely with
     /// their base colour (factor, texture and vertex colours). Meshes with an emissive material are lights; each
-    /// triangle emits the mean of its texture. Point and spot lights of the file are added to those of the scene.
-    /// Absent: no surfaces.
+    /// triangle emits the mean of its texture. Point, spot and directional lights of the file are added to those of the
+    /// scene. Absent: no surfaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub geometry: Option<String>,
     /// Radius `[m]`, > 0, of the spheres and disks that stand for the point and spot lights of geometry. A number
     /// "radius" in the extras of a light (not of its node) overrides it for that light. Intensities are read as W/sr
     /// per channel, where glTF has candela; ranges are ignored. A spot's intensity falls off between its cone angles as
-    /// glTF recommends.
+    /// glTF recommends. Directional lights are suns, whose lux are read as W/m^2; a number "angular_radius_deg" in their
+    /// extras replaces 0.265.
     #[serde(default = "Scene::punctual_radius")]
     pub punctual_radius: f64,
     /// The pinhole camera. To use a camera of geometry instead, write camera = "name" before the first table: the name
@@ -43,13 +48,18 @@ pub struct Scene {
     /// The image. Absent: 512 rows; as many columns as the aspect ratio of the glTF camera asks for, or else 512.
     #[serde(default)]
     pub film: Film,
-    /// The medium around everything, unbounded and homogeneous. Absent: vacuum.
+    /// The medium around everything, volumes included, unbounded and homogeneous. Absent: vacuum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub medium: Option<Medium>,
-    /// A medium with bounds, in vacuum: a cloud, smoke, a block of milk. So far a scene has one at most, and then no
-    /// medium.
+    /// A medium with bounds: a cloud, smoke, a block of milk. It has a shape, a grid, or both, or an emission_grid.
+    /// Repeat the table for each one, up to 32. Around them is medium, or vacuum. All media of a scene that scatter
+    /// have the same phase function.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub volume: Vec<Volume>,
+    /// The sky: what is seen beyond everything else. It does not go with a medium around everything, which lets nothing
+    /// through from infinity, but with volumes. Absent: black.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
     /// A light; repeat the table for each one.
     #[serde(default)]
     pub light: Vec<Light>,
@@ -59,6 +69,14 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether a medium is around everything that lets nothing through from infinity; presets are resolved.
+    pub fn has_endless_medium(&self) -> bool {
+        self.medium.as_ref().is_some_and(|medium| {
+            let coefficients = [medium.scattering, medium.absorption];
+            coefficients.iter().any(|coefficient| coefficient.0 != [0.0; 3])
+        })
+    }
+
     fn punctual_radius() -> f64 {
         0.01
     }
@@ -142,72 +160,28 @@ pub struct Medium {
     /// Absorption coefficient [1/m], >= 0.
     #[serde(default)]
     pub absorption: Spectrum,
+    /// What the medium emits by itself [W/(m^3 sr)], >= 0: radiance per metre. It needs extinction around it, the same in
+    /// all channels.
+    #[serde(default, skip_serializing_if = "Spectrum::is_black")]
+    #[schemars(extend("default" = 0.0))]
+    pub emission: Spectrum,
     /// How a scattering event redirects light.
     #[serde(default, deserialize_with = "phase::table_or_name")]
     pub phase: Phase,
-}
-
-/// `[[light]]`
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Light {
-    /// The shape.
-    #[serde(rename = "type")]
-    pub kind: LightKind,
-    /// Centre `[m]`.
-    #[serde(deserialize_with = "values::entries")]
-    pub center: [f64; 3],
-    /// For a disk or spot: the direction that the front faces, of any length but 0.
-    #[serde(default, deserialize_with = "values::some_entries", skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-format" = "[x, y, z]"))]
-    pub normal: Option<[f64; 3]>,
-    /// Radius `[m]`, > 0.
-    pub radius: f64,
-    /// Radiance of the surface or front [W/(m^2 sr)], >= 0. For a spot this is what gets focused: its front emits
-    /// radiance * (exponent + 1) / (2 pi) * cos^exponent of the angle to the normal.
-    pub radiance: Spectrum,
-    /// For a spot only: how narrow it is, 0 to 10000; larger is narrower.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-format" = "number"))]
-    pub exponent: Option<f64>,
-    /// Inner and outer angle of a spot of a model `[rad]`, which has the intensity of its cone instead of a power of
-    /// the cosine.
-    #[serde(skip)]
-    pub cone: Option<[f64; 2]>,
-}
-
-/// Light shapes.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LightKind {
-    /// A flat disk whose front emits the same radiance in all directions; its back is black and opaque.
-    Disk,
-    /// The same, focused around its normal.
-    Spot,
-    /// A sphere whose whole surface emits the same radiance in all directions.
-    Sphere,
-}
-
-impl LightKind {
-    /// What it is called.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Disk => "disk",
-            Self::Spot => "spot",
-            Self::Sphere => "sphere",
-        }
-    }
 }
 
 /// `[render]`
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Render {
-    /// Connection technique, or a list of them; `path` is always active as well.
+    /// Connection technique, or a list of them; `path` is always active as well. Absent: bridge, or nee where all media
+    /// are volumes, since most bridges would leave them.
     pub technique: Techniques,
-    /// Longest path that counts, in segments, including the camera and light segments, 1 to 1024.
-    #[serde(deserialize_with = "values::whole::<1, { MOST_SEGMENTS }, _>")]
-    pub max_segments: u32,
+    /// Longest path that counts, in segments, including the camera and light segments: 1 to 65536, or "auto", where
+    /// no number of segments ends a path. It then ends with a probability that a short pilot render chooses, and in
+    /// any case after 65536 segments. Beyond 1024 connections insert at most 30 vertices, bridges as many as
+    /// bridge_vertices, if that is given.
+    pub max_segments: Segments,
     /// Shortest path that counts, in segments, 1 to max_segments: 1 counts all, 2 leaves out directly visible light.
     #[serde(deserialize_with = "values::whole::<1, { MOST_SEGMENTS }, _>")]
     pub min_segments: u32,
@@ -218,21 +192,24 @@ pub struct Render {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub bridge_mesc: Option<f64>,
-    /// Largest number of vertices that a bridge inserts. Absent: limited only by max_segments.
+    /// Largest number of vertices that a bridge inserts. Absent: limited only by max_segments, or 30 where that is
+    /// "auto" or above 1024.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "whole number"))]
     pub bridge_vertices: Option<u32>,
     /// How many vertices connect, counted from the camera or the last surface: "all", a number from 1 to 1024, or
-    /// "auto", the number that a short pilot render finds most efficient.
+    /// "auto", the number that a short pilot render finds most efficient; all where max_segments is "auto" or above
+    /// 1024.
     pub starts: Starts,
-    /// Probability that a walk continues from a vertex, 0.01 to 1, or "auto", chosen by the same pilot.
+    /// Probability that a walk continues from a vertex, 0.01 to 1, or "auto", chosen by the same pilot; where
+    /// max_segments is "auto" or above 1024 it then depends on how far the walk has come.
     pub survival: NumberOrAuto,
     /// Fraction of the camera's flights that are aimed at the lights, 0 to 0.99, or "auto": 0.05 for bridges with at
-    /// most 16 lights and no geometry, otherwise 0.
+    /// most 16 lights and no geometry, otherwise 0. Where there are volumes or media emit, none are.
     pub aimed: NumberOrAuto,
     /// Contribution [W/(m^2 sr)], >= 0, below which connections play Russian roulette before they are traced; 0 turns
-    /// it off. "auto" is the mean of the image if there is geometry and the same pilot finds that more efficient,
-    /// otherwise 0.
+    /// it off. "auto" is the mean of the image if there is geometry or a volume and the same pilot finds that more
+    /// efficient, otherwise 0.
     pub roulette: NumberOrAuto,
     /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel), > 0.
     /// Absent: no limit.
@@ -244,7 +221,7 @@ pub struct Render {
     /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc and
     /// perturbation, apply to it.
     pub lis: LisConnector,
-    /// How a connection picks its light.
+    /// How a connection picks its light. Lights at infinity, the sky and suns, have connections of their own.
     pub light_selection: LightSelection,
     /// Samples per pixel, 1 to 2147483648.
     #[serde(deserialize_with = "values::whole::<1, { MOST_SAMPLES }, _>")]
@@ -258,7 +235,7 @@ impl Default for Render {
     fn default() -> Self {
         Self {
             technique: Techniques(vec![Technique::Bridge]),
-            max_segments: 32,
+            max_segments: Segments::Auto,
             min_segments: 1,
             roll: Roll::Aligned,
             bridge_mesc: None,
@@ -291,7 +268,8 @@ pub enum Technique {
     Omnee,
     /// Bridges: connections shaped by a random walk.
     Bridge,
-    /// Light importance sampling: connections that end at a vertex made from the light; for spotlights.
+    /// Light importance sampling: connections that end at a vertex made from the light; for spotlights. It does not go
+    /// with volumes yet.
     Lis,
 }
 
@@ -345,8 +323,8 @@ pub enum LisConnector {
 pub enum LightSelection {
     /// All lights equally likely.
     Uniform,
-    /// In proportion to intensity.
+    /// In proportion to intensity; of lights at infinity, to what they send through a sphere.
     Intensity,
-    /// In proportion to intensity over distance.
+    /// In proportion to intensity over distance; of lights at infinity as above.
     IntensityDistance,
 }

@@ -5,7 +5,8 @@ use fogbow_kernels::tables::lights::Emitter;
 use fogbow_kernels::tables::surfaces::{Material, Paint, Surfaces};
 
 use super::model::Loaded;
-use crate::gltf::{self, LightKind, Model, label, quoted};
+use super::punctual;
+use crate::gltf::{self, Model, label, quoted};
 use crate::warning::Warning;
 
 /// Area from which on a triangle shines `[m^2]`, about that of the smallest disk: one over it is far inside f32.
@@ -62,9 +63,10 @@ fn area(corners: [[f32; 3]; 3]) -> f64 {
     (b - a).cross(c - a).length() / 2.0
 }
 
-/// What a model holds that is not rendered, and what was passed over in reading it.
-pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<Warning> {
-    let suns = model.lights.iter().filter(|light| light.kind == LightKind::Directional);
+/// What a model holds that is not rendered, and what was passed over in reading it; `has_suns` tells whether light
+/// arrives from infinity.
+pub fn warnings(Loaded { file, model }: &Loaded, has_suns: bool) -> Vec<Warning> {
+    let suns = model.lights.iter().filter(|light| punctual::is_sun(light) && !has_suns);
     let suns: Vec<_> = suns.map(|light| format!("light {}", quoted(&light.name))).collect();
     let averaged = |(index, look): (usize, &gltf::Material)| {
         let varies = look.emission != [0.0; 3] && look.emissive_texture.is_some();
@@ -72,7 +74,7 @@ pub fn warnings(Loaded { file, model }: &Loaded) -> Vec<Warning> {
     };
     let averaged: Vec<_> = model.materials.iter().enumerate().filter_map(averaged).collect();
     let own = [
-        (suns, "directional lights are not rendered yet and are left out"),
+        (suns, "directional lights are left out: nothing arrives from infinity through a medium without end"),
         (averaged, "textures of emission are averaged; each triangle emits the mean"),
     ];
     let own = own.into_iter().filter(|(places, _)| !places.is_empty());
@@ -94,7 +96,7 @@ mod tests {
             positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0]],
             texcoords: [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], Vec::new()],
             triangles: vec![triangle([0, 1, 2]), triangle([1, 1, 2]), triangle([1, 3, 2])],
-            instances: vec![gltf::Instance { node: 0, name: "lamp".into(), triangles: 0..3 }],
+            instances: vec![gltf::Instance { node: 0, name: "lamp".into(), mesh: None, triangles: 0..3 }],
             materials: vec![gltf::Material {
                 emission: [8.0, 0.0, 0.0],
                 emissive_texture: Some(texture),

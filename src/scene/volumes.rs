@@ -1,21 +1,30 @@
-//! Media with bounds: from a box, or a file of voxels, to the densities that stages read.
+//! Media with bounds: from shapes and files of voxels, and what is around them, to what stages read.
 
-use fogbow_kernels::media::Medium;
-use fogbow_kernels::media::grid::{Grid, Interpolation, ToIndex};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use fogbow_kernels::media::closed_mesh::ClosedMesh;
+use fogbow_kernels::media::field::{Field, Interpolation, MOST_VOLUMES, Shape, ToIndex, Volume as Placed, Voxels};
+use fogbow_kernels::media::glow::Source;
+use fogbow_kernels::media::{Glow, Medium};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
+use super::boundaries::{self, Wanted};
 use super::document::Document;
-use super::ranges::LARGEST;
-use super::schema;
-use crate::error::{Error, Result};
+use super::model::Loaded;
+use super::ranges::{LARGEST, LARGEST_EMISSION, Owner};
+use super::schema::{self, ShapeKind};
+use crate::error::Result;
 use crate::volume::{self, Leaf, VoxelGrid};
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
 /// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 1.5 GiB.
 const MOST_BRICKS: u64 = 1 << 27;
-/// Shortest edge of a box `[m]`.
+/// Shortest edge of a box, and smallest radius of a sphere `[m]`.
 const SMALLEST_EDGE: f64 = 1e-6;
+/// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
+const SAME_HUE: f32 = 1e-5;
 
 /// A volume of the scene file, and where errors find its keys.
 pub struct Volume<'a> {
@@ -25,87 +34,263 @@ pub struct Volume<'a> {
     pub table: String,
     /// Its keys.
     pub keys: &'a schema::Volume,
+    /// Its medium, for densities of 1.
+    pub medium: Medium,
+    /// The mesh that bounds it, if one does.
+    pub boundary: Option<Arc<ClosedMesh>>,
+}
+
+/// The meshes that bound volumes, by the index of the volume.
+pub type Boundaries = BTreeMap<usize, Arc<ClosedMesh>>;
+
+/// The boundaries that the volumes of `scene` name, which are taken out of `loaded`.
+///
+/// # Errors
+/// As [`boundaries::take`].
+pub fn boundaries(scene: &schema::Scene, document: &Document, loaded: Option<&mut Loaded>) -> Result<Boundaries> {
+    let named = scene.volume.iter().enumerate().filter_map(|(index, volume)| {
+        let shape = volume.shape.as_ref().filter(|shape| shape.kind == ShapeKind::Mesh)?;
+        Some((index, Wanted { path: format!("volume[{index}].shape.name"), name: shape.name.as_deref()? }))
+    });
+    let (indices, wanted): (Vec<usize>, Vec<Wanted<'_>>) = named.unzip();
+    let meshes = boundaries::take(loaded, document, &wanted)?;
+    Ok(indices.into_iter().zip(meshes.into_iter().map(Arc::new)).collect())
+}
+
+/// The medium of `volumes` in what is `around` them, of positions counted from `origin`.
+///
+/// # Errors
+/// If a key is out of range or missing, a file cannot be read, or the media differ in what all have in common.
+pub fn medium(document: &Document, around: Medium, volumes: &[Volume<'_>], origin: DVec3) -> Result<Medium> {
+    if volumes.len() > MOST_VOLUMES {
+        let finding = format!("there are {} volumes, but a scene has {MOST_VOLUMES} at most", volumes.len());
+        return Err(document.error("volume", finding, "leave some out, or join grids"));
+    }
+    let common = common(&around, volumes)?;
+    uncoloured(document, &around, volumes, &common)?;
+    let mut placed = Vec::new();
+    for (index, volume) in volumes.iter().enumerate() {
+        if let Some(bounds) = volume.placed(origin)? {
+            placed.push((volume.keys.priority, index, bounds));
+        }
+    }
+    let all = placed.iter().map(|(_, index, _)| &volumes[*index].medium).chain([&around]);
+    let glows = around.glow.is_some() || placed.iter().any(|(.., (_, source))| *source != Source::NONE);
+    let extinction = |medium: &&Medium| medium.largest_extinction();
+    let densest = all.max_by(|a, b| extinction(a).total_cmp(&extinction(b))).unwrap_or(&around).clone();
+    if extinction(&&densest) == 0.0 && !glows {
+        return Ok(Medium::vacuum());
+    }
+    if placed.is_empty() {
+        return Ok(around);
+    }
+    // The highest priority first, and of equal ones the last.
+    placed.sort_by_key(|(priority, index, _)| core::cmp::Reverse((*priority, *index)));
+    let albedos: Vec<[f32; 3]> =
+        [around.albedo].into_iter().chain(placed.iter().map(|(_, index, _)| volumes[*index].medium.albedo)).collect();
+    let (bounds, sources) = placed.into_iter().map(|(.., (bounds, source))| (bounds, source)).unzip();
+    let field = Field::new(bounds, around.largest_extinction()).coloured(common.hues);
+    let glow = glows.then(|| Glow::of_field(&field, around.glow.map_or([0.0; 3], |glow| glow.around()), sources));
+    let medium = Medium::of_field(field, densest.albedo, common.phase).with_albedos(&albedos);
+    Ok(if let Some(glow) = glow { medium.with_glow(glow) } else { medium })
+}
+
+/// What the densities of a grid multiply.
+struct Quantity {
+    /// What it is called.
+    name: &'static str,
+    /// Its unit, as it stands behind a number.
+    unit: &'static str,
+    /// That of density 1.
+    factor: f64,
+    /// Largest one.
+    largest: f64,
+}
+
+impl Quantity {
+    /// An extinction [1/m].
+    fn extinction(of_one: f32) -> Self {
+        Self { name: "extinction", unit: "/m", factor: f64::from(of_one), largest: LARGEST }
+    }
+
+    /// An emission per channel.
+    fn emission(of_one: [f32; 3]) -> Self {
+        let factor = f64::from(of_one.into_iter().fold(0.0, f32::max));
+        Self { name: "emission", unit: " W/(m^3 sr)", factor, largest: LARGEST_EMISSION }
+    }
+}
+
+/// What all media of a scene have in common.
+struct Common {
+    phase: fogbow_kernels::phase::PhaseFunction,
+    /// Extinction per channel over that of the channel in which it is largest.
+    hues: [f32; 3],
+}
+
+/// What `around` and `volumes` have in common; the error that they do not.
+fn common(around: &Medium, volumes: &[Volume<'_>]) -> Result<Common> {
+    let all: Vec<(&Medium, Option<&Volume<'_>>)> =
+        [(around, None)].into_iter().chain(volumes.iter().map(|volume| (&volume.medium, Some(volume)))).collect();
+    let first = |counts: &dyn Fn(&Medium) -> bool| all.iter().find(|(medium, _)| counts(medium));
+    let scatters = |medium: &Medium| !medium.never_scatters();
+    let phase = first(&scatters).map_or(&around.phase, |(medium, _)| &medium.phase).clone();
+    let is_there = |medium: &Medium| medium.largest_extinction() > 0.0;
+    let hues = first(&is_there).map_or([1.0; 3], |(medium, _)| hues(medium));
+    for (medium, volume) in &all {
+        let Some(volume) = volume else { continue };
+        let finding = "another phase function than that of the media before, but so far all media of a scene share one";
+        let ok = !scatters(medium) || medium.phase == phase;
+        volume.require(ok, "phase", finding, "give all media the same phase, or leave out those of another")?;
+        let own = self::hues(medium);
+        let close = (0..3).all(|c| (own[c] - hues[c]).abs() <= SAME_HUE);
+        let finding = "an extinction (scattering + absorption) that differs between channels by other factors than that \
+                       of the media before, but so far all media of a scene share them";
+        let remedy = "make scattering + absorption of all media the same multiple of each other in every channel; the \
+                      shares of the two may differ";
+        volume.require(!is_there(medium) || close, "scattering", finding, remedy)?;
+    }
+    Ok(Common { phase, hues })
+}
+
+/// The error that something emits where extinction is coloured.
+fn uncoloured(document: &Document, around: &Medium, volumes: &[Volume<'_>], common: &Common) -> Result<()> {
+    let own = volumes.iter().map(|volume| (&volume.medium, volume.table.as_str()));
+    let mut all = [(around, "medium")].into_iter().chain(own);
+    let Some((_, table)) = all.find(|(medium, _)| medium.glow.is_some()).filter(|_| common.hues != [1.0; 3]) else {
+        return Ok(());
+    };
+    let path = format!("{table}.emission");
+    let finding = format!("{path} is given, but emission needs extinction that is the same in all channels, so far");
+    let remedy = "make scattering + absorption of all media the same in all channels; the shares of the two may differ";
+    Err(document.error(&path, finding, remedy))
+}
+
+/// Extinction per channel over that of the channel in which it is largest.
+fn hues(medium: &Medium) -> [f32; 3] {
+    let largest = medium.largest_extinction();
+    medium.extinctions().map(|extinction| extinction / largest)
 }
 
 impl Volume<'_> {
-    /// The medium, with coefficients for a density of 1 as in `coefficients`, of positions counted from `origin`.
-    ///
-    /// # Errors
-    /// If a key is out of range or missing, extinction is coloured, or the file cannot be read.
-    pub fn medium(&self, coefficients: Medium, origin: DVec3) -> Result<Medium> {
-        let finding =
-            "an extinction (scattering + absorption) that differs between channels, which volumes cannot have yet";
-        let remedy = "make scattering + absorption the same in all channels; their shares may differ";
-        self.require(!coefficients.is_coloured(), "scattering", finding, remedy)?;
-        let extinction = coefficients.largest_extinction();
-        let grid = match (&self.keys.shape, &self.keys.grid) {
-            (Some(shape), None) => self.block(shape, extinction, origin)?,
-            (None, Some(grid)) => self.voxels(grid, extinction, origin)?,
-            (shape, _) => {
-                let found = if shape.is_some() { "both a shape and a grid" } else { "neither a shape nor a grid" };
-                let remedy = "give it a shape, or a grid, which is bounded by its own box";
-                return Err(self.document.error(&self.table, format!("{} has {found}", self.table), remedy));
+    /// Where it is, of positions counted from `origin`, and what it emits there; none if it is nowhere.
+    fn placed(&self, origin: DVec3) -> Result<Option<(Placed, Source)>> {
+        let extinction = self.medium.largest_extinction();
+        let mut shape = self.keys.shape.as_ref().map(|shape| self.shape(shape, origin)).transpose()?;
+        let source = self.source(origin)?;
+        let (unit, voxels) = match &self.keys.grid {
+            Some(grid) => {
+                let quantity = Quantity::extinction(extinction);
+                let unit = (f64::from(extinction) * grid.scale) as f32;
+                self.voxels("grid", grid, &quantity, origin)?.map_or((0.0, None), |voxels| (unit, Some(voxels)))
             }
+            None if shape.is_none() && self.keys.emission_grid.is_some() => {
+                shape = source.voxels.clone().map(|voxels| Shape::Voxels(Arc::new(voxels)));
+                (extinction, None)
+            }
+            None if shape.is_none() => {
+                let remedy = "give it a shape, or a grid, which is bounded by its own densities";
+                let finding = format!("{} has neither a shape nor a grid", self.table);
+                return Err(self.document.error(&self.table, finding, remedy));
+            }
+            None => (extinction, None),
         };
-        Ok(grid.map_or(Medium::vacuum(), |grid| Medium::grid_of(grid, coefficients.albedo, coefficients.phase)))
+        let is_somewhere = shape.is_some() || voxels.is_some();
+        Ok(is_somewhere.then_some((Placed { shape, voxels, extinction: unit }, source)))
     }
 
-    /// A medium that is the same everywhere in a box; none in vacuum.
-    fn block(&self, shape: &schema::Shape, extinction: f32, origin: DVec3) -> Result<Option<Grid>> {
-        for (key, corner) in [("shape.min", shape.min), ("shape.max", shape.max)] {
-            let ok = corner.iter().all(|x| x.abs() <= LARGEST);
-            self.require(ok, key, format!("{corner:?}"), "give three finite coordinates from -1e9 to 1e9 m")?;
+    /// What it emits.
+    fn source(&self, origin: DVec3) -> Result<Source> {
+        let emission = self.medium.glow.as_ref().map_or([0.0; 3], |glow| glow.around());
+        let Some(grid) = &self.keys.emission_grid else { return Ok(Source::constant(emission)) };
+        let finding = format!("given, but {}.emission, which it multiplies, is 0", self.table);
+        let remedy = "give the emission where the density of the grid is 1, or leave the grid out";
+        self.require(emission != [0.0; 3], "emission_grid", finding, remedy)?;
+        let quantity = Quantity::emission(emission);
+        let Some(voxels) = self.voxels("emission_grid", grid, &quantity, origin)? else { return Ok(Source::NONE) };
+        let emission = emission.map(|channel| (f64::from(channel) * grid.scale) as f32);
+        Ok(Source { emission, voxels: Some(voxels) })
+    }
+
+    /// The shape of these keys.
+    fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Shape> {
+        let schema::Shape { kind, min, max, center, radius, name } = shape;
+        let given = [
+            ("min", min.is_some(), kind == &ShapeKind::Box),
+            ("max", max.is_some(), kind == &ShapeKind::Box),
+            ("center", center.is_some(), kind == &ShapeKind::Sphere),
+            ("radius", radius.is_some(), kind == &ShapeKind::Sphere),
+            ("name", name.is_some(), kind == &ShapeKind::Mesh),
+        ];
+        for (key, given, wanted) in given {
+            let (what, remedy) = if wanted { ("missing", "give it") } else { ("given", "leave it out") };
+            let finding = format!("{what}: the shape is a {}", kind.name());
+            self.require(given == wanted, &format!("shape.{key}"), finding, remedy)?;
         }
-        let ok = (0..3).all(|axis| shape.max[axis] - shape.min[axis] >= SMALLEST_EDGE);
-        let finding = format!("{:?}, where min is {:?}", shape.max, shape.min);
-        self.require(
-            ok,
-            "shape.max",
-            finding,
-            "make each of its coordinates larger than that of min by 1e-6 m or more",
-        )?;
-        let corners = [shape.min, shape.max].map(|corner| (DVec3::from(corner) - origin).to_array());
-        Ok((extinction > 0.0).then(|| Grid::block(corners, extinction)))
+        let remedy = "give three finite coordinates from -1e9 to 1e9 m";
+        for (key, point) in [("shape.min", min), ("shape.max", max), ("shape.center", center)] {
+            let ok = point.is_none_or(|point| point.iter().all(|x| x.abs() <= LARGEST));
+            self.require(ok, key, format!("{:?}", point.unwrap_or_default()), remedy)?;
+        }
+        match kind {
+            ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin),
+            ShapeKind::Sphere => {
+                let owner = Owner::Table(self.document, format!("{}.shape", self.table));
+                let radius = owner.radius("radius", radius.unwrap_or_default())?;
+                self.require(radius >= SMALLEST_EDGE, "shape.radius", radius, "give a radius of 1e-6 m or more")?;
+                Ok(Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius })
+            }
+            ShapeKind::Mesh => Ok(Shape::Mesh(self.boundary.clone().expect("its name is given"))),
+        }
     }
 
-    /// The grid of a file, in its place; none in vacuum.
-    fn voxels(&self, grid: &schema::Grid, extinction: f32, origin: DVec3) -> Result<Option<Grid>> {
-        for (key, scale) in [("grid.scale", grid.scale), ("grid.scale_by", grid.scale_by)] {
+    /// A box.
+    fn block(&self, min: [f64; 3], max: [f64; 3], origin: DVec3) -> Result<Shape> {
+        let ok = (0..3).all(|axis| max[axis] - min[axis] >= SMALLEST_EDGE);
+        let remedy = "make each of its coordinates larger than that of min by 1e-6 m or more";
+        self.require(ok, "shape.max", format!("{max:?}, where min is {min:?}"), remedy)?;
+        Ok(Shape::block([min, max].map(|corner| (DVec3::from(corner) - origin).to_array())))
+    }
+
+    /// The grid of a file, at `table` of the volume, in its place; its densities multiply `quantity`. None where there are
+    /// no voxels.
+    fn voxels(&self, table: &str, grid: &schema::Grid, quantity: &Quantity, origin: DVec3) -> Result<Option<Voxels>> {
+        let key = |name: &str| format!("{table}.{name}");
+        for (name, scale) in [("scale", grid.scale), ("scale_by", grid.scale_by)] {
             let ok = scale > 0.0 && scale <= LARGEST_SCALE;
-            self.require(ok, key, format!("{scale:?}"), "give a number above 0, up to 1e9")?;
+            self.require(ok, &key(name), format!("{scale:?}"), "give a number above 0, up to 1e9")?;
         }
         let ok = grid.translate.iter().all(|x| x.abs() <= LARGEST);
         let finding = format!("{:?}", grid.translate);
-        self.require(ok, "grid.translate", finding, "give three finite coordinates from -1e9 to 1e9 m")?;
+        self.require(ok, &key("translate"), finding, "give three finite coordinates from -1e9 to 1e9 m")?;
         let ok = grid.rotate_deg.iter().all(|x| x.abs() <= 360.0);
         let finding = format!("{:?}", grid.rotate_deg);
-        self.require(ok, "grid.rotate_deg", finding, "give three angles from -360 to 360 degrees")?;
+        self.require(ok, &key("rotate_deg"), finding, "give three angles from -360 to 360 degrees")?;
         let path = self.document.folder().join(&grid.file);
         let voxels = volume::read(&path, grid.name.as_deref(), &|_, _| {})?;
-        let unit = (f64::from(extinction) * grid.scale) as f32;
-        if unit == 0.0 || voxels.leaves.is_empty() {
+        if voxels.leaves.is_empty() {
             return Ok(None);
         }
         let bricks = bricks_spanned(&voxels.leaves);
         let finding = format!("a grid whose voxels are so far apart that {bricks} bricks of 8x8x8 lie between them");
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
-        self.require(bricks <= MOST_BRICKS, "grid.file", finding, &remedy)?;
+        self.require(bricks <= MOST_BRICKS, &key("file"), finding, &remedy)?;
         let interpolation = match grid.interpolation {
             schema::Interpolation::Trilinear => Interpolation::Trilinear,
             schema::Interpolation::Nearest => Interpolation::Nearest,
         };
-        let to_index = self.to_index(grid, &voxels, origin)?;
+        let to_index = self.to_index(table, grid, &voxels, origin)?;
         let densest =
             voxels.leaves.iter().flat_map(|leaf| leaf.values.iter()).fold(0.0, |most: f32, value| most.max(*value));
-        let finding =
-            format!("{:?}, which makes an extinction of {:e}/m", grid.scale, f64::from(densest) * f64::from(unit));
-        let remedy = "give a smaller number: extinction goes up to 1e9/m";
-        self.require(f64::from(densest) * f64::from(unit) <= LARGEST, "grid.scale", finding, remedy)?;
-        Ok(Some(Grid::new(&voxels.leaves, &to_index, unit, interpolation)))
+        let Quantity { name, unit, factor, largest } = quantity;
+        let most = f64::from(densest) * f64::from((factor * grid.scale) as f32);
+        let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);
+        let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
+        self.require(most <= *largest, &key("scale"), finding, &remedy)?;
+        Ok(Some(Voxels::new(&voxels.leaves, &to_index, interpolation)))
     }
 
     /// From positions counted from `origin` to index coordinates.
-    fn to_index(&self, grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> Result<ToIndex> {
+    fn to_index(&self, table: &str, grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> Result<ToIndex> {
         let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
         let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
         let placed = DAffine3::from_scale_rotation_translation(
@@ -116,7 +301,7 @@ impl Volume<'_> {
         let to_index = (placed * voxels.index_to_world).inverse();
         let finding = format!("{:?} of the file and of its transform, too much or too little for f32", grid.scale_by);
         let sound = to_index.is_finite() && to_index.matrix3.to_cols_array().iter().all(|entry| entry.abs() < 1e12);
-        self.require(sound, "grid.scale_by", finding, "enlarge it by another factor")?;
+        self.require(sound, &format!("{table}.scale_by"), finding, "enlarge it by another factor")?;
         let columns = to_index.matrix3.to_cols_array_2d();
         let moved = to_index.translation.to_array();
         Ok([0, 1, 2].map(|row| [columns[0][row], columns[1][row], columns[2][row], moved[row]]))
@@ -136,19 +321,6 @@ fn bricks_spanned(leaves: &[Leaf]) -> u64 {
         first.zip(last).map_or(0, |(first, last)| (last - first + 2) as u64)
     };
     (0..3).map(along).fold(1, u64::saturating_mul)
-}
-
-/// The error that a scene has what volumes do not go with yet, if it does.
-pub fn refused(scene: &schema::Scene, document: &Document) -> Option<Error> {
-    let around = scene.medium.as_ref().filter(|_| !scene.volume.is_empty());
-    if around.is_some_and(|medium| medium.scattering.0 != [0.0; 3] || medium.absorption.0 != [0.0; 3]) {
-        let finding = "medium is given beside a volume, but so far volumes are in vacuum";
-        return Some(document.error("medium", finding, "leave out one of the two"));
-    }
-    (scene.volume.len() > 1).then(|| {
-        let finding = format!("there are {} volumes, but so far a scene has one at most", scene.volume.len());
-        document.error("volume[1]", finding, "leave out all but one")
-    })
 }
 
 #[cfg(test)]

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::pipeline::Stage;
+use fogbow_kernels::survival::Survival;
 use serde_json::{Value, json};
 
 use super::{Outcome, Session};
 use crate::error::Result;
-use crate::figures::starts;
+use crate::figures::{starts, survival};
 use crate::output;
 use crate::pilot::Trial;
 use crate::stats::{ConnectionStats, Stats};
@@ -40,7 +41,7 @@ impl Report<'_> {
             ("settings", scene.to_toml()),
             ("technique", self.techniques()),
             ("starts", starts(frame.walk.starts)),
-            ("survival", frame.walk.survival.to_string()),
+            ("survival", survival(&frame.walk.survival)),
             ("aimed", frame.aimed.to_string()),
             ("roulette", frame.roulette.to_string()),
             ("reference", settings.reference.name().to_string()),
@@ -94,7 +95,7 @@ impl Report<'_> {
             "scene": scene.name,
             "technique": self.techniques(),
             "starts": starts(frame.walk.starts),
-            "survival": frame.walk.survival,
+            "survival": survival_value(&frame.walk.survival),
             "aimed": frame.aimed,
             "roulette": frame.roulette,
             "reference": settings.reference.name(),
@@ -119,10 +120,15 @@ impl Report<'_> {
     }
 }
 
+/// The number, or the list of numbers by octave of depth.
+fn survival_value(survival: &Survival) -> Value {
+    survival.constant().map_or_else(|| json!(survival.octaves()), Value::from)
+}
+
 fn trial(trial: &Trial) -> Value {
     json!({
         "starts": starts(trial.setting.starts),
-        "survival": trial.setting.survival,
+        "survival": survival_value(&trial.setting.survival),
         "roulette": trial.setting.roulette,
         "variance": trial.variance,
         "variance_error": trial.variance_error,

@@ -14,13 +14,27 @@ const SURE: f64 = 2.0;
 /// Light by length, look by look.
 pub struct Light {
     looks: Vec<Vec<f64>>,
+    /// That of all looks together.
+    all: Beyond,
+    /// The same without each of them.
+    without: Vec<Beyond>,
 }
 
 impl Light {
     /// Of `short` up to the length to which it goes, of `long` from there on.
     pub fn new(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
         let join = |(short, long): (&Vec<f64>, &Vec<f64>)| [short, &long[short.len()..]].concat();
-        Self { looks: short.iter().zip(long).map(join).collect() }
+        Self::of(short.iter().zip(long).map(join).collect())
+    }
+
+    fn of(looks: Vec<Vec<f64>>) -> Self {
+        let lengths = 0..looks[0].len();
+        let all: Vec<f64> = lengths.map(|n| looks.iter().map(|look| look[n]).sum()).collect();
+        let without = |look: &Vec<f64>| {
+            let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
+            Beyond::of(&rest)
+        };
+        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all), looks }
     }
 
     /// Whether no look found any.
@@ -44,10 +58,15 @@ impl Light {
         if self.is_sound() && least > TOLERATED { Share::AtLeast(least) } else { Share::Unknown }
     }
 
+    /// Whether `limit` leaves out no more than is tolerated if the estimate is right.
+    pub fn is_enough(&self, limit: u32) -> bool {
+        matches!(self.share(limit), Share::About { share, .. } if share <= TOLERATED)
+    }
+
     /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of
     /// them alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
     pub fn sufficient(&self) -> Option<u32> {
-        let half = |odd: usize| Self { looks: self.looks.iter().skip(odd).step_by(2).cloned().collect() };
+        let half = |odd: usize| Self::of(self.looks.iter().skip(odd).step_by(2).cloned().collect());
         let limits = [self.first(SURE), half(0).first(SURE), half(1).first(SURE)];
         limits.into_iter().try_fold(0, |largest, limit| Some(largest.max(limit?)))
     }
@@ -87,14 +106,8 @@ impl Light {
 
     /// A figure of all looks together, and its standard error from what it is without each of them.
     fn jackknife(&self, figure: impl Fn(&Beyond) -> f64) -> (f64, f64) {
-        let lengths = 0..self.looks[0].len();
-        let all: Vec<f64> = lengths.map(|n| self.looks.iter().map(|look| look[n]).sum()).collect();
-        let without = |look: &Vec<f64>| -> f64 {
-            let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
-            figure(&Beyond::of(&rest))
-        };
-        let (_, error) = mean_and_error(self.looks.iter().map(without));
-        (figure(&Beyond::of(&all)), error * (self.looks.len() - 1) as f64)
+        let (_, error) = mean_and_error(self.without.iter().map(&figure));
+        (figure(&self.all), error * (self.looks.len() - 1) as f64)
     }
 }
 
@@ -172,7 +185,7 @@ mod tests {
             let parts = light.iter().enumerate();
             parts.map(|(n, light)| if n > 32 { factor(number) * light } else { *light }).collect()
         };
-        Light { looks: (0..16).map(look).collect() }
+        Light::of((0..16).map(look).collect())
     }
 
     #[test]
@@ -214,6 +227,7 @@ mod tests {
         assert!(light.is_black() && !light.is_known());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
         light.looks[3][200] = 1.0;
+        let light = Light::of(light.looks);
         assert!(!light.is_black());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
     }
@@ -224,6 +238,7 @@ mod tests {
         let early = light.sufficient().expect("a limit");
         light.looks.iter_mut().step_by(2).for_each(|look| look[100] = 0.25);
         light.looks.iter_mut().skip(2).step_by(2).for_each(|look| look[100] = 0.0);
+        let light = Light::of(light.looks);
         assert!(light.sufficient().is_none_or(|limit| limit > 90 && limit > early), "{:?}", light.sufficient());
     }
 

@@ -12,15 +12,15 @@ const LEAST_RADIUS: f32 = 0.5;
 /// cut into, and where the camera would be inside.
 pub fn widened(frame: &Frame) -> Lights {
     let lights = &frame.lights;
-    if frame.medium().never_scatters() || !frame.surfaces.is_empty() || lights.has_meshes() {
+    if frame.medium.never_scatters() || !frame.surfaces.is_empty() || lights.has_meshes() {
         return lights.clone();
     }
-    let radius = LEAST_RADIUS / frame.medium().largest_extinction();
+    let radius = LEAST_RADIUS / frame.medium.largest_extinction();
     let camera = DVec3::from(frame.camera.position.map(f64::from));
     let is_small =
         |emitter: &Emitter| emitter.radius < radius && emitter.bounds().0.distance(camera) > 2.0 * f64::from(radius);
     let widen = |emitter: &Emitter| if is_small(emitter) { with_radius(emitter, radius) } else { *emitter };
-    Lights::new(lights.bodies().iter().map(widen).collect(), lights.selection())
+    lights.with_bodies(lights.bodies().iter().map(widen).collect())
 }
 
 /// A disk or sphere of the same intensity.

@@ -24,6 +24,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::survival::Survival;
 use fogbow_kernels::{LONGEST_PATH, PathLengths};
 
 use crate::figures::number;
@@ -43,17 +44,23 @@ const LOOKS: u32 = 16;
 /// Longest paths, in segments, that bridges look for.
 const SHORT: u32 = 32;
 /// How bridges look where nothing is solid, and where something is.
-const BRIDGES: [Way; 2] =
-    [Way { starts: 1, survival: 1.0, samples: 8 << 10 }, Way { starts: 2, survival: 0.9, samples: 4 << 10 }];
+const BRIDGES: [Way; 2] = [
+    Way { starts: 1, survival: Survival::CERTAIN, samples: 8 << 10 },
+    Way { starts: 2, survival: Survival::Constant(0.9), samples: 4 << 10 },
+];
 /// How walks look where nothing is solid, and where something is.
 const WALKS: [Way; 2] = [
-    Way { starts: u32::MAX, survival: 1.0, samples: 4 << 10 },
-    Way { starts: u32::MAX, survival: 0.99, samples: 1 << 10 },
+    Way { starts: u32::MAX, survival: Survival::CERTAIN, samples: 4 << 10 },
+    Way { starts: u32::MAX, survival: Survival::Constant(0.99), samples: 1 << 10 },
 ];
 /// Least probability that a walk goes on where absorption decides it.
 const LEAST_SURVIVAL: f32 = 0.5;
-/// Lengths of walks, in segments; the longer ones are taken where the shorter do not see where light ends.
-const LONGEST: [u32; 2] = [256, LONGEST_PATH];
+/// Lengths of walks, in segments; the longer ones are taken where the shorter do not see where light ends, or leave open
+/// whether a limit beyond them leaves out more than is tolerated.
+const LONGEST: [u32; 3] = [256, 1024, 1 << 14];
+/// Octave of depth from which on the longest walks end, so that their cost grows with the fourth root of the length
+/// while what they find stays as certain: see [`pilot`](crate::pilot).
+const FADING: usize = 6;
 /// The seed of its samples.
 const SEED: u32 = 0x6c07_8965;
 
@@ -63,7 +70,7 @@ struct Way {
     /// Vertices that connect.
     starts: u32,
     /// Probability of going on from a vertex.
-    survival: f32,
+    survival: Survival,
     /// Least number of samples of all pixels together.
     samples: u32,
 }
@@ -163,13 +170,13 @@ impl fmt::Display for Truncation {
 /// What `frame`, whose image has `size` pixels, leaves out; `None` where nothing is left out, as nothing turns light.
 /// If `monitor` says stop, nothing is known.
 pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Monitor) -> Option<Truncation> {
-    if frame.stays_straight() || frame.lights.emitters().is_empty() {
+    if frame.stays_straight() || (frame.lights.emitters().is_empty() && !frame.emits()) {
         return None;
     }
     let looker = Looker { frame, size, renderer, monitor: &monitor.uncounted() };
     let limit = frame.lengths.max;
     let Some(light) = looker.look() else { return Some(Truncation::unknown(limit)) };
-    if light.is_black() && frame.medium().never_scatters() {
+    if light.is_black() && frame.medium.never_scatters() {
         return None;
     }
     let (sufficient, likely) = (light.sufficient(), light.likely());
@@ -188,26 +195,34 @@ impl Looker<'_> {
     /// Light by length, with walks as long as they must be; none if it was stopped.
     fn look(&self) -> Option<Light> {
         let solid = usize::from(!self.frame.surfaces.is_empty());
-        let nee = || Techniques { nee: true, ..Techniques::default() };
-        let close = if self.frame.medium().never_scatters() { nee() } else { bridges(self.frame, SHORT) };
+        let dark = self.frame.lights.emitters().is_empty();
+        let nee = || Techniques { nee: !dark, ..Techniques::default() };
+        let close = if dark || self.frame.medium.never_scatters() { nee() } else { bridges(self.frame, SHORT) };
         let short = self.take(close, &BRIDGES[solid], SHORT)?;
-        let [near, far] = LONGEST;
+        let [near, far, farthest] = LONGEST;
         let walks = self.walks();
         let wide = Frame { lights: lights::widened(self.frame), ..self.frame.clone() };
         let walker = Looker { frame: &wide, size: self.size, renderer: self.renderer, monitor: self.monitor };
         let with_walks = |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(nee(), way, longest)?));
-        let light = with_walks(near, &walks)?;
         // As many segments, so fewer walks.
         let fewer = Way { samples: walks.samples * near / far, ..walks };
-        if light.is_known() { Some(light) } else { with_walks(far, &fewer) }
+        let fading = Way { survival: Survival::fading(FADING), ..fewer };
+        let limit = self.frame.lengths.max;
+        let is_enough = |light: &Light, longest: u32| light.is_known() && (limit <= longest || light.is_enough(limit));
+        let light = with_walks(near, &walks)?;
+        if is_enough(&light, near) {
+            return Some(light);
+        }
+        let light = with_walks(far, &fewer)?;
+        if is_enough(&light, far) { Some(light) } else { with_walks(farthest, &fading) }
     }
 
     /// Walks that end about where the medium absorbs them.
     fn walks(&self) -> Way {
-        let (medium, surfaces) = (self.frame.medium(), &self.frame.surfaces);
+        let (medium, surfaces) = (&self.frame.medium, &self.frame.surfaces);
         let way = WALKS[usize::from(!surfaces.is_empty())];
         let albedo = if medium.never_scatters() { 1.0 } else { medium.albedo.into_iter().fold(0.0, f32::max) };
-        Way { survival: way.survival * albedo.clamp(LEAST_SURVIVAL, 1.0), ..way }
+        Way { survival: (way.survival.at(1) * albedo.clamp(LEAST_SURVIVAL, 1.0)).into(), ..way }
     }
 
     /// Light of a sample at each length up to `longest`, look by look; none if they were stopped.
@@ -218,7 +233,8 @@ impl Looker<'_> {
         let frame =
             Frame { lengths, techniques, seed: SEED, roulette: 0.0, ..frame }.with_walk(way.starts, way.survival);
         let look = |number: u32| {
-            let film = Film::new(&frame, region, tile_size(region));
+            let tile = if longest > LONGEST[1] { SIDE / 2 } else { tile_size(region) };
+            let film = Film::new(&frame, region, tile);
             let samples = number * samples..(number + 1) * samples;
             let counted = Stats::new(false).by_length(&frame);
             let stats = self.renderer.render_counting(counted, &frame, &SIMD, &film, samples, self.monitor);
@@ -234,7 +250,7 @@ impl Looker<'_> {
 fn bridges(frame: &Frame, longest: u32) -> Techniques {
     let edges = longest.saturating_sub(1).max(1) as usize;
     let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / n as f64).collect();
-    let counts = CountTable::from_weights(frame.medium().phase.twin().lobe(), edges, |_| weights.clone());
+    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges, |_| weights.clone());
     Techniques { bridge: Some(Bridge::with_counts(Roll::Aligned, Arc::new(counts))), ..Techniques::default() }
 }
 
@@ -255,12 +271,12 @@ mod tests {
         );
         assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, no more than 0.01 beyond 448");
         let (text, _) = told(Share::About { share: 0.0893, error: 0.0042 }, None, None);
-        assert!(text.contains("about 8.9 +- 0.4 % of the light: even 1024, the largest possible"), "{text}");
+        assert!(text.contains("about 8.9 +- 0.4 % of the light: even 65536, the largest possible"), "{text}");
         let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, None, Some(320));
         assert!(text.ends_with("of the light: --max-segments 320 would leave out about 1 %"), "{text}");
         assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, about 0.01 beyond 320");
         let (text, entry) = told(Share::AtLeast(0.9999), None, None);
-        assert!(text.contains("at least 99.9 % of the light: most of it may need more than 1024"), "{text}");
+        assert!(text.contains("at least 99.9 % of the light: most of it may need more than 65536"), "{text}");
         assert_eq!(entry, "at least 1.00 beyond 15 segments, no sufficient limit known");
         let (text, entry) = told(Share::Unknown, None, None);
         assert!(text.contains("with them an unknown share of the light, perhaps nearly all of it: "), "{text}");

@@ -28,7 +28,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
-pub use fogbow_kernels::media::grid::Leaf;
+pub use fogbow_kernels::media::field::Leaf;
 
 use crate::error::{Error, Result};
 use crate::gltf::fault::InFile;

@@ -11,6 +11,8 @@ impl Wavefront<'_> {
         self.remember();
         self.fly();
         self.extend();
+        self.glow();
+        self.note_glow();
         self.hit_lights();
         self.prune();
         if self.live.is_empty() {
@@ -19,6 +21,9 @@ impl Wavefront<'_> {
         }
         self.turn();
         self.step.clock += 1;
+        if let Some(sums) = &mut self.stats.by_depth {
+            self.live.each().for_each(|lane| sums.add_vertex(self.paths.depth_of(self.step.clock, lane)));
+        }
         self.connect();
     }
 
@@ -41,13 +46,15 @@ impl Wavefront<'_> {
         self.contribute(Source::Views, views);
         let bucket = self.candidates.light_hits.direct();
         self.mis_weight(Source::LightHits, bucket);
+        self.transmittance(Source::LightHits, bucket, random::CAMERA);
         self.contribute(Source::LightHits, bucket);
     }
 
     /// Takes every path to its next vertex and turns it there.
     pub fn turn(&mut self) {
-        if self.frame.medium().is_coloured() {
+        if self.frame.medium.is_coloured() {
             self.spectral_weight();
+            self.flight_hue();
         } else if self.frame.aims() && !self.requested.is_empty() {
             self.flight_weight();
         }

@@ -22,7 +22,7 @@ impl Wavefront<'_> {
         if frame.lights.selection_depends_on_start() || techniques.near().is_finite() {
             self.light_survey();
         }
-        for connection in techniques.connections(lengths) {
+        for connection in techniques.connections(lengths, &frame.lights) {
             self.light_sample(connection.scope);
             match connection.chain {
                 Chain::Straight => self.settle_direct(&connection, 0),
@@ -69,7 +69,7 @@ impl Wavefront<'_> {
     /// Counts and places the vertices between the ends of the connections, for paths of `lengths` up to there.
     pub fn join<T: Joint>(&mut self, technique: &T, lengths: PathLengths, step: Step) {
         let connections = &self.candidates.connections;
-        let (medium, solid) = (self.frame.medium(), self.frame.is_solid());
+        let (medium, solid) = (&self.frame.medium, self.frame.is_solid());
         let (paths, immersion, last_surface) = (&self.paths, &self.immersion, &self.last_surface);
         self.stats.run(T::COUNT, rows(connections.len), || {
             let count = &mut self.buckets.count;

@@ -45,8 +45,8 @@ const LANES_PER_SEGMENT: usize = 64;
 /// lanes are: paths of one batch that were born together mostly die together, and a batch in step costs a quarter less.
 const VACANT_DIVISOR: usize = 4;
 
-/// Bounce clock at which a block starts: early enough for a long block, late enough that a look back over the longest
-/// history stays above zero.
+/// Bounce clock at which a block starts: early enough for a long block, late enough that a look back over all that is
+/// remembered stays above zero.
 const FIRST_CLOCK: u32 = 1 << 12;
 
 /// Bytes that the trails of a worker should not exceed.
@@ -60,9 +60,15 @@ pub fn default_lanes(frame: &Frame) -> usize {
     (TRAIL_BYTES / bytes_per_path / LANES * LANES).clamp(64, wanted)
 }
 
-/// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone.
+/// Vertices of a path that some weight may look back at: none if every connection is weighed at its own start alone,
+/// and no more than the longest connection could have made, the one before its start included.
 fn remembered(frame: &Frame) -> usize {
-    if frame.techniques.look_back() { frame.walk_segments() as usize } else { 0 }
+    if frame.techniques.look_back() { longest_suffix(frame).min(frame.walk_segments() as usize) } else { 0 }
+}
+
+/// Vertices of a path that its weight may read, the point on the light left out.
+fn longest_suffix(frame: &Frame) -> usize {
+    frame.techniques.most_inserted(frame.lengths.max) + 2
 }
 
 /// Everything one worker needs to render a frame: tables and queues of fixed capacity in one arena.
@@ -113,6 +119,10 @@ pub struct Wavefront<'q> {
     pub flight_weight: Column<'q, f32>,
     /// With what density they were drawn for any hero, where it is coloured [1/m].
     pub flight_density: Spectrum<'q>,
+    /// How far they go, where media emit `[m]`.
+    pub flown: Column<'q, f32>,
+    /// What media emit along the way, in channels in use [W/(m^2 sr)].
+    pub glowing: Spectrum<'q>,
     /// Lanes whose flight ends on a surface.
     pub on_surface: LaneSet<'q>,
     /// Rays that met a light.
@@ -141,9 +151,9 @@ impl<'q> Wavefront<'q> {
     pub fn new_in(arena: &'q Bump, frame: &'q Frame, pipeline: &Pipeline, lanes: usize) -> Self {
         let lanes = lanes.max(1).next_multiple_of(LANES);
         let channels = frame.channels();
-        let segments = frame.lengths.max as usize;
         let longest = frame.techniques.most_inserted(frame.lengths.max);
         let bridged = BucketTable::rows(lanes, longest);
+        let met = lanes * frame.lights.most_met();
         Self {
             frame,
             pipeline: *pipeline,
@@ -168,21 +178,23 @@ impl<'q> Wavefront<'q> {
             flights: FlightTable::new_in(arena, lanes),
             flight_weight: Column::new_in(arena, lanes),
             flight_density: Spectrum::new_in(arena, lanes, channels),
+            flown: Column::new_in(arena, if frame.emits() { lanes } else { 0 }),
+            glowing: Spectrum::new_in(arena, if frame.emits() { lanes } else { 0 }, channels),
             on_surface: LaneSet::new_in(arena, lanes),
-            hits: HitQueue::new_in(arena, lanes),
+            hits: HitQueue::new_in(arena, met),
             surface_hits: SurfaceHitQueue::new_in(arena, lanes),
             candidates: Candidates {
-                views: CandidateQueue::new_in(arena, lanes),
-                light_hits: CandidateQueue::new_in(arena, lanes),
+                views: CandidateQueue::new_in(arena, met),
+                light_hits: CandidateQueue::new_in(arena, met),
                 connections: CandidateQueue::new_in(arena, lanes),
                 bridged: CandidateQueue::new_in(arena, bridged),
             },
-            worth: WorthTable::new_in(arena, bridged, channels),
-            estimates: EstimateColumns::new_in(arena, if frame.varies() { bridged + LANES } else { 0 }),
+            worth: WorthTable::new_in(arena, bridged.max(met), channels),
+            estimates: EstimateColumns::new_in(arena, if frame.varies() { bridged.max(met) + LANES } else { 0 }),
             ends: EndQueue::new_in(arena, lanes),
             buckets: BucketTable::new_in(arena, lanes, longest),
             chains: ChainTable::new_in(arena, bridged, longest),
-            suffix: Suffix::new_in(arena, segments),
+            suffix: Suffix::new_in(arena, longest_suffix(frame)),
         }
     }
 

@@ -42,16 +42,19 @@ impl Wavefront<'_> {
     /// Adds what candidates count to their paths.
     pub(super) fn contribute(&mut self, source: Source, bucket: Bucket) {
         self.accumulate(source, bucket);
-        if self.stats.light_by_length.is_some() {
-            self.note_lengths(source, bucket);
+        if self.stats.light_by_length.is_some() || self.stats.by_depth.is_some() {
+            self.note(source, bucket);
         }
     }
 
     /// Counts what the connections of a bucket cost, row by row: the sum is the same however rows fall into buckets.
     fn count_work(&mut self, source: Source, bucket: Bucket) {
         let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
-        let starts = u64::from(self.frame.walk.starts);
-        // Starts at depths 1 .. depth + edges - 1, as far as they connect.
+        let frame = self.frame;
+        let starts = u64::from(frame.walk.starts);
+        // Starts at depths 1 .. depth + edges - 1, as far as they connect, and are remembered.
+        let remembered = frame.techniques.most_inserted(frame.lengths.max) as u64 + 1;
+        let starts = if frame.wanders() { starts.min(remembered) } else { starts };
         let depth = |lane: &u32| u64::from(self.paths.depth_of(self.step.clock, *lane as usize));
         let terms = |lane: &u32| (depth(lane) + edges - 1).min(starts);
         let terms: u64 = self.candidates.of(source).lane.rows()[bucket.rows()].iter().map(terms).sum();
@@ -76,8 +79,29 @@ impl Wavefront<'_> {
         bucket.rows().filter(counts).count() as u64
     }
 
-    /// Notes the contributions of a bucket by the lengths of their paths; a look that is taken at small images only.
-    fn note_lengths(&mut self, source: Source, bucket: Bucket) {
+    /// Notes what media emitted along flights, by the lengths of their paths and the depths that walks had to get to.
+    pub(super) fn note_glow(&mut self) {
+        if !self.frame.emits() || self.stats.light_by_length.is_none() && self.stats.by_depth.is_none() {
+            return;
+        }
+        for lane in self.live.each() {
+            let segments = self.paths.depth_of(self.step.clock, lane) as usize + 1;
+            let found = self.glowing.row(lane).map(f64::from);
+            if found == [0.0; 3] {
+                continue;
+            }
+            if let Some(light) = &mut self.stats.light_by_length {
+                light.add(segments, found);
+            }
+            if let Some(sums) = &mut self.stats.by_depth {
+                sums.add(segments as u32, found.into_iter().fold(0.0, f64::max));
+            }
+        }
+    }
+
+    /// Notes the contributions of a bucket by the lengths of their paths, and by the depth that walks had to get to;
+    /// looks that are taken at small images only.
+    fn note(&mut self, source: Source, bucket: Bucket) {
         let candidates = self.candidates.of(source);
         for row in bucket.rows() {
             let (lane, weight) = (candidates.lane.rows()[row] as usize, f64::from(self.worth.weight.rows()[row]));
@@ -89,8 +113,13 @@ impl Wavefront<'_> {
             let radiance = emitter.radiance.map(f64::from);
             let throughput = self.throughput.row(lane).map(f64::from);
             let factor = self.worth.factor.row(row).map(f64::from);
+            let contribution = contribution(weight, factor, radiance, throughput);
             if let Some(light) = &mut self.stats.light_by_length {
-                light.add(depth as usize + bucket.inserted + 1, contribution(weight, factor, radiance, throughput));
+                light.add(depth as usize + bucket.inserted + 1, contribution);
+            }
+            if let Some(sums) = &mut self.stats.by_depth {
+                let walked = depth + u32::from(source == Source::LightHits);
+                sums.add(walked.max(1), contribution.into_iter().fold(0.0, f64::max));
             }
         }
     }

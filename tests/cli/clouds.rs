@@ -31,7 +31,7 @@ fn a_cloud_is_rendered_by_every_technique() {
 #[test]
 fn a_cloud_is_described() {
     let run = with_cloud(", scale = 2").done(&["info", "scene.toml"]);
-    let cloud = "volume \"puff\": \"cloud.vdb\", mean free path 0.05";
+    let cloud = "volume \"puff\": \"cloud.vdb\", mean free path 0.05000 m at density 1, albedo 0.7";
     assert!(run.stdout.lines().any(|line| line.starts_with(cloud)), "{run}");
     assert!(!run.stdout.contains("vacuum") && !run.stdout.contains("fog:"), "{run}");
 }
@@ -75,10 +75,79 @@ fn what_grids_do_not_go_with_is_refused() {
         2,
         "--technique lis: render.technique is lis, which",
     );
-    let coloured = ["render", "scene.toml", "--set", "volume[0].scattering=[1, 2, 3]"];
-    folder.refused(&coloured, 2, "--set volume[0].scattering=[1, 2, 3]: volume[0].scattering is an extinction");
-    let both = ["render", "scene.toml", "--set", "medium.scattering=1"];
-    folder.refused(&both, 2, "--set medium.scattering=1: medium is given beside a volume");
+}
+
+/// The test scene with these volumes in fog that is given by `medium`.
+fn with_volumes(medium: &str, volumes: &[&str]) -> Folder {
+    let volumes: String = volumes.iter().map(|keys| format!("\n[[volume]]\n{keys}\n")).collect();
+    let phase = "phase = { type = \"henyey_greenstein\", g = 0.5 }\n";
+    assert!(SCENE.contains(phase));
+    let scene = SCENE.replace(phase, "").replace(MEDIUM, medium);
+    let folder = Folder::empty();
+    folder.write("scene.toml", scene + &volumes);
+    folder
+}
+
+#[test]
+fn volumes_in_fog_are_rendered_and_described() {
+    let ball = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nscattering = 3\npriority = 2";
+    let hole = "name = \"hole\"\nshape = { type = \"box\", min = [-1, -1, 1], max = [0.2, 1, 2] }\npriority = 3";
+    let folder = with_volumes("[medium]\nscattering = 0.2\nabsorption = 0.1", &[ball, hole]);
+    for technique in ["path", "nee", "mvnee", "bridge"] {
+        let run = folder.done(&["render", "scene.toml", "--technique", technique, "-o", "a.exr"]);
+        assert!(!run.stderr.contains("dropped"), "{run}");
+    }
+    let run = folder.done(&["info", "scene.toml"]);
+    for line in [
+        "volume: a sphere, mean free path 0.3333 m, albedo 1",
+        "volume \"hole\": a box, vacuum",
+        "fog: mean free path 3.333 m, albedo 0.6667",
+    ] {
+        assert!(run.stdout.lines().any(|found| found.starts_with(line)), "{line}: {run}");
+    }
+}
+
+#[test]
+fn the_technique_is_nee_where_all_media_are_volumes_and_nobody_says_otherwise() {
+    let ball = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nscattering = [1, 2, 3]";
+    for (medium, technique) in [("", "nee"), ("[medium]\nscattering = [0.1, 0.2, 0.3]", "bridge")] {
+        let folder = with_volumes(medium, &[ball]);
+        let scene = std::fs::read_to_string(folder.path("scene.toml")).expect("a scene");
+        let without: String =
+            scene.lines().filter(|line| !line.starts_with("technique")).map(|l| format!("{l}\n")).collect();
+        folder.write("scene.toml", without);
+        folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+        assert_eq!(header(&folder.image("a.exr"), "technique"), technique);
+    }
+}
+
+#[test]
+fn media_that_differ_in_what_all_share_are_refused() {
+    let shape = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }";
+    let fog = "[medium]\nscattering = 0.2";
+    let coloured = with_volumes(fog, &[&format!("{shape}\nscattering = [1, 2, 3]")]);
+    coloured.refused(&["render", "scene.toml"], 1, "scene.toml:");
+    assert!(coloured.run(&["render", "scene.toml"]).stderr.contains("volume[0].scattering is an extinction"));
+    let turned = with_volumes(fog, &[&format!("{shape}\nscattering = 1\nphase = {{ g = 0.5 }}")]);
+    let run = turned.run(&["render", "scene.toml"]);
+    assert!(run.code == Some(1) && run.stderr.contains("volume[0].phase is another phase function"), "{run}");
+    // What does not scatter has no phase function.
+    with_volumes(fog, &[&format!("{shape}\nabsorption = 1\nphase = {{ g = 0.5 }}")]).done(&["render", "scene.toml"]);
+}
+
+#[test]
+fn shapes_with_keys_of_others_are_refused() {
+    for (shape, finding) in [
+        ("type = \"sphere\", center = [0, 0, 1]", "volume[0].shape.radius is missing: the shape is a sphere"),
+        ("type = \"sphere\", center = [0, 0, 1], radius = -1", "volume[0].shape.radius is -1.0"),
+        ("type = \"sphere\", center = [0, inf, 1], radius = 1", "volume[0].shape.center is [0.0, inf, 1.0]"),
+        ("type = \"box\", min = [0, 0, 0], max = [1, 1, 1], radius = 1", "volume[0].shape.radius is given"),
+        ("type = \"mesh\"", "volume[0].shape.name is missing"),
+        ("type = \"mesh\", name = \"Glass\"", "the scene has no geometry"),
+    ] {
+        let run = with_volumes("", &[&format!("shape = {{ {shape} }}\nscattering = 1")]).run(&["render", "scene.toml"]);
+        assert!(run.code == Some(1) && run.stderr.contains(finding), "{shape}: {run}");
+    }
 }
 
 #[test]

@@ -29,9 +29,10 @@ fn an_override_is_checked_like_the_scene() {
     refused(&["--set", "medium.absorption=[1, -2, 3]"], "--set medium.absorption=[1, -2, 3]: medium.absorption is");
     refused(&["--technique", "bdpt"], "--technique bdpt: render.technique: unknown name `bdpt`");
     refused(&["--mesc", "0"], "--mesc 0: render.mesc is 0.0\n");
-    for (flag, key, range) in
-        [("--max-segments", "max_segments", "from 1 to 1024"), ("--samples", "samples", "from 1 to 2147483648")]
-    {
+    for (flag, key, range) in [
+        ("--max-segments", "max_segments", "from 1 to 65536 or \"auto\""),
+        ("--samples", "samples", "from 1 to 2147483648"),
+    ] {
         for number in ["-1", "0", "2147483649", "99999999999999999999", "-99999999999999999999"] {
             let finding = format!("out of range\n  help: give a whole number {range}\n");
             refused(&[flag, number], &format!("{flag} {number}: is {finding}"));

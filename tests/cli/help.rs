@@ -26,7 +26,7 @@ fn the_page_of_keys_says_the_ranges_that_hold() {
     let page = Folder::empty().done(&["--help-scene"]).stdout;
     for (set, range) in [
         ("medium.phase.g=0.99991", "from -0.9999 to 0.9999"),
-        ("render.max_segments=1025", "1 to 1024"),
+        ("render.max_segments=65537", "1 to 65536"),
         ("render.samples=0", "1 to 2147483648"),
         ("render.seed=-1", "0 to 4294967295"),
     ] {
@@ -61,7 +61,10 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         assert!(run.stdout.contains(flag), "{flag} is missing\n{run}");
     }
     let run = Folder::empty().done(&["--help"]);
-    assert!(run.stdout.starts_with("Renders light in fog: one homogeneous medium"), "no more than it can do\n{run}");
+    assert!(
+        run.stdout.starts_with("Renders light in fog, clouds, smoke, milk and wax"),
+        "no more than it can do\n{run}"
+    );
     for command in ["render", "compare", "info", "presets"] {
         assert!(run.stdout.contains(&format!("\n  {command} ")), "{command} is missing\n{run}");
     }

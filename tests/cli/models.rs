@@ -305,15 +305,17 @@ fn a_model_without_lights_is_refused() {
 }
 
 #[test]
-fn a_model_whose_lights_are_all_directional_is_refused_with_the_reason() {
+fn a_model_whose_lights_are_all_directional_is_refused_in_fog_with_the_reason() {
     let folder =
         with_model(|model| model["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!("directional"));
-    let finding = "the scene has no light: directional lights (suns) are not rendered yet and are left out: \"Lamp\"\n";
-    let run = folder.refused(&["render", "room.gltf"], 1, &format!("room.gltf: {finding}"));
+    let finding = "the scene has no light: nothing arrives from directional lights (suns) through a medium without end: \
+                   \"Lamp\"\n";
+    let fog = ["--set", "medium.scattering=0.1"];
+    let run = folder.refused(&["render", "room.gltf", fog[0], fog[1]], 1, &format!("room.gltf: {finding}"));
     assert!(run.stderr.contains("help: add a point light, a spot light or an emissive material to"), "{run}");
     folder.write("scene.toml", AROUND);
-    let run = folder.refused(&["render", "scene.toml"], 1, &format!("scene.toml: {finding}"));
-    assert!(run.stderr.contains("help: add a [[light]] table, or geometry with a point light"), "{run}");
+    let run = folder.refused(&["render", "scene.toml", fog[0], fog[1]], 1, &format!("scene.toml: {finding}"));
+    assert!(run.stderr.contains("help: add a [[light]] table, an [environment], geometry with a point"), "{run}");
 }
 
 #[test]

@@ -22,7 +22,8 @@ fn an_unknown_key_is_reported_with_line_and_remedy() {
 #[test]
 fn a_missing_key_is_reported_with_its_table() {
     let folder = Folder::with_edited_scene("radius = 1.5\n", "");
-    let beginning = format!("{}: light[0]: missing key `radius`", folder.place("[[light]]"));
+    let finding = "light[0].radius is missing, but the light is a disk";
+    let beginning = format!("{}: {finding}", folder.place("[[light]]"));
     folder.refused(&["render", "scene.toml"], 1, &beginning);
 }
 
@@ -112,13 +113,13 @@ fn a_light_has_a_normal_and_a_size() {
 
 #[test]
 fn path_lengths_have_limits() {
-    for segments in ["0", "1025", "4294967295"] {
+    for segments in ["0", "65537", "4294967295"] {
         let to = format!("max_segments = {segments}");
-        let finding = format!("{segments} is out of range\n  help: give a whole number from 1 to 1024\n");
+        let finding = format!("{segments} is out of range\n  help: give a whole number from 1 to 65536 or \"auto\"\n");
         refused("max_segments = 24", &to, &format!("render.max_segments: {finding}"));
     }
     refused("max_segments = 24", "max_segments = 24\nmin_segments = 25", "render.min_segments is 25\n");
-    let finding = "render.min_segments: 0 is out of range\n  help: give a whole number from 1 to 1024\n";
+    let finding = "render.min_segments: 0 is out of range\n  help: give a whole number from 1 to 65536\n";
     refused("max_segments = 24", "max_segments = 24\nmin_segments = 0", finding);
     refused("mesc = 4", "mesc = 0", "render.mesc is 0.0\n");
     refused("mesc = 4", "mesc = nan", "render.mesc is NaN\n");

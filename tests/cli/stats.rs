@@ -27,7 +27,7 @@ fn statistics_tell_what_every_stage_did() {
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
     // Nothing is solid in this scene, and its extinction is grey and the same everywhere; lamps has what is solid.
-    let elsewhere = ["surface", "spectral_weight", "passage", "transmittance"];
+    let elsewhere = ["surface", "spectral_weight", "flight_hue", "passage", "transmittance", "glow"];
     let others = |(_, name): &(usize, &&str)| !elsewhere.contains(name);
     for (index, name) in names.iter().enumerate().filter(others) {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
@@ -54,6 +54,15 @@ fn transmittances_are_estimated_where_extinction_varies() {
     let statistics = statistics(&Folder::with_edited_scene(fog, volume), &["--samples", "4"]);
     let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
     assert!(calls(Stage::Passage) >= 1.0 && calls(Stage::Transmittance) >= 1.0, "{statistics:#}");
+}
+
+#[test]
+fn flights_through_coloured_volumes_are_looked_at_again() {
+    let fog = "[medium]\nscattering = 0.7\nabsorption = 0.3";
+    let volume = "[[volume]]\nshape = { type = 'sphere', center = [0, 0, 2], radius = 1 }\nscattering = [1, 2, 3]";
+    let statistics = statistics(&Folder::with_edited_scene(fog, volume), &["--samples", "4"]);
+    let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
+    assert!(calls(Stage::FlightHue) >= 1.0 && calls(Stage::SpectralWeight) >= 1.0, "{statistics:#}");
 }
 
 #[test]

@@ -5,16 +5,19 @@ use serde_json::{Value, json};
 use super::models::{render, with_model};
 
 #[test]
-fn directional_lights_leave_a_warning_and_cameras_none() {
+fn directional_lights_in_fog_leave_a_warning_and_cameras_none() {
     let folder = with_model(|model| {
         let lights = model["extensions"]["KHR_lights_punctual"]["lights"].as_array_mut().expect("a list");
         lights.push(json!({ "type": "directional" }));
         model["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 1 } });
     });
-    let run = render(&folder, &[]);
+    let run = render(&folder, &["--set", "medium.scattering=0.01"]);
     assert_eq!(run.stderr.matches("warning: ").count(), 1, "{run}");
-    let warning = "warning: room.gltf: light \"Wall\": directional lights are not rendered yet and are left out\n";
+    let warning = "warning: room.gltf: light \"Wall\": directional lights are left out: nothing arrives from infinity \
+                   through a medium without end\n";
     assert!(run.stderr.contains(warning), "{run}");
+    let run = render(&folder, &[]);
+    assert!(!run.stderr.contains("warning"), "{run}");
 }
 
 #[test]

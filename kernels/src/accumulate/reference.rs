@@ -48,12 +48,18 @@ pub fn contribution(weight: f64, factor: [f64; 3], radiance: [f64; 3], throughpu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::media::Medium;
     use crate::mis_weight::reference::factor;
+    use crate::phase::PhaseFunction;
+    use glam::DVec3;
 
     #[test]
     fn a_contribution_carries_one_albedo_per_inserted_vertex() {
-        assert_eq!(contribution(0.5, factor([0.5, 1.0, 0.0], 3), [2.0, 4.0, 8.0], [1.0, 0.5, 0.25]), [0.125, 1.0, 0.0]);
-        assert_eq!(factor([0.0; 3], 0), [1.0; 3]);
+        let of = |albedo: [f32; 3], inserted: usize| {
+            factor(&Medium::homogeneous(1.0, albedo, PhaseFunction::isotropic()), &vec![DVec3::ZERO; inserted])
+        };
+        assert_eq!(contribution(0.5, of([0.5, 1.0, 0.0], 3), [2.0, 4.0, 8.0], [1.0, 0.5, 0.25]), [0.125, 1.0, 0.0]);
+        assert_eq!(of([0.0; 3], 0), [1.0; 3]);
     }
 
     #[test]

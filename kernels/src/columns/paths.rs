@@ -22,10 +22,8 @@ columns! {
 }
 
 columns! {
-    /// What every path is in, and how it sees it.
+    /// How every path sees what it is in.
     table ImmersionColumns of Immersion {
-        /// Row of the medium that the current vertex is in.
-        medium: u32,
         /// Channel for which the path's flights are drawn, 0 to 2; 0 where extinction is grey.
         hero: u32,
     }

@@ -126,12 +126,15 @@ impl ColumnSet for WorthTable<'_> {
 }
 
 columns! {
-    /// Estimated transmittances of one segment of every candidate: `T' = product e^{-depth}`.
+    /// Estimated transmittances of one segment of every candidate, or one flight of every path: `T' = product e^{-hue
+    /// depth}`.
     table EstimateColumns of Estimate {
-        /// What is random of it, >= 0.
-        product: f32,
+        /// What is random of it, >= 0, per hue.
+        product: [f32; 3],
         /// Optical depth of the coarse field.
         depth: f32,
+        /// Length of the flight `[m]`.
+        length: f32,
     }
 }
 

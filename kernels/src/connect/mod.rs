@@ -7,6 +7,7 @@
 pub mod bridge;
 pub mod buckets;
 pub mod density;
+pub mod distant;
 pub mod light_sample;
 pub mod light_survey;
 pub mod likelihood;
@@ -20,7 +21,7 @@ mod technique;
 
 use bridge::Bridge;
 use light_sample::Scope;
-use lis::Lis;
+use lis::{Connector, Lis};
 use mvnee::Mvnee;
 
 pub use technique::{Chain, Connection, Densities, Row, Technique};
@@ -41,6 +42,20 @@ pub struct Techniques {
 }
 
 impl Techniques {
+    /// Has no connection insert more than `most` vertices, the one that is made from the light not counted.
+    pub fn limit_inserted(&mut self, most: u32) {
+        let [of_lis_bridge, of_lis_mvnee] = match &mut self.lis {
+            Some(Lis { connector: Connector::Bridge(bridge), .. }) => [Some(&mut bridge.max_inserted), None],
+            Some(Lis { connector: Connector::Mvnee(mvnee), .. }) => [None, Some(&mut mvnee.max_inserted)],
+            None => [None, None],
+        };
+        let own = [
+            self.bridge.as_mut().map(|bridge| &mut bridge.max_inserted),
+            self.mvnee.as_mut().map(|mvnee| &mut mvnee.max_inserted),
+        ];
+        own.into_iter().chain([of_lis_bridge, of_lis_mvnee]).flatten().for_each(|limit| *limit = most.min(*limit));
+    }
+
     /// The same where no vertex can be inserted, because nothing scatters: what inserts any is next event estimation
     /// there.
     pub fn without_vertices(self) -> Self {

@@ -4,8 +4,9 @@ use super::bridge::Bridge;
 use super::light_sample::Scope;
 use super::lis::{self, Lis};
 use super::mvnee::Mvnee;
-use super::{Techniques, nee, omnee};
+use super::{Techniques, distant, nee, omnee};
 use crate::PathLengths;
+use crate::tables::lights::Lights;
 
 /// The connection techniques.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,11 +121,15 @@ impl Techniques {
         Technique::ALL.into_iter().filter_map(|technique| Some((technique, technique.row(self)?)))
     }
 
-    /// All connections of a vertex, one technique after the other, in paths of `lengths`.
-    pub fn connections(&self, lengths: PathLengths) -> impl Iterator<Item = Connection<'_>> {
-        let companion =
-            self.companion().map(|scope| Connection { technique: Technique::Lis, scope, chain: Chain::Straight });
-        Technique::ALL.into_iter().filter_map(move |technique| technique.connection(self, lengths)).chain(companion)
+    /// All connections of a vertex with `lights`, one technique after the other, in paths of `lengths`. Where any
+    /// technique connects, lights at infinity are connected with in a straight line.
+    pub fn connections(&self, lengths: PathLengths, lights: &Lights) -> impl Iterator<Item = Connection<'_>> {
+        let straight = |technique, scope| Connection { technique, scope, chain: Chain::Straight };
+        let companion = self.companion().map(|scope| straight(Technique::Lis, scope));
+        let joined = Technique::ALL.into_iter().filter_map(move |technique| technique.connection(self, lengths));
+        let near = joined.chain(companion).filter(|_| !lights.lights().is_empty());
+        let reaches_far = self.any() && lights.has_distant();
+        near.chain(reaches_far.then(|| straight(Technique::Nee, distant::SCOPE)))
     }
 
     /// Whether any weight looks at the vertices before a start.

@@ -23,11 +23,12 @@ pub fn cosine(emitter: &Emitter, point: DVec3, direction: DVec3) -> f64 {
 }
 
 /// Unit normal of an emitter at `point`, on the side that shines; where both do, on the one where a ray in `direction`
-/// arrives.
+/// arrives. What is at infinity faces every ray.
 pub fn normal(emitter: &Emitter, point: DVec3, direction: DVec3) -> DVec3 {
     let [origin, flat] = [emitter.origin, emitter.normal].map(|v| DVec3::from(v.map(f64::from)));
     match emitter.shape {
         Shape::Sphere => (point - origin) / f64::from(emitter.radius),
+        Shape::Distant => -direction.normalize_or_zero(),
         _ if emitter.double_sided && direction.dot(flat) > 0.0 => -flat,
         _ => flat,
     }

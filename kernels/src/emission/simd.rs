@@ -11,9 +11,9 @@
 
 use core::f32::consts::TAU;
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
-use crate::lanes::LANES;
+use crate::lanes::{self, LANES};
 use crate::tables::lights::Lights;
 use crate::transcendental::{exp, neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
@@ -34,12 +34,22 @@ impl Lights {
     /// where it is dark.
     #[inline(always)]
     pub fn cosine(&self, emitters: &[u32; LANES], point: Vec3x8, direction: Vec3x8) -> f32x8 {
-        let cosine = -direction.dot(self.normal(emitters, point));
-        if !self.double_sided {
-            return cosine;
+        let mut cosine = -direction.dot(self.normal(emitters, point));
+        if self.double_sided {
+            let both = self.gather(emitters, |emitter| if emitter.double_sided { -1.0 } else { 1.0 });
+            cosine = cosine.fast_max(cosine * both);
         }
-        let both = self.gather(emitters, |emitter| if emitter.double_sided { -1.0 } else { 1.0 });
-        cosine.fast_max(cosine * both)
+        if self.has_distant() {
+            cosine = self.are_distant(emitters).select(f32x8::ONE, cosine);
+        }
+        cosine
+    }
+
+    /// Rows of emitters at infinity, which face every ray.
+    #[inline(always)]
+    pub fn are_distant(&self, emitters: &[u32; LANES]) -> f32x8 {
+        let first = u32x8::splat(self.first_distant());
+        lanes::as_mask(u32x8::new(*emitters).simd_ge(first))
     }
 
     /// Radiance of emitters at the angles of these cosines, over their `radiance`.

@@ -42,4 +42,7 @@ pub struct Columns<'a, 'q> {
 ///
 /// Then finds the closest triangle, front or back, in front of that. It hides what is behind it; the path ends on it if
 /// the flight does not end before. If it shines, it is a hit of its own.
+///
+/// Rays that meet nothing at all, and have left every medium behind unless they leave the camera, go on to infinity and
+/// meet all lights there: one hit for each, one after the other, [`FAR`](crate::tables::lights::FAR) away.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -17,7 +17,8 @@ use glam::DVec3;
 use super::Columns;
 use crate::Step;
 use crate::columns::queues::{Hit, SurfaceHit};
-use crate::tables::lights::{Emitter, Lights, Shape};
+use crate::connect::distant;
+use crate::tables::lights::{Emitter, FAR, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 
@@ -31,8 +32,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let leaves_camera = paths.depth_of(step.clock, lane) == 0;
         let flight = f64::from(flight.rows()[lane]);
         let bound = if leaves_camera { f64::INFINITY } else { flight };
-        let (emitter, surface) = meet_first(lights, surfaces, origin, direction, bound, flight);
-        if let Some((emitter, distance)) = emitter {
+        let Met { lights, surface } = meet(lights, surfaces, origin, direction, bound, flight);
+        for (emitter, distance) in lights {
             hits.push(Hit { lane: lane as u32, emitter: emitter as u32, distance: distance as f32 });
         }
         if let Some(hit) = surface {
@@ -42,30 +43,36 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// What a ray meets: the emitter that it sees within `bound`, unless something is in front of it, and the surface on
-/// which it ends, unless `flight` or a disk or sphere ends it before. The surface's lane is left open.
-pub fn meet_first(
-    lights: &Lights,
-    surfaces: &Surfaces,
-    origin: DVec3,
-    direction: DVec3,
-    bound: f64,
-    flight: f64,
-) -> (Option<(usize, f64)>, Option<SurfaceHit>) {
+/// What a ray meets.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Met {
+    /// Emitters, and how far away they are `[m]`: more than one only at infinity.
+    pub lights: Vec<(usize, f64)>,
+    /// The surface on which it ends.
+    pub surface: Option<SurfaceHit>,
+}
+
+/// What a ray meets: the emitter that it sees within `bound`, unless something is in front of it, all those at infinity
+/// where there is no bound and nothing else, and the surface on which it ends, unless `flight` or a disk or sphere ends
+/// it before. The surface's lane is left open.
+pub fn meet(lights: &Lights, surfaces: &Surfaces, origin: DVec3, direction: DVec3, bound: f64, flight: f64) -> Met {
     let body = closest(lights, origin, direction, bound);
+    let towards = direction;
     let [origin, direction] = [origin, direction].map(|v| v.as_vec3().to_array());
-    let Some(hit) = trace::reference::closest(surfaces.geometry(), &Ray { origin, direction, max: f32::INFINITY })
-    else {
-        return (body, None);
+    let ray = Ray { origin, direction, max: f32::INFINITY };
+    let hit = trace::reference::closest(surfaces.geometry(), &ray);
+    let hit = hit.filter(|hit| body.is_none_or(|(_, distance)| distance > hit.distance));
+    let Some(hit) = hit else {
+        let is_open = body.is_none() && bound.is_infinite();
+        let distant = distant::reference::met(lights, towards).filter(|_| is_open);
+        let distant = distant.map(|emitter| (emitter, f64::from(FAR)));
+        return Met { lights: body.into_iter().chain(distant).collect(), surface: None };
     };
-    if body.is_some_and(|(_, distance)| distance <= hit.distance) {
-        return (body, None);
-    }
     let [second, third] = hit.barycentric.map(|weight| weight as f32);
     let met = SurfaceHit { lane: 0, triangle: hit.triangle as u32, distance: hit.distance as f32, second, third };
     let shining = lights.of_triangle(met.triangle).filter(|_| hit.distance < bound);
     let light = shining.map(|emitter| (emitter as usize, hit.distance));
-    (light, (hit.distance < flight).then_some(met))
+    Met { lights: light.into_iter().collect(), surface: (hit.distance < flight).then_some(met) }
 }
 
 /// The first disk or sphere that the ray meets before `bound`, and how far away `[m]`.
@@ -73,7 +80,7 @@ pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> 
     let mut found = None;
     let mut bound = bound;
     for (index, body) in lights.bodies().iter().enumerate() {
-        if let Some(distance) = meet(body, origin, direction)
+        if let Some(distance) = meet_body(body, origin, direction)
             && distance < bound
         {
             bound = distance;
@@ -84,7 +91,7 @@ pub fn closest(lights: &Lights, origin: DVec3, direction: DVec3, bound: f64) -> 
 }
 
 /// Distance at which the ray meets a disk or sphere, front or back `[m]`. None from a disk's plane itself, or along it.
-pub fn meet(body: &Emitter, origin: DVec3, direction: DVec3) -> Option<f64> {
+pub fn meet_body(body: &Emitter, origin: DVec3, direction: DVec3) -> Option<f64> {
     let center = DVec3::from(body.origin.map(f64::from));
     let normal = DVec3::from(body.normal.map(f64::from));
     let radius = f64::from(body.radius);

@@ -1,7 +1,7 @@
 //! ```text
 //! for each disk:    t = ((c - o) . n) / (d . n);  hit if 0 < t < bound and |o + t d - c| <= R
 //! for each sphere:  t = b -+ sqrt(R^2 - |c - o - b d|^2),  b = (c - o) . d;  the smaller one that is positive
-//! keep the nearest
+//! keep the nearest; if there is none, and no triangle either, list all lights at infinity within |d - axis|^2 <= 4 S
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number.
@@ -9,13 +9,14 @@
 //!    far as anything may matter. Where triangles shine, the camera looks at all distances.
 //! 3. In fog most batches meet nothing, and have nothing to list.
 //! 4. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
+//! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::queues::{HitBatch, SurfaceHit, SurfaceHitQueue};
+use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHit, SurfaceHitQueue};
 use crate::lanes::LANES;
-use crate::tables::lights::{Emitter, Lights, Shape};
+use crate::tables::lights::{Emitter, FAR, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::{self, Ray};
 use crate::vec3x8::Vec3x8;
@@ -42,17 +43,25 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             any |= hit;
         }
         let bits = lanes::bits(any) & live;
-        if bits == 0 && surfaces.is_empty() {
+        // The bound that hits have lowered is that of rays which meet something.
+        let open =
+            if lights.has_distant() { lanes::bits(nearest.simd_eq(f32x8::splat(f32::INFINITY))) & live } else { 0 };
+        if bits == 0 && surfaces.is_empty() && open == 0 {
             continue;
         }
         let mut found = Found {
             bits,
+            open,
             emitter: met.to_array(),
             distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
         };
         if !surfaces.is_empty() {
             let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
             on_surface.insert_batch(b, beams.trace(lights, surfaces, live, &mut found, surface_hits));
+        }
+        if found.open != 0 {
+            found.list(b, lights, direction, hits);
+            continue;
         }
         let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
         hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });
@@ -63,9 +72,30 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 struct Found {
     /// Rays that meet one.
     bits: u32,
+    /// Rays that go on to infinity.
+    open: u32,
     emitter: [u32; LANES],
     /// How far away, infinite where there is none.
     distance: [f32; LANES],
+}
+
+impl Found {
+    /// Lists what the rays of batch `b` meet, of which some go on to infinity.
+    fn list(&self, b: usize, lights: &Lights, direction: Vec3x8, hits: &mut HitQueue<'_>) {
+        let direction = direction.to_arrays();
+        for i in lanes::each(self.bits | self.open) {
+            let lane = (b * LANES + i) as u32;
+            if self.bits >> i & 1 == 1 {
+                hits.push(Hit { lane, emitter: self.emitter[i], distance: self.distance[i] });
+                continue;
+            }
+            for (emitter, light) in (lights.first_distant()..).zip(lights.distant()) {
+                if light.is_met(direction.map(|component| component[i])) {
+                    hits.push(Hit { lane, emitter, distance: FAR });
+                }
+            }
+        }
+    }
 }
 
 /// Eight rays on their way to triangles.
@@ -93,7 +123,7 @@ impl Beams {
         let ([x, y, z], [dx, dy, dz]) = (self.origin.to_arrays(), self.direction.to_arrays());
         // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
         let distance = f32x8::new(found.distance);
-        let sees = if lights.has_meshes() { lanes::ALL } else { found.bits };
+        let sees = if lights.has_meshes() { lanes::ALL } else { found.bits | found.open };
         let max = lanes::mask(self.at_camera & sees).select(distance, self.flight.fast_min(distance));
         let near = trace::may_meet(surfaces.geometry(), self.origin, self.direction, max);
         let (flight, max) = (self.flight.to_array(), max.to_array());
@@ -102,6 +132,7 @@ impl Beams {
             let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]], max: max[i] };
             let Some(hit) = trace::closest(surfaces.geometry(), &ray) else { continue };
             found.bits &= !(1 << i);
+            found.open &= !(1 << i);
             if let Some(emitter) = lights.of_triangle(hit.triangle) {
                 found.bits |= 1 << i;
                 (found.emitter[i], found.distance[i]) = (emitter, hit.distance);

@@ -29,7 +29,7 @@ pub struct Columns<'a, 'q> {
     pub occupied: &'a mut LaneSet<'q>,
     /// Filled.
     pub paths: &'a mut PathColumns<'q>,
-    /// Filled: the medium around everything; where its extinction is coloured, a hero.
+    /// Filled: where extinction is coloured, a hero.
     pub immersion: &'a mut ImmersionColumns<'q>,
     /// Filled where extinction is coloured: alike for all channels.
     pub log_posterior: &'a mut Spectrum<'q>,

@@ -12,7 +12,6 @@ use glam::DVec3;
 use super::Columns;
 use crate::columns::paths::{Immersion, LastSurface, Path, Vertex};
 use crate::columns::queues::Request;
-use crate::media::Media;
 use crate::media::spectral::{CHANNELS, SHARE};
 use crate::tables::camera::Camera;
 use crate::{Step, random};
@@ -28,7 +27,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let (position, direction) = camera_ray(camera, pixel, sample, step.seed);
         paths.set_row(lane, Path { pixel, sample, birth: step.clock });
         let hero = if medium.is_coloured() { hero(pixel, sample, step.seed) } else { 0 };
-        immersion.set_row(lane, Immersion { medium: Media::AROUND, hero });
+        immersion.set_row(lane, Immersion { hero });
         if medium.is_coloured() {
             log_posterior.set_row(lane, [SHARE.ln(); CHANNELS]);
         }

@@ -11,7 +11,6 @@ use wide::{f32x8, i32x8, u32x8};
 
 use super::Columns;
 use crate::columns::Spectrum;
-use crate::media::Media;
 use crate::media::spectral::{CHANNELS, SHARE};
 use crate::random::{self, uniform_x8};
 use crate::tables::camera::Camera;
@@ -28,13 +27,12 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     let (x, y, sample) = (requests.x.view(n), requests.y.view(n), requests.sample.view(n));
     let film = Film::new(camera);
     let (mut position, mut direction) = (vertex.position.view_mut(n), ray.direction.view_mut(n));
-    let [pixels, samples, births, surfaces, nears, media, heroes] = [
+    let [pixels, samples, births, surfaces, nears, heroes] = [
         &mut paths.pixel,
         &mut paths.sample,
         &mut paths.birth,
         &mut last_surface.depth,
         &mut outlook.first_near,
-        &mut immersion.medium,
         &mut immersion.hero,
     ]
     .map(|column| column.view_mut(n));
@@ -61,7 +59,6 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         set(births, u32x8::splat(step.clock));
         set(surfaces, u32x8::splat(0));
         set(nears, u32x8::splat(u32::MAX));
-        set(media, u32x8::splat(Media::AROUND));
         set(heroes, if coloured { hero(pixel, sample[b], step.seed) } else { u32x8::splat(0) });
         if coloured {
             fill(log_posterior, b, mask, f32x8::splat(SHARE.ln()));

@@ -34,7 +34,7 @@ pub struct Columns<'a, 'q> {
     /// Filled: lights seen directly by the camera.
     pub views: &'a mut CandidateQueue<'q>,
     /// Filled: what they count, in the rows of `views`: the transmittance of the way in the clearest channel,
-    /// times the profile, and as factors those of all channels over it.
+    /// times the profile, and as factors those of all channels over it, times the colour of an image of the sky.
     pub worth: &'a mut WorthTable<'q>,
     /// Filled: lights hit by a scattered path; what they count is still to be found.
     pub light_hits: &'a mut CandidateQueue<'q>,

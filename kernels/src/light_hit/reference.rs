@@ -12,6 +12,7 @@ use super::Columns;
 use crate::Step;
 use crate::columns::queues::Candidate;
 use crate::connect::density::Density;
+use crate::connect::distant;
 use crate::emission::reference::{cosine, profile};
 use crate::media::Medium;
 use crate::media::reference::Medium as _;
@@ -40,7 +41,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
                 let clearest =
                     arrives.into_iter().reduce(|a, b| if b.over(a) > 1.0 { b } else { a }).expect("channels");
                 worth.weight.rows_mut()[views.len] = (profile * clearest.value()) as f32;
-                worth.factor.set_row(views.len, arrives.map(|channel| channel.over(clearest) as f32));
+                let colour = distant::reference::colour(lights, hit.emitter as usize, direction);
+                let factor = [0, 1, 2].map(|channel| arrives[channel].over(clearest) * colour[channel]);
+                worth.factor.set_row(views.len, factor.map(|channel| channel as f32));
                 views.push(candidate);
             } else {
                 light_hits.push(Candidate { arriving: before.direction.row(lane), ..candidate });
@@ -59,5 +62,5 @@ pub fn transmittance(medium: &Medium, from: DVec3, to: DVec3) -> [Density; 3] {
 
 /// Whether the flight ends on an emitter at this distance, which is black where it is not part of a surface.
 pub fn ends(emitter: &Emitter, flight: f64, distance: f64) -> bool {
-    emitter.shape != Shape::Triangle && distance <= flight
+    matches!(emitter.shape, Shape::Disk | Shape::Sphere) && distance <= flight
 }

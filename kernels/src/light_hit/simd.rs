@@ -1,6 +1,6 @@
 //! ```text
 //! if cos > 0:                                     the ray sees what shines
-//!     depth == 0: push view with weight e^{-tau}, factor_k = e^{tau - tau_k}, tau = min tau_k
+//!     depth == 0: push view with weight e^{-tau}, factor_k = e^{tau - tau_k} colour_k, tau = min tau_k
 //!     depth >= 1: push light hit
 //! if distance < flight and the light is no part of a surface: the path ends
 //! ```
@@ -13,6 +13,7 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::columns::Field;
 use crate::columns::queues::CandidateBatch;
+use crate::connect::distant;
 use crate::lanes::LANES;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::exp;
@@ -46,9 +47,11 @@ fn meet<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
             let depth = |c: u32| medium.in_channel(|| u32x8::splat(c)).optical_depth(start, point, distance);
             let least = if M::COLOURED { depth(0).fast_min(depth(1)).fast_min(depth(2)) } else { depth(0) };
             let order = lanes::pack_order(seen);
+            let colour = lights.has_panorama().then(|| distant::simd::see(lights, &emitter_of, direction).colour);
             f32::store_packed(&mut worth.weight, views.len, order, exp(-least) * profile);
             for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
                 let quotient = if M::COLOURED { exp(least - depth(c)) } else { f32x8::ONE };
+                let quotient = colour.map_or(quotient, |colour| quotient * colour[c as usize]);
                 f32::store_packed(factor, views.len, order, quotient);
             }
             views.push_batch(seen, view);

@@ -15,6 +15,9 @@ pub trait MediumLanes: Copy {
     /// The medium in the channel of every row, which is asked for only where that matters.
     fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> Self::Channel;
 
+    /// The medium in the channel in which paths keep their running sums: that of [`Self::hues`] 1.
+    fn own(&self) -> Self::Channel;
+
     /// Extinction per channel, over that of any one of them: the same everywhere.
     fn hues(&self) -> [f32; 3];
 }
@@ -33,15 +36,19 @@ pub trait MediumX8: Copy {
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8;
 
     /// Optical depth of a way through vertices of a path, of which the length is `arc` `[m]`; `summed` are the depths
-    /// of its segments, known where extinction varies.
+    /// of its segments in the [own channel](MediumLanes::own), known where extinction varies.
     fn optical_depth_along(self, arc: f32x8, summed: f32x8) -> f32x8;
+
+    /// Extinction of each row's channel over that of the clearest one, in which limits on optical depths count; 1 where
+    /// limits are on lengths.
+    fn over_clearest(self) -> f32x8;
 
     /// Extinction at a point [1/m].
     fn extinction(self, at: Vec3x8) -> f32x8;
 
     /// `(tau / L)^N / M` [1/m] of a way of N `edges`, of length L = `arc` `[m]` and optical depth tau = `depth`, with M
-    /// the product of the extinctions at its N - 1 inner vertices and `log_extinction` its logarithm, known where
-    /// extinction varies: in a homogeneous medium the extinction itself.
+    /// the product of the extinctions at its N - 1 inner vertices and `log_extinction` its logarithm in the
+    /// [own channel](MediumLanes::own), known where extinction varies: in a homogeneous medium the extinction itself.
     fn crowding(self, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Crowding;
 
     /// ln of the product of the rates of so many `seeds`, which are one over `mean_free_path` `[m]`, over that of the

@@ -1,4 +1,4 @@
-//! Media: what fills space, as rows of a table, each of a kind that is asked and not known.
+//! Media: what fills space, of a kind that is asked and not known.
 //!
 //! Stages match on the kind once, outside their loops, with [`with_medium!`](crate::with_medium), and run a kernel that
 //! is generic over [`MediumX8`]: how far flights go, how thick a segment is, how dense a point. A new kind is its
@@ -7,34 +7,39 @@
 //! Extinction may differ between channels. A path's flights are drawn for one of them, its *hero*, and weights count
 //! all of them: see [`spectral`].
 
-pub mod grid;
+pub mod closed_mesh;
+pub mod field;
+pub mod glow;
 pub mod homogeneous;
 mod lanes;
 pub mod reference;
 pub mod spectral;
 
-use core::ops::Index;
 use std::sync::Arc;
 
-use self::grid::reference::GridTwin;
+use glam::DVec3;
+use wide::f32x8;
+
+use self::field::reference::FieldTwin;
 use crate::phase::PhaseFunction;
-pub use grid::Grid;
+use crate::vec3x8::Vec3x8;
+pub use field::Field;
+pub use glow::Glow;
 pub use homogeneous::Homogeneous;
 pub use lanes::{Crowding, MediumLanes, MediumX8};
 
-/// The media of a scene. The first fills all space.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Media {
-    rows: Vec<Medium>,
-}
-
-/// A row of the table: one medium.
+/// What fills space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     /// How dense it is, and where.
     pub kind: Kind,
-    /// Single-scattering albedo mu_s / mu_t per channel, in [0, 1]; the same everywhere, 0 in vacuum.
+    /// Single-scattering albedo mu_s / mu_t per channel, in [0, 1]: 0 in vacuum. Where volumes differ, that of most of
+    /// what scatters, which only choices go by that change no mean.
     pub albedo: [f32; 3],
+    /// Albedos per channel of what is around all volumes and of the volumes of a field, if they differ.
+    pub albedos: Option<Arc<[[f32; 3]]>>,
+    /// What it emits by itself, if anything.
+    pub glow: Option<Arc<Glow>>,
     /// Where a scattering event sends light.
     pub phase: PhaseFunction,
 }
@@ -44,42 +49,35 @@ pub struct Medium {
 pub enum Kind {
     /// The same everywhere.
     Homogeneous(Homogeneous),
-    /// In proportion to the densities of a grid, grey.
-    Grid(Arc<Grid>),
-}
-
-impl Media {
-    /// The row of the medium around everything.
-    pub const AROUND: u32 = 0;
-
-    /// One medium everywhere.
-    pub fn everywhere(medium: Medium) -> Self {
-        Self { rows: vec![medium] }
-    }
-}
-
-impl Index<u32> for Media {
-    type Output = Medium;
-
-    fn index(&self, row: u32) -> &Medium {
-        &self.rows[row as usize]
-    }
+    /// Other ones in other places.
+    Field(Arc<Field>),
 }
 
 impl Medium {
     /// A homogeneous medium of grey `extinction` [1/m], >= 0.
     pub const fn homogeneous(extinction: f32, albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Homogeneous(Homogeneous::grey(extinction)), albedo, phase }
+        Self { kind: Kind::Homogeneous(Homogeneous::grey(extinction)), albedo, albedos: None, glow: None, phase }
     }
 
     /// A homogeneous medium of this `extinction` per channel [1/m], each >= 0.
     pub fn coloured(extinction: [f32; 3], albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Homogeneous(Homogeneous::coloured(extinction)), albedo, phase }
+        Self { kind: Kind::Homogeneous(Homogeneous::coloured(extinction)), albedo, albedos: None, glow: None, phase }
     }
 
-    /// A medium of the densities of `grid`.
-    pub fn grid_of(grid: Grid, albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Grid(Arc::new(grid)), albedo, phase }
+    /// A medium of the extinction of `field` and one albedo.
+    pub fn of_field(field: Field, albedo: [f32; 3], phase: PhaseFunction) -> Self {
+        Self { kind: Kind::Field(Arc::new(field)), albedo, albedos: None, glow: None, phase }
+    }
+
+    /// The same with these albedos around all volumes and in the volumes, if they differ.
+    pub fn with_albedos(self, albedos: &[[f32; 3]]) -> Self {
+        let differ = albedos.iter().any(|albedo| *albedo != self.albedo);
+        Self { albedos: differ.then(|| albedos.into()), ..self }
+    }
+
+    /// The same that emits light by itself.
+    pub fn with_glow(self, glow: Glow) -> Self {
+        Self { glow: Some(Arc::new(glow)), ..self }
     }
 
     /// Nothing.
@@ -92,7 +90,17 @@ impl Medium {
         let phase = self.phase.twin();
         match &self.kind {
             Kind::Homogeneous(_) => reference::Twin::Homogeneous(self.homogeneous_twin(channel)),
-            Kind::Grid(grid) => reference::Twin::Grid(GridTwin { grid, phase }),
+            Kind::Field(field) => {
+                reference::Twin::Field(FieldTwin { field, hue: f64::from(field.hues()[channel]), phase })
+            }
+        }
+    }
+
+    /// As twins ask it in the channel in which paths keep running sums.
+    pub fn own_twin(&self) -> reference::Twin<'_> {
+        match &self.kind {
+            Kind::Homogeneous(_) => self.twin(0),
+            Kind::Field(field) => reference::Twin::Field(FieldTwin { field, hue: 1.0, phase: self.phase.twin() }),
         }
     }
 
@@ -105,28 +113,47 @@ impl Medium {
             Kind::Homogeneous(medium) => {
                 reference::Homogeneous { extinction: f64::from(medium.extinction[channel]), phase: self.phase.twin() }
             }
-            Kind::Grid(_) => unreachable!("a grid is not homogeneous"),
+            Kind::Field(_) => unreachable!("a field is not homogeneous"),
         }
     }
 
-    /// Its grid, if it has one: flights are tracked there, and transmittances estimated.
-    pub fn grid(&self) -> Option<&Grid> {
+    /// Its field, if it has one: flights are tracked there, and transmittances estimated.
+    pub fn field(&self) -> Option<&Field> {
         match &self.kind {
             Kind::Homogeneous(_) => None,
-            Kind::Grid(grid) => Some(grid),
+            Kind::Field(field) => Some(field),
         }
     }
 
-    /// What is left of light after `events` scattering events, per channel.
+    /// What is left of light after `events` scattering events, per channel, where all have the same albedo.
     pub fn albedos(&self, events: usize) -> [f32; 3] {
         self.albedo.map(|albedo| albedo.powi(events as i32))
+    }
+
+    /// All albedos that there are, per channel.
+    pub fn all_albedos(&self) -> &[[f32; 3]] {
+        self.albedos.as_deref().unwrap_or(core::slice::from_ref(&self.albedo))
+    }
+
+    /// Where albedos are asked for place by place.
+    pub fn albedos_by_place(&self) -> Option<AlbedosX8<'_>> {
+        Some(AlbedosX8 { field: self.field()?, albedos: self.albedos.as_deref()? })
+    }
+
+    /// Albedo at a point, per channel, for twins.
+    pub fn albedo_at(&self, at: DVec3) -> [f64; 3] {
+        let albedo = match (self.field(), &self.albedos) {
+            (Some(field), Some(albedos)) => albedos[field.here(field.cells_of(at)).0 as usize],
+            _ => self.albedo,
+        };
+        albedo.map(f64::from)
     }
 
     /// Largest extinction anywhere, per channel [1/m].
     pub fn extinctions(&self) -> [f32; 3] {
         match &self.kind {
             Kind::Homogeneous(medium) => medium.extinction,
-            Kind::Grid(grid) => [grid.cells().most; 3],
+            Kind::Field(field) => field.hues().map(|hue| hue * field.cells().most),
         }
     }
 
@@ -136,41 +163,69 @@ impl Medium {
     }
 
     /// Longest mean free path of a channel `[m]`, in which limits on distances count: what they leave out would be
-    /// missed most where light goes far. Infinite in a grid, where limits are on optical depths.
+    /// missed most where light goes far. Infinite in a field, where limits are on optical depths.
     pub fn mean_free_path(&self) -> f64 {
         match &self.kind {
             Kind::Homogeneous(medium) => 1.0 / f64::from(medium.extinction.into_iter().fold(f32::INFINITY, f32::min)),
-            Kind::Grid(_) => f64::INFINITY,
+            Kind::Field(_) => f64::INFINITY,
         }
     }
 
     /// A limit on expected segments as one on optical depths: infinite where it is one on distances.
     pub fn longest_depth(&self, expected_segments: f64) -> f32 {
-        if self.grid().is_some() { expected_segments as f32 } else { f32::INFINITY }
+        if self.field().is_some() { expected_segments as f32 } else { f32::INFINITY }
+    }
+
+    /// About the largest radiance that a flight meets of what it emits [W/(m^2 sr)].
+    pub fn largest_radiance(&self) -> f32 {
+        let Some(glow) = &self.glow else { return 0.0 };
+        let around = self.field().map_or_else(|| self.largest_extinction(), Field::around);
+        glow.largest_radiance(1.0 / around, self.field().map_or(0.0, Field::extent) as f32)
     }
 
     /// Whether extinction differs between channels.
     pub fn is_coloured(&self) -> bool {
         match &self.kind {
             Kind::Homogeneous(medium) => !medium.is_grey(),
-            Kind::Grid(_) => false,
+            Kind::Field(field) => !field.is_grey(),
         }
     }
 
     /// Whether no path has more than its camera segment: light is never scattered.
     pub fn never_scatters(&self) -> bool {
-        self.largest_extinction() == 0.0 || self.albedo == [0.0; 3]
+        self.largest_extinction() == 0.0 || self.all_albedos().iter().all(|albedo| *albedo == [0.0; 3])
     }
 }
 
-/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: once per kind in the program, and twice for
-/// homogeneous media, for grey and for coloured extinction; one of them at a time.
+/// Albedos that differ between the volumes of a field.
+#[derive(Clone, Copy)]
+pub struct AlbedosX8<'a> {
+    field: &'a Field,
+    /// Of what is around, and of the volumes.
+    albedos: &'a [[f32; 3]],
+}
+
+impl AlbedosX8<'_> {
+    /// Those at eight points, per channel.
+    #[inline(never)]
+    pub fn at(self, at: Vec3x8) -> [f32x8; 3] {
+        let who = self.field.who(at).to_array();
+        [0, 1, 2].map(|c| f32x8::new(who.map(|who| self.albedos[who as usize][c])))
+    }
+}
+
+/// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: twice per kind in the program, for grey and for
+/// coloured extinction; one of them at a time.
 #[macro_export]
 macro_rules! with_medium {
     ($medium:expr, |$lanes:ident| $body:expr) => {
         match &$medium.kind {
-            $crate::media::Kind::Grid(grid) => {
-                let $lanes = $crate::media::grid::GridLanes::new(grid);
+            $crate::media::Kind::Field(field) if field.is_grey() => {
+                let $lanes = $crate::media::field::FieldLanes::new(field);
+                $body
+            }
+            $crate::media::Kind::Field(field) => {
+                let $lanes = $crate::media::field::ColouredFieldLanes::new(field);
                 $body
             }
             $crate::media::Kind::Homogeneous(_) => $crate::with_homogeneous!($medium, |$lanes| $body),
@@ -191,7 +246,7 @@ macro_rules! with_homogeneous {
                 let $lanes = $crate::media::homogeneous::ColouredLanes::new(medium);
                 $body
             }
-            $crate::media::Kind::Grid(_) => unreachable!("a grid is not homogeneous"),
+            $crate::media::Kind::Field(_) => unreachable!("a field is not homogeneous"),
         }
     };
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::grid::reference::GridTwin;
+use super::field::reference::FieldTwin;
 use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::Phase;
 
@@ -13,6 +13,11 @@ pub trait Medium {
 
     /// Optical depth of the segment between two points, as weights count it.
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64;
+
+    /// Extinction of the channel over that of the clearest one, in which limits on optical depths count.
+    fn over_clearest(&self) -> f64 {
+        1.0
+    }
 
     /// Extinction at a point [1/m].
     fn extinction(&self, at: DVec3) -> f64;
@@ -77,15 +82,15 @@ impl Medium for Homogeneous<'_> {
 pub enum Twin<'a> {
     /// The same extinction everywhere.
     Homogeneous(Homogeneous<'a>),
-    /// A grid of densities.
-    Grid(GridTwin<'a>),
+    /// Extinction that differs from place to place.
+    Field(FieldTwin<'a>),
 }
 
 impl Twin<'_> {
     fn kind(&self) -> &dyn Medium {
         match self {
             Self::Homogeneous(medium) => medium,
-            Self::Grid(medium) => medium,
+            Self::Field(medium) => medium,
         }
     }
 }
@@ -97,6 +102,10 @@ impl Medium for Twin<'_> {
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
         self.kind().optical_depth(from, to)
+    }
+
+    fn over_clearest(&self) -> f64 {
+        self.kind().over_clearest()
     }
 
     fn extinction(&self, at: DVec3) -> f64 {

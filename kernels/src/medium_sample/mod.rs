@@ -21,9 +21,9 @@ pub struct Columns<'a, 'q> {
     pub paths: &'a PathColumns<'q>,
     /// Read where extinction is coloured: hero.
     pub immersion: &'a ImmersionColumns<'q>,
-    /// Read in a grid: where paths are.
+    /// Read in a field: where paths are.
     pub vertex: &'a VertexColumns<'q>,
-    /// Read in a grid: where they go.
+    /// Read in a field: where they go.
     pub ray: &'a RayColumns<'q>,
     /// Filled for live lanes.
     pub flights: &'a mut FlightTable<'q>,
@@ -31,6 +31,6 @@ pub struct Columns<'a, 'q> {
 
 /// Draws the random block of the current segment; turns its first word into a free flight of the medium, with `1 - u`
 /// the share that outlasts it and in the channel of the hero, and leaves the next two for [`scatter`](crate::scatter)
-/// and [`surface`](crate::surface). In a grid the flight is tracked with the stream of block `TRACKING`, and infinite where
-/// it leaves the grid. A path that has left the camera ends unless the fourth uniform is below `survival`.
+/// and [`surface`](crate::surface). In a field the flight is tracked with stream 0 of block `TRACKING`, and infinite
+/// where it leaves all there is. A path that has left the camera ends unless the fourth uniform is below `survival`.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -12,7 +12,7 @@ use super::Columns;
 use crate::columns::queues::Flight;
 use crate::connect::sequence::Draws;
 use crate::media::Medium;
-use crate::media::grid::tracking;
+use crate::media::field::tracking;
 use crate::random::Stream;
 use crate::{Step, WalkLimits, random};
 
@@ -24,7 +24,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let depth = paths.depth_of(step.clock, lane);
         let [distance, cosine, azimuth, survival] = words(pixel, sample, depth, step.seed);
-        if depth > 0 && !survives(walk, random::uniform(survival)) {
+        if depth > 0 && !survives(walk, depth, random::uniform(survival)) {
             live.remove(lane);
             continue;
         }
@@ -38,14 +38,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 /// Free flight of a path along the ray (origin, unit direction), in the channel of its hero: the one that a share `u` of
-/// all flights does not reach, or in a grid a tracked one.
+/// all flights does not reach, or in a field a tracked one.
 pub fn flight(medium: &Medium, hero: usize, ray: (DVec3, DVec3), u: f64, draws: &Draws) -> f64 {
-    let Some(grid) = medium.grid() else {
+    let Some(field) = medium.field() else {
         return medium.homogeneous_twin(hero).flight(u);
     };
     let Draws { pixel, sample, depth, seed } = *draws;
     let stream = Stream::new(pixel, sample, random::block(depth, random::TRACKING), seed, 0);
-    tracking::reference::flight(grid, ray.0, ray.1, stream)
+    tracking::reference::flight(field, f64::from(field.hues()[hero]), ray.0, ray.1, stream)
 }
 
 /// The random words of the segment that leaves the vertex at `depth`: flight, cosine, azimuth, survival.
@@ -53,9 +53,9 @@ pub fn words(pixel: u32, sample: u32, depth: u32, seed: u32) -> [u32; 4] {
     random::words(pixel, sample, random::block(depth, random::SEGMENT), seed)
 }
 
-/// Whether a walk goes on from a vertex whose number is `u`.
-pub fn survives(walk: &WalkLimits, u: f64) -> bool {
-    u < f64::from(walk.survival)
+/// Whether a walk goes on from the vertex at `depth`, >= 1, whose number is `u`.
+pub fn survives(walk: &WalkLimits, depth: u32, u: f64) -> bool {
+    u < f64::from(walk.survival.at(depth))
 }
 
 #[cfg(test)]
@@ -66,6 +66,7 @@ mod tests {
     use crate::lanes::LaneSet;
     use crate::media::Medium;
     use crate::phase::PhaseFunction;
+    use crate::survival::Survival;
     use bumpalo::Bump;
 
     #[test]
@@ -83,7 +84,7 @@ mod tests {
             live.insert(lane);
         }
         let medium = Medium::homogeneous(2.0, [1.0; 3], PhaseFunction::henyey_greenstein(0.0));
-        let walk = WalkLimits { segments: 9, starts: 1, survival: 0.75 };
+        let walk = WalkLimits { segments: 9, starts: 1, survival: Survival::Constant(0.75) };
         let columns = Columns {
             medium: &medium,
             walk: &walk,

@@ -1,27 +1,28 @@
 //! ```text
 //! flight outlasted by 1 - u of all flights       u, v: first and last word of the SEGMENT block at the path's depth
-//! end the path if v >= survival, unless its vertex is the camera
+//! end the path if v >= survival(depth), unless its vertex is the camera
 //! ```
 //!
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
 //! 2. Flights are drawn for whole batches, dying paths included.
-//! 3. In a grid they are tracked instead, one after the other, eight at a time ([`tracking`]).
+//! 3. In a field they are tracked instead, one after the other, eight at a time ([`tracking`]).
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::media::MediumLanes;
-use crate::media::grid::Grid;
-use crate::media::grid::tracking::{self, Ray};
+use crate::media::field::Field;
+use crate::media::field::tracking::{self, Ray};
 use crate::random::{self, Stream, uniform_x8};
+use crate::survival::Survival;
 use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, mut columns: Columns<'_, '_>) {
-    if let Some(grid) = columns.medium.grid() {
+    if let Some(field) = columns.medium.field() {
         sample(step, &mut columns, |_, _| f32x8::ZERO);
-        return track(step, columns, grid);
+        return track(step, columns, field);
     }
     let hero = columns.immersion.hero.view(columns.live.batches());
     with_homogeneous!(columns.medium, |medium| {
@@ -29,15 +30,17 @@ pub fn run(step: Step, mut columns: Columns<'_, '_>) {
     });
 }
 
-/// Overwrites the flights of live paths with those through a grid.
-fn track(step: Step, columns: Columns<'_, '_>, grid: &Grid) {
-    let Columns { live, paths, vertex, ray, flights, .. } = columns;
+/// Overwrites the flights of live paths with those through a field.
+fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
+    let Columns { live, paths, immersion, vertex, ray, flights, .. } = columns;
+    let hues = field.hues();
     let rays = live.each().map(|lane| {
         let block = random::block(paths.depth_of(step.clock, lane), random::TRACKING);
         let stream = Stream::new(paths.pixel.rows()[lane], paths.sample.rows()[lane], block, step.seed, 0);
-        (lane, Ray { origin: vertex.position.row(lane), direction: ray.direction.row(lane), stream })
+        let hue = hues[immersion.hero.rows()[lane] as usize];
+        (lane, Ray { origin: vertex.position.row(lane), direction: ray.direction.row(lane), stream, hues: [hue; 3] })
     });
-    tracking::simd::flights(grid, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
+    tracking::simd::flights(field, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
 }
 
 /// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.
@@ -48,7 +51,7 @@ fn sample(step: Step, columns: &mut Columns<'_, '_>, fly: impl Fn(usize, f32x8) 
     let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.view(n));
     let flight = flights.flight.view_mut(n);
     let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
-    let survival = f32x8::splat(walk.survival);
+    let ends_walks = !walk.survival.is_certain();
     for b in 0..n {
         if live.batch(b) == 0 {
             continue;
@@ -58,7 +61,11 @@ fn sample(step: Step, columns: &mut Columns<'_, '_>, fly: impl Fn(usize, f32x8) 
         let words = random::words_x8(pixel[b], sample[b], block, step.seed);
         flight[b] = fly(b, f32x8::ONE - uniform_x8(words[0]));
         (cosine[b], azimuth[b]) = (words[1], words[2]);
-        if walk.survival < 1.0 {
+        if ends_walks {
+            let survival = match &walk.survival {
+                Survival::Constant(survival) => f32x8::splat(*survival),
+                Survival::ByOctave(octaves) => octaves.at(depth),
+            };
             let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
             live.remove_batch(b, lanes::bits(ends));
         }

@@ -16,7 +16,7 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::Spectrum;
 use crate::columns::queues::WorthTable;
-use crate::connect::suffix::Suffix;
+use crate::connect::suffix::{Suffix, SuffixVertex};
 use crate::lanes::LANES;
 use crate::media::spectral::{CHANNELS, Hues, largest};
 use crate::media::{MediumLanes, MediumX8};
@@ -41,7 +41,7 @@ pub(super) struct Colours {
 }
 
 impl Colours {
-    /// Those of the candidates of the paths in eight lanes, whose suffixes know their arcs.
+    /// Those of the candidates of the paths in eight lanes, whose suffixes know their arcs and, in their own channel, depths.
     #[inline(always)]
     pub fn new(
         lane_of: [u32; LANES],
@@ -52,11 +52,11 @@ impl Colours {
     ) -> Self {
         let log_posterior: [f32x8; CHANNELS] = core::array::from_fn(|c| log_posterior.channels()[c].gather(&lane_of));
         let first = u32x8::splat(0);
-        let arc = suffix.vertices[inserted + 1].arc;
-        let depth = medium.in_channel(|| first).optical_depth_along(arc, f32x8::ZERO);
+        let SuffixVertex { arc, depth: summed, .. } = suffix.vertices[inserted + 1];
+        let depth = medium.in_channel(|| first).optical_depth_along(arc, summed);
         let quotients = Hues::new(medium, first).log_quotients(f32x8::splat(inserted as f32), depth);
         let reference = largest(core::array::from_fn(|c| log_posterior[c] + quotients[c]));
-        let depth = medium.in_channel(|| reference).optical_depth_along(arc, f32x8::ZERO);
+        let depth = medium.in_channel(|| reference).optical_depth_along(arc, summed);
         Self { reference, hues: Hues::new(medium, reference), log_posterior, inserted, depth }
     }
 

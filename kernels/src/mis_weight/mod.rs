@@ -7,12 +7,13 @@
 //! ```
 //!
 //! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing
-//! doing so, and `reach(i) = survival^(i - 1)` the probability that a walk gets to vertex `i` if it does not stop by
-//! itself; `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible
+//! doing so, and `reach(i)` the probability that a walk gets to vertex `i` if it does not stop by itself, the product of
+//! the [survivals](crate::survival) before; `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible
 //! vertex, over at most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
 //! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
+mod albedos;
 mod colours;
 mod passages;
 pub mod reference;
@@ -70,7 +71,7 @@ pub struct Columns<'a, 'q> {
     /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
     /// Filled: weight; and as factor, the albedos of the inserted vertices and, where extinction is coloured, the light
-    /// that arrives in a channel over that in the reference.
+    /// that arrives in a channel over that in the reference; and the colour of an image of the sky.
     pub worth: &'a mut WorthTable<'q>,
 }
 
@@ -78,5 +79,6 @@ pub struct Columns<'a, 'q> {
 /// its inside, weighs nothing. Visibility plays no other part.
 ///
 /// p_w of a start on a surface is the density of its reflection, `cos theta / pi`. The weight is multiplied by the
-/// light's profile, its radiance in the direction of the path over its `radiance`.
+/// light's profile, its radiance in the direction of the path over its `radiance`; the factors by the colour of an image
+/// of the sky.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -12,7 +12,7 @@
 //!
 //! ```text
 //! weight = 1 / (reach(n) + sum over starts i of reach(i) * sum over techniques k of p_k(i) / p_PT(i))
-//! reach(i) = survival^{i-1};      reach(n) = 0 if walks end before they have n segments
+//! reach(i) = prod_{j=1..i-1} survival(j);      reach(n) = 0 if walks end before they have n segments
 //! ```
 //!
 //! times the profile of the light: 1, or `(k + 1) / (2 pi) cos^k theta` of a spotlight with exponent k, or
@@ -26,6 +26,9 @@
 //! weight = w_* / (posterior_* sum_c w_c D_c),      factor_k = albedo_k^m (w_k / posterior_k) / (w_* / posterior_*)
 //! ```
 //!
+//! **Lights at infinity.** One technique connects with them, next event estimation of their own, from the last vertex
+//! alone, whatever starts the others have: the sum is its only ratio. Factors are multiplied by the colour of an image.
+//!
 //! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
 //! makes weighs nothing.
 
@@ -37,11 +40,12 @@ use super::Columns;
 use crate::columns::trail::TrailTable;
 use crate::connect::density::Density;
 use crate::connect::light_sample::reference::light_density;
-use crate::connect::{Techniques, bridge, lis, mvnee, nee, omnee};
+use crate::connect::{Techniques, bridge, distant, lis, mvnee, nee, omnee};
 use crate::emission::reference::{normal, profile};
 use crate::media::Medium;
 use crate::media::reference::{self, Medium as _};
 use crate::media::spectral::CHANNELS;
+use crate::survival::Survival;
 use crate::tables::lights::Lights;
 use crate::{PathLengths, Step, WalkLimits};
 
@@ -92,8 +96,9 @@ pub fn position_before(trail: &TrailTable<'_>, step: Step, lane: usize, back: u3
 }
 
 /// The share of light that inserted vertices leave, per channel: one albedo each.
-pub fn factor(albedo: [f64; 3], inserted: usize) -> [f64; 3] {
-    albedo.map(|albedo| core::iter::repeat_n(albedo, inserted).product())
+pub fn factor(medium: &Medium, inserted: &[DVec3]) -> [f64; 3] {
+    let albedos = inserted.iter().map(|vertex| medium.albedo_at(*vertex));
+    albedos.fold([1.0; 3], |product, albedo| core::array::from_fn(|c| product[c] * albedo[c]))
 }
 
 /// A complete path x_0 .. x_n.
@@ -140,10 +145,20 @@ pub struct Competition<'a> {
 impl Competition<'_> {
     /// What a path counts.
     pub fn worth(&self, path: &CompletePath<'_>) -> Worth {
+        let worth = self.worth_of_white(path);
+        let [.., before, point] = path.vertices else {
+            return worth;
+        };
+        let colour = distant::reference::colour(self.lights, path.emitter, *point - *before);
+        Worth { factor: [0, 1, 2].map(|channel| worth.factor[channel] * colour[channel]), ..worth }
+    }
+
+    /// The same if its light were the same in all channels and directions.
+    fn worth_of_white(&self, path: &CompletePath<'_>) -> Worth {
         let CompletePath { vertices, current, log_posterior, .. } = *path;
         let inserted = &vertices[current + 1..vertices.len() - 1];
-        let albedos = factor(self.medium.albedo.map(f64::from), inserted.len());
-        if inserted.iter().any(|vertex| self.medium.twin(0).extinction(*vertex) == 0.0) {
+        let albedos = factor(self.medium, inserted);
+        if inserted.iter().any(|vertex| self.medium.own_twin().extinction(*vertex) == 0.0) {
             // Nothing scatters there.
             return Worth { weight: 0.0, factor: albedos };
         }
@@ -181,10 +196,33 @@ impl Competition<'_> {
     fn sum(&self, path: &CompletePath<'_>, channel: usize) -> f64 {
         let CompletePath { vertices, first_start, .. } = *path;
         let segments = vertices.len() - 1;
-        let starts = first_start..segments.min(first_start.saturating_add(self.walk.starts as usize));
+        // No connection makes more vertices than that; what is farther away may be forgotten.
+        let nearest = segments.saturating_sub(self.techniques.most_inserted(self.lengths.max) + 1);
+        let starts = first_start.max(nearest)..segments.min(first_start.saturating_add(self.walk.starts as usize));
         let walked = if segments <= self.walk.segments as usize { reach(self.walk, segments) } else { 0.0 };
+        if self.lights.distant_of(path.emitter as u32).is_some() {
+            return walked + reach(self.walk, segments - 1) * self.distant_ratio(path, channel);
+        }
         let connected: f64 = starts.map(|start| reach(self.walk, start) * self.ratios(path, start, channel)).sum();
         walked + connected
+    }
+
+    /// The ratio of connections with a light at infinity for a path that ends on one, in one channel.
+    fn distant_ratio(&self, path: &CompletePath<'_>, channel: usize) -> f64 {
+        let Self { medium, lights, techniques, .. } = *self;
+        let [.., before, point] = path.vertices else {
+            return 0.0;
+        };
+        let start = path.vertices.len() - 2;
+        if !techniques.any() || start != path.current {
+            return 0.0;
+        }
+        let surface = path.surface.filter(|_| start == path.first_start);
+        let facing = (*before - *point).normalize();
+        let Some(traced) = path_tracing_density(&medium.twin(channel), path.vertices, start, surface, facing) else {
+            return 0.0;
+        };
+        distant::reference::density(lights, path.emitter, *before, *point).over(traced)
     }
 
     /// The sum of all techniques' ratios r_i for the vertex `start` of a path, in one channel.
@@ -233,7 +271,10 @@ impl Competition<'_> {
 
 /// Probability that a walk survives all vertices between the camera and vertex `i`.
 pub fn reach(walk: &WalkLimits, i: usize) -> f64 {
-    f64::from(walk.survival).powi(i as i32 - 1)
+    match walk.survival {
+        Survival::Constant(survival) => f64::from(survival).powi(i as i32 - 1),
+        by_octave @ Survival::ByOctave(_) => (1..i as u32).map(|depth| f64::from(by_octave.at(depth))).product(),
+    }
 }
 
 /// Density of free flights that end at the vertices of a walk after its first, but for the last one, which is on a

@@ -1,6 +1,8 @@
 //! ```text
 //! walk from the light towards the camera and collect, per vertex, arc length, direction, p_w, l^2 / p_w
-//! weight = profile / (reach(n) + sum over active techniques and starts i of reach(i) r_i),    reach(i) = survival^(i - 1)
+//! weight = profile / (reach(n) + sum over active techniques and starts i of reach(i) r_i)
+//! at infinity:    weight = 1 / (reach(n) + reach(n - 1) p_dir P_l e^tau / p_w)
+//! reach(i) = product of the survivals at vertices 1 .. i - 1
 //! ```
 //!
 //! 1. A bucket's rows have the same number of inserted vertices, so the walk meets the start at the same index in all
@@ -9,26 +11,28 @@
 //!    lengths.
 //! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase
 //!    functions only for the techniques that ask for them: bridges do not.
-//! 4. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
+//! 4. Batches that end at infinity skip what others need. In mixed ones, the rows that do take another sum in the end.
+//! 5. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
 use core::ops::RangeInclusive;
 
 use wide::{f32x8, u32x8};
 
-use super::Columns;
 use super::colours::Colours;
 use super::passages::Passages;
 use super::starts::Starts;
+use super::{Columns, albedos};
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
-use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
+use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::lis::{self, Lis};
 use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
-use crate::connect::{Densities, bridge, mvnee, nee, omnee};
+use crate::connect::{Densities, bridge, distant, mvnee, nee, omnee};
 use crate::lanes::LANES;
-use crate::media::{Medium, MediumLanes, MediumX8};
+use crate::media::{MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
+use crate::survival::LogSurvival;
 use crate::tables::lights::Lights;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
@@ -49,9 +53,10 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
     let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
         columns;
     let Columns { passage, passage_trail, worth, .. } = columns;
-    fill_albedos(medium, bucket, worth);
+    albedos::fill(medium, bucket, chains, worth);
     let (densities, usable, lis) = (techniques.densities(), techniques.most_edges(), techniques.lis.as_ref());
     let near = techniques.companion().map_or(0.0, |scope| scope.max_distance);
+    let reaches_far = lights.has_distant();
     for (b, rows) in bucket.batches() {
         let batch = Batch {
             inserted: bucket.inserted,
@@ -60,17 +65,24 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             lights,
             phase,
             densities: densities == Densities::All,
-            last_density: densities >= Densities::Last,
-            log_survival: walk.survival.ln(),
+            last_density: densities >= Densities::Last || reaches_far,
+            survival: LogSurvival::of(&walk.survival),
         };
         let starts = Starts::new(&batch.lane_of, rows, bucket.inserted, paths, last_surface, walk, step);
         let (fewest_edges, most_edges) = (starts.fewest_edges(), starts.most_edges());
         let most_edges_near =
             techniques.mvnee.as_ref().map_or(0, |mvnee| batch.most_edges_near(mvnee, outlook, &starts));
-        let needed = most_edges.min(usable).max(most_edges_near);
+        let far = if reaches_far { lights.are_distant(&batch.emitter_of) } else { f32x8::ZERO };
+        let all_far = reaches_far && far.all();
+        let needed = if all_far { 0 } else { most_edges.min(usable).max(most_edges_near) };
 
         let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
+        let mut dense = lanes::mask(lanes::ALL);
+        if M::Channel::VARIES {
+            let passages = Passages { lane_of: batch.lane_of, current: passage, trail: passage_trail, step };
+            dense = passages.fill(media.own(), suffix, bucket.inserted, needed);
+        }
         let colours = M::COLOURED.then(|| Colours::new(batch.lane_of, bucket.inserted, media, log_posterior, suffix));
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
         let arrival = Arrival {
@@ -81,11 +93,6 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             cos_light,
             skipped: f32x8::ZERO,
         };
-        let mut dense = lanes::mask(lanes::ALL);
-        if M::Channel::VARIES {
-            let passages = Passages { lane_of: batch.lane_of, current: passage, trail: passage_trail, step };
-            dense = passages.fill(medium, suffix, bucket.inserted, needed);
-        }
         for a in fewest_edges..=needed {
             let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
             let vertex = &mut suffix.vertices[a];
@@ -98,38 +105,42 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             colours.share(fewest_edges..=needed, suffix);
             colours.fill_quotients(b, worth);
         }
+        let walked = sum;
         let outside =
             if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
-        if techniques.nee && fewest_edges == 1 {
+        if techniques.nee && fewest_edges == 1 && !all_far {
             sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
         }
         if techniques.omnee && fewest_edges <= 2 && needed >= 2 {
             sum += omnee::simd::ratio(&arrival, suffix, phase.forward_share());
         }
-        if let Some(mvnee) = &techniques.mvnee {
+        if let Some(mvnee) = techniques.mvnee.as_ref().filter(|_| !all_far) {
             sum += mvnee::simd::ratios(mvnee, &arrival, suffix, fewest_edges..=most_edges_near);
         }
-        if let Some(bridge) = &techniques.bridge {
+        if let Some(bridge) = techniques.bridge.as_ref().filter(|_| !all_far) {
             let most = f32x8::splat(bridge.max_inserted.saturating_add(1) as f32);
             let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
             sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, fewest_edges..=needed, room);
         }
-        if let Some(lis) = lis {
+        if let Some(lis) = lis.filter(|_| !all_far) {
             // Copies: what is lent would have to stay in memory for the other techniques, too.
             let (batch, starts, arrival) = (batch, starts, arrival);
             sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, fewest_edges..=needed, lengths);
         }
+        if reaches_far {
+            let start = &suffix.vertices[1];
+            let depth = medium.optical_depth_along(start.arc, start.depth);
+            let seen = distant::simd::see(lights, &batch.emitter_of, start.leaving);
+            let connected = seen.density * batch.reach(&starts, 1) * start.inverse_density * exp(depth);
+            let connects = if techniques.any() { far } else { f32x8::ZERO };
+            sum = far.select(walked + (connects & connected), sum);
+            if lights.has_panorama() {
+                seen.tint(b, &mut worth.factor);
+            }
+        }
         let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside & dense;
         let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
-    }
-}
-
-/// What the throughput leaves out of a bucket's candidates: the albedos of their inserted vertices.
-fn fill_albedos(medium: &Medium, bucket: Bucket, worth: &mut WorthTable<'_>) {
-    for (factor, albedos) in worth.factor.channels_mut().iter_mut().zip(medium.albedos(bucket.inserted)) {
-        let inserted = f32x8::splat(albedos);
-        bucket.batches().for_each(|(b, _)| factor.set_batch(b, inserted));
     }
 }
 
@@ -145,7 +156,7 @@ struct Batch<'a, P> {
     densities: bool,
     /// Whether that of the vertex next to the light is.
     last_density: bool,
-    log_survival: f32,
+    survival: LogSurvival<'a>,
 }
 
 /// Length and unit direction of the segment from `from` to `to`.
@@ -270,34 +281,26 @@ impl<P: PhaseX8> Batch<'_, P> {
     /// vertex, or one of the walk from the first near one on.
     #[inline(always)]
     fn most_edges_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
+        let most = mvnee.max_inserted.saturating_add(1) as usize;
         if mvnee.max_distance.is_infinite() {
-            return starts.most_edges();
+            return starts.most_edges().min(most);
         }
         let first_near = outlook.first_near.gather(&self.lane_of);
         let near = starts.segments.saturating_sub(first_near) & lanes::as_integer_mask(starts.live);
-        near.max(u32x8::splat(self.inserted as u32)).min(starts.most_edges).reduce_max() as usize
+        (near.max(u32x8::splat(self.inserted as u32)).min(starts.most_edges).reduce_max() as usize).min(most)
     }
 
     /// Probability that a walk gets to start `a`.
     #[inline(always)]
     fn reach(&self, starts: &Starts, a: usize) -> f32x8 {
-        self.survival_of(starts.depth(a))
+        self.survival.reach(starts.depth(a))
     }
 
     /// Probability that a walk gets to the light by itself: 0 where it ends before.
     #[inline(always)]
     fn reach_of_walk(&self, starts: &Starts, walk: &WalkLimits) -> f32x8 {
         let walks = lanes::as_mask(starts.segments.simd_le(u32x8::splat(walk.segments)));
-        walks.select(self.survival_of(starts.segments), f32x8::ZERO)
-    }
-
-    /// `survival^(depth - 1)`.
-    #[inline(always)]
-    fn survival_of(&self, depth: u32x8) -> f32x8 {
-        if self.log_survival == 0.0 {
-            return f32x8::ONE;
-        }
-        exp(lanes::to_f32(depth.saturating_sub(u32x8::splat(1))) * f32x8::splat(self.log_survival))
+        walks.select(self.survival.reach(starts.segments), f32x8::ZERO)
     }
 
     /// Extends the suffix beyond the start, along the history, to `most_edges` segments, and notes how the path arrives

@@ -13,6 +13,7 @@ use crate::connect::{Techniques, bridge};
 use crate::emission::reference::profile;
 use crate::media::Medium;
 use crate::phase::PhaseFunction;
+use crate::survival::Survival;
 use crate::tables::lights::{Emitter, Lights, Selection};
 use crate::{PathLengths, WalkLimits};
 
@@ -56,7 +57,7 @@ fn ratios(
     competition.ratios(&path, start, 0)
 }
 
-const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: 1.0 };
+const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: Survival::CERTAIN };
 const LENGTHS: PathLengths = PathLengths { min: 1, max: 1000 };
 
 #[test]
@@ -175,7 +176,7 @@ fn walks_that_end_stop_or_rarely_start_compete_less() {
     close(weight(WalkLimits { segments: 4, ..FREE }, 4), ratio(4));
     let q: f64 = 0.5;
     let survived: f64 = (1..5).map(|start| q.powi(start as i32 - 1) * ratio(start)).sum();
-    close(weight(WalkLimits { survival: 0.5, ..FREE }, 1), q.powi(4) + survived);
+    close(weight(WalkLimits { survival: Survival::Constant(0.5), ..FREE }, 1), q.powi(4) + survived);
 }
 
 #[test]

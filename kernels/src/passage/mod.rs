@@ -30,5 +30,5 @@ pub struct Columns<'a, 'q> {
 }
 
 /// Adds the optical depth of the last segment, as weights count it, and the logarithm of the extinction at its end, 0 on
-/// a surface. Sums begin at the first vertex after the camera, as arcs do: with no depth, and its own extinction.
+/// a surface, both in the medium's [own channel](crate::media::MediumLanes::own). Sums begin at the first vertex after the camera, as arcs do: with no depth, and its own extinction.
 pub type Kernel = fn(Step, Columns<'_, '_>);

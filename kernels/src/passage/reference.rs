@@ -16,7 +16,7 @@ use crate::media::reference::Medium as _;
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, live, on_surface, paths, vertex, next, passage, trail } = columns;
-    let medium = medium.twin(0);
+    let medium = medium.own_twin();
     for lane in live.each() {
         let [from, to] = [vertex, next].map(|v| DVec3::from(v.position.row(lane).map(f64::from)));
         let is_first = paths.depth_of(step.clock, lane) == 0;

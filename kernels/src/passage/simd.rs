@@ -21,7 +21,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 #[inline(always)]
 fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
     let Columns { live, on_surface, paths, vertex, next, passage, trail, .. } = columns;
-    let medium = medium.in_channel(|| u32x8::splat(0));
+    let medium = medium.own();
     for (b, _) in live.each_batch() {
         let (from, to) = (vertex.position.batch(b), next.position.batch(b));
         let length = (to - from).length_squared().sqrt();

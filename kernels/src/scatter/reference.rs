@@ -29,9 +29,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let leaves_camera = paths.depth_of(step.clock, lane) == 0;
         let arc = if leaves_camera { 0.0 } else { f64::from(vertex.arc.rows()[lane]) + f64::from(flight.flight) };
         next.arc.rows_mut()[lane] = arc as f32;
-        for (channel, albedo) in throughput.channels_mut().iter_mut().zip(medium.albedo) {
+        for (channel, albedo) in throughput.channels_mut().iter_mut().zip(medium.albedo_at(event.position)) {
             let throughput = &mut channel.rows_mut()[lane];
-            *throughput = (f64::from(*throughput) * f64::from(albedo)) as f32;
+            *throughput = (f64::from(*throughput) * albedo) as f32;
         }
     }
 }

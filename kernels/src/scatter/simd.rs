@@ -4,7 +4,7 @@
 //! T  = T * albedo
 //! ```
 //!
-//! 1. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
+//! 1. Where albedos differ between places, they are asked for where paths scatter. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
 //! 2. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
 //!    filled.
 
@@ -36,6 +36,15 @@ fn scatter(step: Step, columns: Columns<'_, '_>, phase: impl PhaseX8) {
         next_arc[b] = at_camera.select(f32x8::ZERO, arc[b] + flight[b]);
         let deflection = phase.sample(uniform_x8(cosine[b]));
         leaving.set(b, deflection.apply(direction, uniform_x8(azimuth[b])));
+    }
+    if let Some(albedos) = medium.albedos_by_place() {
+        for (b, bits) in live.each_batch() {
+            let scattered = lanes::mask(bits & !on_surface.batch(b));
+            for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(albedos.at(next.position.batch(b))) {
+                throughput.set_batch(b, throughput.batch(b) * scattered.select(albedo, f32x8::ONE));
+            }
+        }
+        return;
     }
     for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(medium.albedo) {
         if albedo != 1.0 {

@@ -39,7 +39,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 /// f_c: the densities of free flights from `start` to `end`, or the probabilities that they go farther.
 pub fn free_flights(medium: &Medium, start: DVec3, end: DVec3, scatters: bool) -> [Density; CHANNELS] {
     core::array::from_fn(|channel| {
-        let medium = medium.homogeneous_twin(channel);
+        let medium = medium.twin(channel);
         let event = if scatters { medium.extinction(end) } else { 1.0 };
         Density::new(event).times_exp(-medium.optical_depth(start, end))
     })

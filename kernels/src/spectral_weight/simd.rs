@@ -13,13 +13,14 @@ use crate::columns::Spectrum;
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8};
+use crate::passage::simd::LEAST;
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
-use crate::{Step, lanes, with_homogeneous};
+use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
-    with_homogeneous!(columns.medium, |medium| weigh(columns, medium));
+    with_medium!(columns.medium, |medium| weigh(columns, medium));
 }
 
 #[inline(always)]
@@ -80,7 +81,7 @@ fn log_densities(
     let end = direction.mul_add(length, start);
     core::array::from_fn(|c| {
         let medium = medium.in_channel(|| u32x8::splat(c as u32));
-        let event = scatters.select(ln(medium.extinction(end)), f32x8::ZERO);
+        let event = scatters.select(ln(medium.extinction(end).fast_max(f32x8::splat(LEAST))), f32x8::ZERO);
         event - medium.optical_depth(start, end, length)
     })
 }

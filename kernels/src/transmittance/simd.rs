@@ -1,55 +1,84 @@
 //! ```text
-//! factor *= prod over segments of product e^{tau~ - known}
+//! factor_c *= prod over segments of product_c e^{k_c (tau~ - known)},      k_c = hue of channel c, or less the hero's
 //! ```
 //!
 //! 1. The first segments of all rows that count go through the tracker, then the second ones: rays take the lanes of
 //!    those that have ended, and still a row's factors are multiplied in the sequence of its segments.
 //! 2. Their tau~ is found for whole batches afterwards.
+//! 3. A grey field has one hue.
 
 use wide::f32x8;
 
 use super::Columns;
+use crate::lanes::LANES;
 use crate::media::MediumX8;
-use crate::media::grid::GridX8;
-use crate::media::grid::tracking::Ray;
-use crate::media::grid::tracking::simd::{factor, transmittances};
+use crate::media::field::tracking::Ray;
+use crate::media::field::tracking::simd::{factor, transmittances};
+use crate::media::field::{Field, FieldX8};
+use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream};
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { grid, bucket, purpose, candidates, chains, paths, estimates, worth } = columns;
+    if columns.field.is_grey() { estimate::<1>(step, columns) } else { estimate::<CHANNELS>(step, columns) }
+}
+
+fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
+    let Columns { field, flown, bucket, purpose, candidates, chains, paths, immersion, estimates, worth } = columns;
     let block = random::TRANSMITTANCE.nth(purpose.number());
     let vertex = |number: usize| match number {
         0 => &candidates.start,
         number if number <= bucket.inserted => &chains.vertices[number - 1],
         _ => &candidates.point,
     };
+    let lane_of = |row: usize| candidates.lane.rows()[row] as usize;
+    let hues_of = |row: usize| hues(field, flown.then(|| immersion.hero.rows()[lane_of(row)]));
     for segment in 0..=bucket.inserted {
         let (from, to) = (vertex(segment), vertex(segment + 1));
         let counts = |row: &usize| worth.weight.rows()[*row] != 0.0 && worth.factor.any(*row);
         let rays = bucket.rows().filter(counts).map(|row| {
-            let lane = candidates.lane.rows()[row] as usize;
+            let lane = lane_of(row);
             let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             let block = random::block(paths.depth_of(step.clock, lane), block);
             let stream = Stream::new(pixel, sample, block, step.seed, segment as u32);
             let (origin, end) = (from.row(row), to.row(row));
-            (row, Ray { origin, direction: [0, 1, 2].map(|axis| end[axis] - origin[axis]), stream })
+            let direction = [0, 1, 2].map(|axis| end[axis] - origin[axis]);
+            (row, Ray { origin, direction, stream, hues: hues_of(row) })
         });
-        transmittances(grid, rays, |row, product, known| {
-            (estimates.product.rows_mut()[row], estimates.depth.rows_mut()[row]) = (product, known);
+        transmittances(field, rays, |row, products: [f32; N], known| {
+            estimates.product.set_row(row, [0, 1, 2].map(|c: usize| products[c.min(N - 1)]));
+            estimates.depth.rows_mut()[row] = known;
         });
         for (b, rows) in bucket.batches() {
             let (from, to) = (from.batch(b), to.batch(b));
-            let depth = GridX8::of(grid).optical_depth(from, to, (to - from).length_squared().sqrt());
-            let through = factor(estimates.product.batch(b), estimates.depth.batch(b), depth);
+            let depth = FieldX8::of(field).optical_depth(from, to, (to - from).length_squared().sqrt());
             // Rows that count nothing were not estimated: what stands there is of no meaning.
             let weighs = lanes::mask(rows) & !worth.weight.batch(b).simd_eq(f32x8::ZERO);
-            for channel in worth.factor.channels_mut() {
+            let (products, known) = (estimates.product.batch(b), estimates.depth.batch(b));
+            let products = [products.x, products.y, products.z];
+            let hues = hues_x8(|lane| if rows >> lane & 1 == 1 { hues_of(LANES * b + lane) } else { [0.0; CHANNELS] });
+            let through: [f32x8; N] = core::array::from_fn(|c| factor(products[c], hues[c], known, depth));
+            for (c, channel) in worth.factor.channels_mut().iter_mut().enumerate() {
                 let before = channel.batch(b);
                 let counts = weighs & !before.simd_eq(f32x8::ZERO);
-                channel.set_batch(b, counts.select(before * through, before));
+                channel.set_batch(b, counts.select(before * through[c.min(N - 1)], before));
             }
         }
     }
+}
+
+/// Extinctions over that of the field, less that of the `hero` if there is one.
+#[inline(always)]
+pub fn hues(field: &Field, hero: Option<u32>) -> [f32; CHANNELS] {
+    let all = field.hues();
+    let hero = hero.map_or(0.0, |hero| all[(hero as usize).min(CHANNELS - 1)]);
+    all.map(|hue| hue - hero)
+}
+
+/// The hues of eight rows.
+#[inline(always)]
+pub fn hues_x8(of_lane: impl Fn(usize) -> [f32; CHANNELS]) -> [f32x8; CHANNELS] {
+    let of_lanes: [[f32; CHANNELS]; LANES] = core::array::from_fn(of_lane);
+    [0, 1, 2].map(|c| f32x8::new(of_lanes.map(|hues: [f32; CHANNELS]| hues[c])))
 }

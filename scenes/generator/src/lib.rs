@@ -13,14 +13,26 @@ pub mod dense_plate;
 pub mod glb;
 pub mod godrays;
 pub mod mesh;
+pub mod milk;
 pub mod model;
 pub mod shapes;
+pub mod smoke_fire;
 pub mod spotlight;
+pub mod wax;
 
 pub use mesh::Mesh;
 pub use model::{Material, Model, Object};
 
 /// All models.
-pub fn models() -> [Model; 5] {
-    [dense_plate::model(), cornell_fog::model(), spotlight::model(), colonnade::model(), godrays::model()]
+pub fn models() -> [Model; 8] {
+    [
+        dense_plate::model(),
+        cornell_fog::model(),
+        spotlight::model(),
+        colonnade::model(),
+        godrays::model(),
+        milk::model(),
+        wax::model(),
+        smoke_fire::model(),
+    ]
 }

@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Camera, LARGEST_FILM, Technique};
+use super::{Camera, LARGEST_FILM, MOST_SEGMENTS, Technique};
 
 /// A table `[camera]`, or the name of a camera of the geometry.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -168,6 +168,67 @@ impl Serialize for Starts {
     }
 }
 
+/// The longest path, in segments.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(with = "u32", extend("x-format" = "number or \"auto\""))]
+pub enum Segments {
+    /// As long as there is.
+    Auto,
+    /// So many.
+    Most(u32),
+}
+
+impl Segments {
+    /// The number of segments after which a path ends in any case.
+    pub fn most(self) -> u32 {
+        match self {
+            Self::Auto => MOST_SEGMENTS,
+            Self::Most(number) => number,
+        }
+    }
+}
+
+impl fmt::Display for Segments {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("any number of"),
+            Self::Most(number) => number.fmt(f),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Segments {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Most;
+        impl Visitor<'_> for Most {
+            type Value = Segments;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a whole number from 1 to {MOST_SEGMENTS} or \"auto\"")
+            }
+
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Segments, E> {
+                let in_range = u32::try_from(number).ok().filter(|number| (1..=MOST_SEGMENTS).contains(number));
+                in_range.map(Segments::Most).ok_or_else(|| E::invalid_value(Unexpected::Signed(number), &self))
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<Segments, E> {
+                if word == "auto" { Ok(Segments::Auto) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
+            }
+        }
+        deserializer.deserialize_any(Most)
+    }
+}
+
+impl Serialize for Segments {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str("auto"),
+            Self::Most(number) => serializer.serialize_u32(*number),
+        }
+    }
+}
+
 /// A number; `None` where the program chooses.
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq)]
 #[schemars(with = "f64", extend("x-format" = "number or \"auto\""))]
@@ -216,6 +277,13 @@ impl Serialize for NumberOrAuto {
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Serialize)]
 #[schemars(with = "f64", extend("x-format" = "number, or [red, green, blue]"))]
 pub struct Spectrum(pub [f64; 3]);
+
+impl Spectrum {
+    /// Whether it is 0 in every channel.
+    pub fn is_black(&self) -> bool {
+        self.0 == [0.0; 3]
+    }
+}
 
 impl fmt::Display for Spectrum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

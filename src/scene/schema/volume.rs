@@ -16,36 +16,63 @@ pub struct Volume {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "name"))]
     pub preset: Option<String>,
-    /// Scattering coefficient where the density is 1 [1/m], >= 0. Scattering + absorption is the same in all channels.
+    /// Scattering coefficient where the density is 1 [1/m], >= 0. Scattering + absorption of all media of a scene differ
+    /// between channels by the same factors, if they do.
     #[serde(default)]
     pub scattering: Spectrum,
     /// Absorption coefficient where the density is 1 [1/m], >= 0.
     #[serde(default)]
     pub absorption: Spectrum,
-    /// How a scattering event redirects light.
+    /// What it emits by itself where the density of emission_grid is 1, or everywhere in the volume without one
+    /// [W/(m^3 sr)], >= 0: radiance per metre. It needs no extinction, and what there is must be the same in all channels.
+    #[serde(default, skip_serializing_if = "Spectrum::is_black")]
+    #[schemars(extend("default" = 0.0))]
+    pub emission: Spectrum,
+    /// How a scattering event redirects light: in all media of a scene in the same way.
     #[serde(default, deserialize_with = "phase::table_or_name")]
     pub phase: Phase,
-    /// What bounds a medium that is the same everywhere inside.
+    /// What bounds it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shape: Option<Shape>,
-    /// Densities, which multiply scattering and absorption; 0 outside. A volume has either a shape or a grid.
+    /// Densities, which multiply scattering and absorption. Without a shape, the volume is where they are not 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
+    /// Densities, which multiply emission, with the keys of grid; where it is does not depend on grid. Nothing is emitted
+    /// outside of the volume, which, if it has neither shape nor grid, is where these densities are not 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub emission_grid: Option<Grid>,
+    /// Of volumes that overlap, a point is in the one of the highest priority, and of equal ones in the last of the file.
+    #[serde(default)]
+    pub priority: i32,
 }
 
 /// `[[volume]] shape`
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shape {
     /// The shape.
     #[serde(rename = "type")]
     pub kind: ShapeKind,
-    /// Corner with the smallest coordinates `[m]`.
-    #[serde(deserialize_with = "values::entries")]
-    pub min: [f64; 3],
-    /// Corner with the largest coordinates `[m]`.
-    #[serde(deserialize_with = "values::entries")]
-    pub max: [f64; 3],
+    /// For a box only: corner with the smallest coordinates `[m]`.
+    #[serde(default, deserialize_with = "values::some_entries", skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "[x, y, z]"))]
+    pub min: Option<[f64; 3]>,
+    /// For a box only: corner with the largest coordinates `[m]`.
+    #[serde(default, deserialize_with = "values::some_entries", skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "[x, y, z]"))]
+    pub max: Option<[f64; 3]>,
+    /// For a sphere only: centre `[m]`.
+    #[serde(default, deserialize_with = "values::some_entries", skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "[x, y, z]"))]
+    pub center: Option<[f64; 3]>,
+    /// For a sphere only: radius `[m]`, > 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "number"))]
+    pub radius: Option<f64>,
+    /// For a mesh only: name of a closed mesh of the geometry, which is then no surface any more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-format" = "name"))]
+    pub name: Option<String>,
 }
 
 /// Shapes of volumes.
@@ -54,6 +81,21 @@ pub struct Shape {
 pub enum ShapeKind {
     /// A box with its edges along the axes.
     Box,
+    /// A ball.
+    Sphere,
+    /// The inside of a closed mesh.
+    Mesh,
+}
+
+impl ShapeKind {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Sphere => "sphere",
+            Self::Mesh => "mesh",
+        }
+    }
 }
 
 /// `[[volume]] grid`
@@ -103,13 +145,13 @@ impl Grid {
 impl Volume {
     /// Its keys as those of a medium.
     pub fn medium(&self) -> Medium {
-        let Self { preset, scattering, absorption, phase, .. } = self.clone();
-        Medium { preset, scattering, absorption, phase }
+        let Self { preset, scattering, absorption, emission, phase, .. } = self.clone();
+        Medium { preset, scattering, absorption, emission, phase }
     }
 
     /// Replaces them.
     pub fn set_medium(&mut self, medium: Medium) {
-        let Medium { preset, scattering, absorption, phase } = medium;
-        *self = Self { preset, scattering, absorption, phase, ..self.clone() };
+        let Medium { preset, scattering, absorption, emission, phase } = medium;
+        *self = Self { preset, scattering, absorption, emission, phase, ..self.clone() };
     }
 }

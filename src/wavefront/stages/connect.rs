@@ -53,7 +53,7 @@ impl Wavefront<'_> {
     pub fn omnee_build(&mut self) {
         self.stats.run(Stage::OmneeBuild, rows(self.candidates.connections.len), || {
             let columns = omnee_sample::BuildColumns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 paths: &self.paths,
                 connections: &self.candidates.connections,
                 chains: &mut self.chains,
@@ -66,7 +66,7 @@ impl Wavefront<'_> {
     pub fn lis_vertex(&mut self, lis: &Lis) {
         self.stats.run(Stage::LisVertex, rows(self.candidates.connections.len), || {
             let columns = lis_sample::VertexColumns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 lights: &self.frame.lights,
                 lis,
                 paths: &self.paths,

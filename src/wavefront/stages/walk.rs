@@ -2,8 +2,8 @@
 
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::{
-    extend, first_flight, flight_weight, generate, medium_sample, passage, prune, remember, scatter, spectral_weight,
-    surface,
+    extend, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, passage, prune, remember, scatter,
+    spectral_weight, surface,
 };
 
 use super::rows;
@@ -17,7 +17,7 @@ impl Wavefront<'_> {
         self.stats.run(Stage::Generate, size, || {
             let columns = generate::Columns {
                 camera: &self.frame.camera,
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 requested: &self.requested,
                 requests: &self.requests,
                 live: &mut self.live,
@@ -59,7 +59,7 @@ impl Wavefront<'_> {
         let size = self.stats.lane_rows(&self.live);
         self.stats.run(Stage::MediumSample, size, || {
             let columns = medium_sample::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 walk: &self.frame.walk,
                 live: &mut self.live,
                 paths: &self.paths,
@@ -77,7 +77,7 @@ impl Wavefront<'_> {
         let size = self.stats.lane_rows(&self.requested);
         self.stats.run(Stage::FirstFlight, size, || {
             let columns = first_flight::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 lights: &self.frame.lights,
                 share: self.frame.aimed,
                 requested: &self.requested,
@@ -113,13 +113,43 @@ impl Wavefront<'_> {
         });
     }
 
+    /// What media emit along the flights of live paths goes to their radiance, if any of them does.
+    pub fn glow(&mut self) {
+        let Some(glow) = &self.frame.medium.glow else { return };
+        let size = self.stats.lane_rows(&self.live);
+        let mut dropped = self.stats.dropped;
+        self.stats.run(Stage::Glow, size, || {
+            let columns = glow::Columns {
+                medium: &self.frame.medium,
+                glow,
+                lights: &self.frame.lights,
+                lengths: self.frame.lengths,
+                walk: &self.frame.walk,
+                live: &self.live,
+                paths: &self.paths,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                flight: &self.flights.flight,
+                hits: &self.hits,
+                surface_hits: &self.surface_hits,
+                throughput: &self.throughput,
+                flown: &mut self.flown,
+                glowing: &mut self.glowing,
+                radiance: &mut self.radiance,
+                dropped: &mut dropped,
+            };
+            (self.pipeline.glow)(self.step, columns);
+        });
+        self.stats.dropped = dropped;
+    }
+
     /// Paths that have come far enough end.
     pub fn prune(&mut self) {
         let size = self.stats.lane_rows(&self.live);
         self.stats.run(Stage::Prune, size, || {
             let columns = prune::Columns {
                 segments: self.frame.walk_segments(),
-                scatters: !self.frame.medium().never_scatters(),
+                scatters: !self.frame.medium.never_scatters(),
                 flights: &self.flights,
                 on_surface: &self.on_surface,
                 paths: &self.paths,
@@ -148,7 +178,7 @@ impl Wavefront<'_> {
         let size = self.stats.lane_rows(&self.live);
         self.stats.run(Stage::SpectralWeight, size, || {
             let columns = spectral_weight::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 live: &self.live,
                 on_surface: &self.on_surface,
                 aimed: self.frame.aims().then_some(&self.requested),
@@ -164,6 +194,27 @@ impl Wavefront<'_> {
         });
     }
 
+    /// What flights leave out of other channels goes to the throughput, where nobody knows how much.
+    pub fn flight_hue(&mut self) {
+        let Some(field) = self.frame.medium.field() else { return };
+        let size = self.stats.lane_rows(&self.live);
+        self.stats.run(Stage::FlightHue, size, || {
+            let columns = flight_hue::Columns {
+                field,
+                live: &self.live,
+                paths: &self.paths,
+                immersion: &self.immersion,
+                flight: &self.flights.flight,
+                surface_hits: &self.surface_hits,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                estimates: &mut self.estimates,
+                throughput: &mut self.throughput,
+            };
+            (self.pipeline.flight_hue)(self.step, columns);
+        });
+    }
+
     /// Next vertex and direction.
     pub fn scatter(&mut self) {
         let size = self.stats.lane_rows(&self.live);
@@ -171,7 +222,7 @@ impl Wavefront<'_> {
         let (ray, next_ray) = self.rays.step(self.step.clock);
         self.stats.run(Stage::Scatter, size, || {
             let columns = scatter::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 live: &self.live,
                 on_surface: &self.on_surface,
                 paths: &self.paths,
@@ -214,7 +265,7 @@ impl Wavefront<'_> {
         let (vertex, next) = self.vertices.step(self.step.clock);
         self.stats.run(Stage::Passage, size, || {
             let columns = passage::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 live: &self.live,
                 on_surface: &self.on_surface,
                 paths: &self.paths,

@@ -16,7 +16,7 @@ impl Wavefront<'_> {
         let [before, ray] = self.rays.last_two(self.step.clock);
         self.stats.run(Stage::LightHit, rows(self.hits.len), || {
             let columns = light_hit::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 lights: &self.frame.lights,
                 hits: &self.hits,
                 paths: &self.paths,
@@ -37,7 +37,7 @@ impl Wavefront<'_> {
     pub fn mis_weight(&mut self, source: Source, bucket: Bucket) {
         self.stats.run(Stage::MisWeight, rows(bucket.len), || {
             let columns = mis_weight::Columns {
-                medium: self.frame.medium(),
+                medium: &self.frame.medium,
                 lights: &self.frame.lights,
                 techniques: &self.frame.techniques,
                 walk: &self.frame.walk,
@@ -94,15 +94,22 @@ impl Wavefront<'_> {
 
     /// What comes through of candidates with light points of `purpose`, where nobody knows how much.
     pub fn transmittance(&mut self, source: Source, bucket: Bucket, purpose: Purpose) {
-        let Some(grid) = self.frame.medium().grid().filter(|_| bucket.len > 0) else { return };
+        let Some(field) = self.frame.medium.field().filter(|_| bucket.len > 0) else { return };
+        // Grey light that a walk met has come through.
+        let flown = source == Source::LightHits;
+        if flown && field.is_grey() {
+            return;
+        }
         self.stats.run(Stage::Transmittance, rows(bucket.len), || {
             let columns = transmittance::Columns {
-                grid,
+                field,
+                flown,
                 bucket,
                 purpose,
                 candidates: self.candidates.of(source),
                 chains: &self.chains,
                 paths: &self.paths,
+                immersion: &self.immersion,
                 estimates: &mut self.estimates,
                 worth: &mut self.worth,
             };

@@ -104,6 +104,11 @@ impl Saved {
         &column.unwrap_or_else(|| panic!("no column {name}")).2[..self.len]
     }
 
+    /// Whether there is a column of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.tables[0].iter().any(|column| column.0 == name)
+    }
+
     /// The first component of a real column.
     pub fn reals(&self, name: &str) -> Vec<f32> {
         let column = self.tables[0].iter().find(|column| column.0 == name);

@@ -1,6 +1,7 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
 pub mod clouds;
+pub mod skies;
 mod variety;
 
 use std::path::Path;
@@ -12,7 +13,7 @@ use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
-use fogbow_kernels::media::{Media, Medium};
+use fogbow_kernels::media::{Kind, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::geometry::Geometry;
@@ -95,7 +96,7 @@ impl Active {
 
 /// `frame` with other techniques; MVNEE is limited to `mesc` expected segments.
 pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
-    Frame { techniques: active.techniques(frame.medium(), frame.lengths.max, mesc), ..frame.clone() }
+    Frame { techniques: active.techniques(&frame.medium, frame.lengths.max, mesc), ..frame.clone() }
 }
 
 /// A phase function of every kind but one lobe of Henyey and Greenstein, by name.
@@ -113,24 +114,24 @@ pub fn phase_functions() -> [(&'static str, PhaseFunction); 6] {
 
 /// `frame` with another phase function; techniques have to be set anew.
 pub fn with_phase(frame: &Frame, phase: PhaseFunction) -> Frame {
-    with_medium(frame, Medium { phase, ..frame.medium().clone() })
+    with_medium(frame, Medium { phase, ..frame.medium.clone() })
 }
 
 /// `frame` in another medium; techniques have to be set anew.
 pub fn with_medium(frame: &Frame, medium: Medium) -> Frame {
-    Frame { media: Media::everywhere(medium), ..frame.clone() }
+    Frame { medium, ..frame.clone() }
 }
 
 /// `frame` in grey extinction of another density [1/m]; techniques have to be set anew.
 pub fn with_extinction(frame: &Frame, extinction: f32) -> Frame {
-    let Medium { albedo, phase, .. } = frame.medium().clone();
+    let Medium { albedo, phase, .. } = frame.medium.clone();
     with_medium(frame, Medium::homogeneous(extinction, albedo, phase))
 }
 
 /// Frames of coloured extinction, by name: fog with three lights, and a room of which one channel is nearly clear.
 pub fn coloured(size: [u32; 2]) -> [(&'static str, Frame); 2] {
     let tint = |frame: &Frame, extinction: [f32; 3]| {
-        let Medium { albedo, phase, .. } = frame.medium().clone();
+        let Medium { albedo, phase, .. } = frame.medium.clone();
         with_medium(frame, Medium::coloured(extinction, albedo, phase))
     };
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
@@ -147,7 +148,7 @@ pub fn with_length(frame: &Frame, segments: u32) -> Frame {
 pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed: u32) -> Frame {
     Frame {
         camera,
-        media: Media::everywhere(medium),
+        medium,
         lights,
         surfaces: Arc::new(Surfaces::none()),
         techniques: Techniques::default(),

@@ -9,7 +9,6 @@ use fogbow_kernels::columns::queues::{Flight, Request};
 use fogbow_kernels::columns::trail::Mark;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::lanes::LANES;
-use fogbow_kernels::media::Media;
 use fogbow_kernels::random;
 use glam::DVec3;
 
@@ -100,8 +99,8 @@ pub fn fill(wavefront: &mut Wavefront<'_>, frame: &Frame, seed: u32, live: &[usi
         let sample = numbers.below(1000);
         wavefront.requests.set_row(lane, Request { x: lane as u32, y: 0, sample });
         wavefront.paths.set_row(lane, Path { pixel: lane as u32, sample, birth: clock - depth });
-        let hero = if frame.medium().is_coloured() { numbers.below(3) } else { 0 };
-        wavefront.immersion.set_row(lane, Immersion { medium: Media::AROUND, hero });
+        let hero = if frame.medium.is_coloured() { numbers.below(3) } else { 0 };
+        wavefront.immersion.set_row(lane, Immersion { hero });
         wavefront.log_posterior.set_row(lane, numbers.log_posterior());
         let last_surface = if numbers.below(2) == 0 { 0 } else { numbers.below(depth + 1) };
         wavefront.last_surface.set_row(lane, LastSurface { depth: last_surface, normal: numbers.direction() });

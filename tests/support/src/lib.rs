@@ -1,5 +1,6 @@
 //! What the tests and benchmarks of fogbow share.
 
+pub mod agreement;
 pub mod checked;
 pub mod compare;
 pub mod frames;

@@ -35,6 +35,9 @@ pub const PASSAGE: Tolerance = tolerance(1e-4, 1e-4);
 /// Estimated transmittances, over what weights take them for.
 pub const ESTIMATE: Tolerance = tolerance(1e-4, 2e-3);
 
+/// Emission along flights: sums over points, whose places are good to the rounding of positions in voxels.
+pub const GLOW: Tolerance = tolerance(1e-5, 1e-3);
+
 /// Aimed flights: a tangent of an angle up to pi, magnified where it nears its pole.
 pub const AIMED_FLIGHT: Tolerance = tolerance(2e-5, 2e-5);
 
@@ -43,6 +46,9 @@ pub const AIMED_WEIGHT: Tolerance = tolerance(1e-12, 2e-5);
 
 /// Positions: one fused product and sum per component, of numbers of the size of the scene.
 pub const POSITION: Tolerance = tolerance(1e-6, 3e-7);
+
+/// The same of points at infinity, which stand for directions: sine and cosine of an azimuth are good to 4e-7.
+pub const DISTANT_POSITION: Tolerance = tolerance(1e-6, 2e-6);
 
 /// Directions: the turn's cosine is good to five roundings of a number up to 2, sine and azimuth to about as much.
 pub const DIRECTION: Tolerance = tolerance(2e-6, 0.0);

@@ -25,6 +25,32 @@ pub fn mean(name: &str) -> ([f64; 3], [f64; 3]) {
     (mean, error)
 }
 
+/// What a slab reflects and transmits of a beam along its normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab {
+    /// Albedo.
+    pub albedo: f64,
+    /// Mean cosine of its Henyey-Greenstein function.
+    pub g: f64,
+    /// Optical thickness.
+    pub tau: f64,
+    /// Share that is reflected.
+    pub reflected: f64,
+    /// Share that is transmitted, unscattered light included.
+    pub transmitted: f64,
+}
+
+/// Slabs by adding and doubling.
+pub fn slabs() -> Vec<Slab> {
+    let table = std::fs::read_to_string(data("slabs.csv")).unwrap_or_else(|error| panic!("{error}"));
+    let numbers = |line: &str| line.split(',').map(|number| number.parse().expect("a number")).collect::<Vec<f64>>();
+    let row = |line: &str| match numbers(line)[..] {
+        [albedo, g, tau, reflected, transmitted] => Slab { albedo, g, tau, reflected, transmitted },
+        _ => panic!("{line}"),
+    };
+    table.lines().skip(1).map(row).collect()
+}
+
 /// Complete paths with density ratios.
 #[derive(Debug, Deserialize)]
 pub struct DensityRatios {

@@ -127,7 +127,7 @@ impl Bridge {
         Row {
             most_inserted: self.max_inserted,
             looks_back: true,
-            most_edges: usize::MAX,
+            most_edges: self.max_inserted.saturating_add(1) as usize,
             densities: Densities::None,
             near: f32::INFINITY,
         }

@@ -126,7 +126,7 @@ pub fn density(
     if distance == 0.0 || distance > f64::from(bridge.max_distance) || edges.iter().any(|edge| edge.length() == 0.0) {
         return Density::ZERO;
     }
-    if medium.optical_depth(*first, *point) > f64::from(bridge.max_depth) {
+    if medium.optical_depth(*first, *point) > f64::from(bridge.max_depth) * medium.over_clearest() {
         return Density::ZERO;
     }
     let count = edges.len() as u32;

@@ -74,7 +74,8 @@ pub fn ratios<M: MediumX8>(
         let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped, crowding.log);
         let crowded = crowding.scale * distance;
         let ratio = start.attempt * count * likelihood * distance_squared * crowded * turn;
-        let possible = if M::VARIES { possible & straight.simd_le(f32x8::splat(bridge.max_depth)) } else { possible };
+        let most = f32x8::splat(bridge.max_depth) * arrival.medium.over_clearest();
+        let possible = if M::VARIES { possible & straight.simd_le(most) } else { possible };
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.scale() * arrival.inverse_area / arrival.cos_light

@@ -18,6 +18,8 @@ pub struct Scope {
     pub purpose: Purpose,
     /// Longest distance between start and light point `[m]`; infinite if there is no limit.
     pub max_distance: f32,
+    /// Whether lights at infinity are connected with, instead of all others.
+    pub distant: bool,
     /// Whether the start must lie in front of the light: true of a technique that connects in a straight line.
     pub facing: bool,
     /// Vertices that connect, counted from the camera or the last surface, >= 1; `u32::MAX` for all.
@@ -29,12 +31,19 @@ pub struct Scope {
 impl Scope {
     /// Every start and every light point, with `purpose` as the random dimension.
     pub const fn new(purpose: Purpose) -> Self {
-        Self { purpose, max_distance: f32::INFINITY, facing: false, starts: u32::MAX, max_depth: u32::MAX }
+        Self {
+            purpose,
+            max_distance: f32::INFINITY,
+            distant: false,
+            facing: false,
+            starts: u32::MAX,
+            max_depth: u32::MAX,
+        }
     }
 
-    /// The same for the first `starts` vertices only.
+    /// The same for the first `starts` vertices only, unless it is about lights at infinity, with which all connect.
     pub fn from_first(self, starts: u32) -> Self {
-        Self { starts, ..self }
+        if self.distant { self } else { Self { starts, ..self } }
     }
 }
 
@@ -68,4 +77,8 @@ pub struct Columns<'a, 'q> {
 /// third of the block, u and v, pick the point: on a disk the squared radius `R^2 u` and the azimuth `2 pi v` from the
 /// tangent towards the bitangent; on a sphere the height `R (1 - 2 u)` along z and the azimuth from x towards y; on a
 /// triangle the corners' weights `1 - sqrt(u)`, `sqrt(u) (1 - v)` and `sqrt(u) v`.
+///
+/// Of a light at infinity they pick a direction ([`distant`](super::distant)): in a cap the share u of `1 - cos` and the
+/// azimuth `2 pi v` from the tangent towards the bitangent; in the pixel of an image, which the emitter's block picks,
+/// the share u of the cosines and the share v of the azimuths. The point is [`FAR`](crate::tables::lights::FAR) away.
 pub type Kernel = fn(Step, Columns<'_, '_>);

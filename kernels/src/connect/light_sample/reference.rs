@@ -22,6 +22,7 @@ use glam::DVec3;
 
 use super::{Columns, Scope};
 use crate::columns::queues::Candidate;
+use crate::connect::distant;
 use crate::emission::reference::cosine;
 use crate::random::Purpose;
 use crate::tables::lights::{Emitter, LEAST_SELECTION_DISTANCE, Light, Lights, Selection, Shape};
@@ -60,8 +61,8 @@ pub fn may_start(scope: Scope, depth: u32, first: u32) -> bool {
 pub struct Uniforms {
     /// Uniform number for the light.
     pub light: f64,
-    /// Random word for the emitter.
-    pub emitter: u32,
+    /// Random words for the emitter, or for the pixel of an image.
+    pub emitter: [u32; 4],
     /// Uniform numbers for the point.
     pub point: [f64; 2],
 }
@@ -70,14 +71,17 @@ pub struct Uniforms {
 pub fn uniforms(pixel: u32, sample: u32, depth: u32, purpose: Purpose, seed: u32) -> Uniforms {
     let words = |purpose: Purpose| random::words(pixel, sample, random::block(depth, purpose), seed);
     let [light, u, v, _] = words(purpose);
-    let [emitter, ..] = words(purpose.emitter());
+    let emitter = words(purpose.emitter());
     Uniforms { light: random::uniform(light), emitter, point: [u, v].map(random::uniform) }
 }
 
 /// The emitter and the point that `start` is to be connected with, if that is within the scope.
 pub fn connect(lights: &Lights, scope: Scope, start: DVec3, u: Uniforms) -> Option<(usize, DVec3)> {
+    if scope.distant {
+        return Some(distant::reference::connect(lights, start, u));
+    }
     let light = choose_light(lights, start, u.light)?;
-    let index = lights.choose_emitter(light as u32, u.emitter) as usize;
+    let index = lights.choose_emitter(light as u32, u.emitter[0]) as usize;
     let emitter = &lights.emitters()[index];
     let point = point_on(emitter, u.point);
     if scope.facing && cosine(emitter, point, point - start) <= 0.0 {
@@ -155,6 +159,7 @@ pub fn point_on(emitter: &Emitter, [u, v]: [f64; 2]) -> DVec3 {
             origin + height * tangent.cross(bitangent) + (radius * radius - height * height).max(0.0).sqrt() * around
         }
         Shape::Triangle => origin + u.sqrt() * ((1.0 - v) * tangent + v * bitangent),
+        Shape::Distant => unreachable!("what is at infinity has no points"),
     }
 }
 

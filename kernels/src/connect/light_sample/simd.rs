@@ -14,9 +14,10 @@ use wide::{f32x8, u32x8};
 
 use super::{Columns, selection};
 use crate::columns::queues::CandidateBatch;
+use crate::connect::distant;
 use crate::lanes::LANES;
 use crate::random::{self, uniform_x8};
-use crate::tables::lights::Lights;
+use crate::tables::lights::{FAR, Lights};
 use crate::transcendental::sin_cos_turn;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
@@ -49,7 +50,17 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         }
         let block = random::block_x8(depth, scope.purpose);
         let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
-
+        let (lane, arriving) = (lanes::indices(b), arriving.at(b));
+        if scope.distant {
+            let words = || {
+                let block = random::block_x8(depth, scope.purpose.emitter());
+                random::words_x8(pixel[b], sample[b], block, step.seed)
+            };
+            let (emitter, direction) = distant::simd::draw(lights, [choice, u, v], words);
+            let point = direction.mul_add(f32x8::splat(FAR), start);
+            connections.push_batch(live, CandidateBatch { lane, emitter, start, arriving, point });
+            continue;
+        }
         let sum = if lights.selection_depends_on_start() { light_sum[b] } else { f32x8::ONE };
         let mut emitter = selection::choose(lights, start, sum, choice);
         if lights.has_meshes() {
@@ -63,7 +74,6 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         if scope.facing {
             keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }
-        let (lane, arriving) = (lanes::indices(b), arriving.at(b));
         let batch = CandidateBatch { lane, emitter, start, arriving, point };
         connections.push_batch(lanes::bits(keep) & live, batch);
     }

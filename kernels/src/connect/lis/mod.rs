@@ -88,12 +88,12 @@ impl Lis {
     pub fn row(&self) -> Row {
         let (inserted, densities) = match &self.connector {
             Connector::Bridge(bridge) => (bridge.max_inserted, Densities::Last),
-            Connector::Mvnee(_) => (u32::MAX, Densities::All),
+            Connector::Mvnee(mvnee) => (mvnee.max_inserted, Densities::All),
         };
         Row {
             most_inserted: inserted.saturating_add(1),
             looks_back: true,
-            most_edges: usize::MAX,
+            most_edges: inserted.saturating_add(2) as usize,
             densities,
             near: f32::INFINITY,
         }

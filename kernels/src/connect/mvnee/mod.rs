@@ -11,7 +11,7 @@
 //! r_i = p_A P_l exp(mu_t (L_i - s_i)) l_{n-1}^2 / (p_w(i) cos_light) * prod_j offset_density_j l_{i+j-1}^2 / phase_{i+j}
 //! ```
 //!
-//! and 0 if s_i exceeds the limit or the projections do not increase strictly from the start to the light.
+//! and 0 if s_i or m exceeds its limit or the projections do not increase strictly from the start to the light.
 
 pub mod sample;
 pub mod slope;
@@ -44,6 +44,8 @@ pub struct Mvnee {
     pub max_distance: f32,
     /// Largest optical depth of a connection's axis: the same limit where extinction varies, or else infinite.
     pub max_depth: f32,
+    /// Most seeds; `u32::MAX` for no limit but that of the path.
+    pub max_inserted: u32,
     /// Shape of the perturbation.
     pub offset: Offset,
     /// Standard deviation of the perturbation per unit of distance (sigma_phi).
@@ -57,6 +59,7 @@ impl Mvnee {
         Self {
             max_distance: (mesc * medium.mean_free_path()) as f32,
             max_depth: medium.longest_depth(mesc),
+            max_inserted: u32::MAX,
             offset,
             slope: slope::of(medium.phase.mean_cosine()) as f32,
         }
@@ -65,7 +68,7 @@ impl Mvnee {
     /// What others must know of it.
     pub fn row(&self) -> Row {
         Row {
-            most_inserted: u32::MAX,
+            most_inserted: self.max_inserted,
             looks_back: true,
             most_edges: 1,
             densities: Densities::All,

@@ -29,6 +29,8 @@ pub struct Settings {
     pub max_distance: f64,
     /// Largest optical depth of a connection's axis.
     pub max_depth: f64,
+    /// Most inner vertices.
+    pub max_inserted: u32,
     /// Shape of the perturbation.
     pub offset: Offset,
     /// Standard deviation of the perturbation per unit of distance.
@@ -38,18 +40,18 @@ pub struct Settings {
 impl From<&Mvnee> for Settings {
     fn from(mvnee: &Mvnee) -> Self {
         let [max_distance, max_depth, slope] = [mvnee.max_distance, mvnee.max_depth, mvnee.slope].map(f64::from);
-        Self { max_distance, max_depth, offset: mvnee.offset, slope }
+        Self { max_distance, max_depth, max_inserted: mvnee.max_inserted, offset: mvnee.offset, slope }
     }
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
-/// start. Zero if the chain is longer than the limit or turns back along its axis.
+/// start. Zero if the chain is longer than a limit or turns back along its axis.
 pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_density: f64) -> Density {
     let [start, inner @ .., point] = chain else {
         return Density::ZERO;
     };
     let distance = (*point - *start).length();
-    if distance == 0.0 || distance > settings.max_distance {
+    if distance == 0.0 || distance > settings.max_distance || inner.len() > settings.max_inserted as usize {
         return Density::ZERO;
     }
     let axis = (*point - *start) / distance;
@@ -58,7 +60,7 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
         return Density::ZERO;
     }
     let depth = medium.optical_depth(*start, *point);
-    if depth > settings.max_depth {
+    if depth > settings.max_depth * medium.over_clearest() {
         return Density::ZERO;
     }
     let rate = 1.0 / medium.mean_free_path(*start, *point);
@@ -111,8 +113,13 @@ mod tests {
     use super::*;
     use crate::media::reference::Homogeneous;
 
-    const GGX: Settings =
-        Settings { max_distance: f64::INFINITY, max_depth: f64::INFINITY, offset: Offset::Ggx, slope: 0.4 };
+    const GGX: Settings = Settings {
+        max_distance: f64::INFINITY,
+        max_depth: f64::INFINITY,
+        max_inserted: u32::MAX,
+        offset: Offset::Ggx,
+        slope: 0.4,
+    };
     const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };
 
     #[test]
@@ -157,6 +164,8 @@ mod tests {
         }
         assert!(!made(&Settings { max_distance: 0.99, ..GGX }, &[0.2, 0.5]));
         assert!(made(&Settings { max_distance: 1.0, ..GGX }, &[]));
+        let [one, two] = [1, 2].map(|max_inserted| Settings { max_inserted, ..GGX });
+        assert!(!made(&one, &[0.2, 0.5]) && made(&two, &[0.2, 0.5]));
         assert_eq!(density(&GGX, &Homogeneous::isotropic(1.0), &[DVec3::ONE; 3], 1.0).value(), 0.0);
     }
 }

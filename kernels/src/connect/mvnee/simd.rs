@@ -88,7 +88,8 @@ fn sum<M: MediumX8>(
         let mut possible = axial.possible;
         if M::VARIES {
             log += arrival.medium.log_seeds(a - 1, distance / straight, start.log_extinction);
-            possible &= straight.simd_le(f32x8::splat(mvnee.max_depth));
+            let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
+            possible &= straight.simd_le(most);
         }
         let detour = exp(log);
         let mut ratio = scale * start.attempt * detour * product;

@@ -48,6 +48,11 @@ impl MediumLanes for GreyLanes {
         self.0
     }
 
+    #[inline(always)]
+    fn own(&self) -> HomogeneousX8 {
+        self.0
+    }
+
     fn hues(&self) -> [f32; CHANNELS] {
         [1.0; CHANNELS]
     }
@@ -72,6 +77,11 @@ impl MediumLanes for ColouredLanes<'_> {
         let [extinction, mean_free_path] =
             [&self.0.extinction, &self.0.mean_free_path].map(|of| f32x8::new(channel.map(|channel| of[channel])));
         HomogeneousX8 { extinction, mean_free_path }
+    }
+
+    #[inline(always)]
+    fn own(&self) -> HomogeneousX8 {
+        self.in_channel(|| u32x8::splat(0))
     }
 
     fn hues(&self) -> [f32; CHANNELS] {
@@ -103,6 +113,11 @@ impl MediumX8 for HomogeneousX8 {
     #[inline(always)]
     fn optical_depth_along(self, arc: f32x8, _: f32x8) -> f32x8 {
         self.extinction * arc
+    }
+
+    #[inline(always)]
+    fn over_clearest(self) -> f32x8 {
+        f32x8::ONE
     }
 
     #[inline(always)]

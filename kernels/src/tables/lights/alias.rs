@@ -34,6 +34,18 @@ impl AliasTable {
         Self { slots }
     }
 
+    /// Bytes per entry.
+    pub const BYTES: usize = size_of::<Slot>();
+
+    /// The entry for two random words: one for the slot, which is all that is left to chance where entries are many,
+    /// and one for what is in it.
+    #[inline]
+    pub fn choose_with(&self, index: u32, share: u32) -> u32 {
+        let index = ((u64::from(index) * self.slots.len() as u64) >> 32) as u32;
+        let slot = self.slots[index as usize];
+        if share < slot.own { index } else { slot.other }
+    }
+
     /// The entry for a random word.
     #[inline]
     pub fn choose(&self, word: u32) -> u32 {

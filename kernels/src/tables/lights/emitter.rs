@@ -1,4 +1,4 @@
-//! What shines: disks, spheres and triangles.
+//! What shines: disks, spheres, triangles, and what is at infinity.
 
 use core::f64::consts::PI;
 
@@ -14,6 +14,9 @@ pub enum Shape {
     /// Flat, part of a surface: `origin` is the first corner, tangent and bitangent are the edges from there to the
     /// second and third corner.
     Triangle,
+    /// At infinity, in the sky: it has directions and no points, and shines towards whoever looks. All but the radiance
+    /// and the index is 0.
+    Distant,
 }
 
 /// One piece of a light. Disks and spheres are lights of their own, black and opaque where they do not shine; triangles
@@ -35,7 +38,7 @@ pub struct Emitter {
     /// One over the radius of a sphere [1/m]; 0 where the normal is the same everywhere.
     pub curvature: f32,
     /// Emitted radiance per channel [W/(m^2 sr)], >= 0; the same over the area, and over all angles where there is no
-    /// exponent.
+    /// exponent; of an image of the sky, the largest one.
     pub radiance: [f32; 3],
     /// n of a spotlight, whose radiance at the angle theta to the normal is `scale cos^n theta` times `radiance`; 0 if
     /// it is the same in all directions.
@@ -53,9 +56,9 @@ pub struct Emitter {
     /// Density of a point of the emitter where its light was chosen (area measure) [1/m^2]; 0 for what is dark in a
     /// mesh that shines.
     pub density: f32,
-    /// Index of the light that it is part of.
+    /// Index of the light that it is part of; of no meaning at infinity.
     pub light: u32,
-    /// Index of the triangle that shines; `u32::MAX` for disks and spheres.
+    /// Index of the triangle that shines; `u32::MAX` for all else.
     pub triangle: u32,
 }
 
@@ -125,6 +128,19 @@ impl Emitter {
         }
     }
 
+    /// A light at infinity.
+    pub(super) fn distant(radiance: [f64; 3]) -> Self {
+        Self {
+            shape: Shape::Distant,
+            normal: [0.0; 3],
+            tangent: [0.0; 3],
+            bitangent: [0.0; 3],
+            radius: 0.0,
+            density: 0.0,
+            ..Self::disk(DVec3::ZERO, DVec3::Z, 1.0, radiance)
+        }
+    }
+
     /// The same disk as a spotlight of `exponent` >= 0.
     pub fn focused(self, exponent: f64) -> Self {
         let scale = ((exponent + 1.0) / (2.0 * PI)) as f32;
@@ -149,7 +165,7 @@ impl Emitter {
         digest(bytemuck::cast_slice(&[self.light, self.triangle, u32::from(self.double_sided)]));
     }
 
-    /// Area that shines, one side of it `[m^2]`.
+    /// Area that shines, one side of it `[m^2]`; 0 at infinity.
     pub fn area(&self) -> f64 {
         let radius = f64::from(self.radius);
         match self.shape {
@@ -159,10 +175,11 @@ impl Emitter {
                 let [e1, e2] = [self.tangent, self.bitangent].map(|edge| DVec3::from(edge.map(f64::from)));
                 e1.cross(e2).length() / 2.0
             }
+            Shape::Distant => 0.0,
         }
     }
 
-    /// Intensity in the direction in which it is largest, mean over the channels [W/sr].
+    /// Intensity in the direction in which it is largest, mean over the channels [W/sr]; 0 at infinity.
     pub fn intensity(&self) -> f64 {
         let seen = if self.shape == Shape::Sphere { self.area() / 4.0 } else { self.area() };
         let mean = self.radiance.iter().map(|channel| f64::from(*channel)).sum::<f64>() / 3.0;
@@ -173,7 +190,7 @@ impl Emitter {
     pub fn bounds(&self) -> (DVec3, f64) {
         let [origin, e1, e2] = [self.origin, self.tangent, self.bitangent].map(|v| DVec3::from(v.map(f64::from)));
         match self.shape {
-            Shape::Disk | Shape::Sphere => (origin, f64::from(self.radius)),
+            Shape::Disk | Shape::Sphere | Shape::Distant => (origin, f64::from(self.radius)),
             Shape::Triangle => {
                 let centroid = (e1 + e2) / 3.0;
                 let farthest = [DVec3::ZERO, e1, e2].map(|corner| (corner - centroid).length());

@@ -3,17 +3,24 @@
 //! A connection first chooses a light, by the rule, and then an emitter of it. Disks and spheres are lights with one
 //! emitter; a mesh has as many as it has triangles that shine, and chooses among them by area times radiance in
 //! constant time, so that their number does not matter.
+//!
+//! Lights at infinity are chosen among themselves, by connections of their own, so that what has a place and what has
+//! none do not compete. Their emitters are the last ones.
 
 mod alias;
+mod distant;
 mod emitter;
 mod meshes;
+mod panorama;
 
 use wide::f32x8;
 
 use crate::lanes::LANES;
 use crate::vec3x8::Vec3x8;
 use alias::AliasTable;
+pub use distant::{Distant, FAR, Source};
 pub use emitter::{Emitter, Shape};
+pub use panorama::{Band, Panorama};
 
 /// How a connection picks its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +32,10 @@ pub enum Selection {
     /// In proportion to intensity over the distance from the start to the light's centre (Weber et al. 2017, Eq. 8).
     IntensityDistance,
 }
+
+/// How much brighter than its flux a light at infinity may be and still be what films are scaled by; our own sun is a
+/// quarter of that.
+const DAZZLING: f32 = 65_536.0;
 
 /// Distances to a light's centre are not taken below this `[m]`, so that a start at the very centre has a finite share.
 pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
@@ -54,6 +65,8 @@ pub struct Lights {
     lights: Vec<Light>,
     /// Emitters that are disks or spheres; they come first.
     bodies: usize,
+    /// Those at infinity, of which each is one of the last emitters.
+    distant: Vec<Distant>,
     /// Emitter of each triangle, `u32::MAX` where it does not shine; empty if none does.
     of_triangle: Vec<u32>,
     selection: Selection,
@@ -108,6 +121,7 @@ impl Lights {
         }
         Self {
             bodies: count,
+            distant: Vec::new(),
             of_triangle: of_triangle(&emitters),
             selection,
             focused: emitters.iter().any(|emitter| emitter.focused),
@@ -119,19 +133,84 @@ impl Lights {
         }
     }
 
-    /// What connections choose among.
+    /// The same, and lights at infinity, among which connections choose by `selection`.
+    ///
+    /// # Panics
+    /// If there are some already.
+    pub fn with_distant(mut self, sources: &[Source], selection: Selection) -> Self {
+        assert!(self.distant.is_empty(), "lights at infinity come all at once");
+        self.emitters.extend(sources.iter().map(|source| Emitter::distant(source.radiance())));
+        self.distant = distant::place(sources, selection);
+        self
+    }
+
+    /// The same without those that are not at infinity, and with `bodies` in their place.
+    pub fn with_bodies(&self, bodies: Vec<Emitter>) -> Self {
+        let distant = &self.emitters[self.emitters.len() - self.distant.len()..];
+        let mut lights = Self::new(bodies, self.selection);
+        lights.emitters.extend_from_slice(distant);
+        Self { distant: self.distant.clone(), ..lights }
+    }
+
+    /// What connections choose among, but those to lights at infinity.
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// All emitters, disks and spheres first; candidates name them by their place here.
+    /// Lights at infinity, in the sequence of their emitters.
+    pub fn distant(&self) -> &[Distant] {
+        &self.distant
+    }
+
+    /// Whether there are lights at infinity.
+    #[inline(always)]
+    pub fn has_distant(&self) -> bool {
+        !self.distant.is_empty()
+    }
+
+    /// Whether one of them has an image.
+    #[inline(always)]
+    pub fn has_panorama(&self) -> bool {
+        self.distant.iter().any(|light| light.panorama.is_some())
+    }
+
+    /// Index of the first emitter at infinity.
+    #[inline(always)]
+    pub fn first_distant(&self) -> u32 {
+        (self.emitters.len() - self.distant.len()) as u32
+    }
+
+    /// The light at infinity that `emitter` is, if it is one.
+    #[inline(always)]
+    pub fn distant_of(&self, emitter: u32) -> Option<&Distant> {
+        self.distant.get(emitter.checked_sub(self.first_distant())? as usize)
+    }
+
+    /// Most emitters that a ray may meet at once: the sky and the suns in front of it add up.
+    pub fn most_met(&self) -> usize {
+        self.distant.len().max(1)
+    }
+
+    /// Whether all emitters are grey.
+    pub fn are_grey(&self) -> bool {
+        let grey = |emitter: &Emitter| emitter.radiance == [emitter.radiance[0]; 3];
+        let images = self.distant.iter().filter_map(|light| light.panorama.as_ref());
+        self.emitters.iter().all(grey) && images.into_iter().all(|image| image.is_grey())
+    }
+
+    /// All emitters, disks and spheres first, those at infinity last; candidates name them by their place here.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
     }
 
-    /// Largest radiance of any emitter in any channel [W/(m^2 sr)].
+    /// Largest radiance of any emitter in any channel [W/(m^2 sr)]; of a light at infinity no more than `DAZZLING`
+    /// times its flux, as what small suns shine upon is that much darker than they are.
     pub fn largest_radiance(&self) -> f32 {
-        self.emitters.iter().flat_map(|emitter| emitter.radiance).fold(0.0, f32::max)
+        let largest = |emitter: &Emitter| emitter.radiance.into_iter().fold(0.0, f32::max);
+        let (near, far) = self.emitters.split_at(self.first_distant() as usize);
+        let far =
+            far.iter().zip(&self.distant).map(|(emitter, light)| largest(emitter).min(light.flux as f32 * DAZZLING));
+        near.iter().map(largest).chain(far).fold(0.0, f32::max)
     }
 
     /// Disks and spheres.
@@ -141,7 +220,7 @@ impl Lights {
 
     /// Whether surfaces shine.
     pub fn has_meshes(&self) -> bool {
-        self.bodies < self.emitters.len()
+        self.bodies + self.distant.len() < self.emitters.len()
     }
 
     /// Whether there are spheres.
@@ -165,6 +244,7 @@ impl Lights {
     /// Shows the emitters to `digest`, in pieces.
     pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         self.emitters.iter().for_each(|emitter| emitter.digest(digest));
+        self.distant.iter().for_each(|light| light.digest(digest));
     }
 
     /// The rule in force: uniform where the others come to the same.

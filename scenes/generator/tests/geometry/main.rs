@@ -8,5 +8,7 @@ mod files;
 mod glb;
 mod godrays;
 mod scene;
+mod smoke_fire;
 mod spotlight;
 mod surfaces;
+mod wax;

@@ -6,8 +6,18 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 7] =
-    ["dense-plate", "cornell-fog", "cornell-fog-thin", "spotlight", "colonnade", "godrays", "cloud-box"];
+pub const SCENES: [&str; 10] = [
+    "dense-plate",
+    "cornell-fog",
+    "cornell-fog-thin",
+    "spotlight",
+    "colonnade",
+    "godrays",
+    "cloud-box",
+    "smoke-fire",
+    "wax",
+    "milk",
+];
 
 /// The folder of a scene.
 pub fn folder(name: &str) -> PathBuf {

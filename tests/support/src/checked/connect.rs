@@ -44,12 +44,14 @@ pub(super) fn check_light_sample(step: Step, columns: light_sample::Columns<'_, 
             connections: &mut *connections,
         }
     );
-    check_queue("light_sample", &both, &[("point", tolerances::POSITION)]);
+    check_queue("light_sample", &both, &[("point", light_point(lights))]);
 }
 
 pub(super) fn check_mvnee_count(step: Step, columns: mvnee_sample::CountColumns<'_, '_, Mvnee>) {
     let (longest, paths, connections) = (columns.lengths.max, columns.paths, columns.connections);
-    let most = |at: usize| longest - 1 - paths.depth_of(step.clock, connections.lane.rows()[at] as usize);
+    let left = |at: usize| longest - 1 - paths.depth_of(step.clock, connections.lane.rows()[at] as usize);
+    let seeds = columns.technique.max_inserted;
+    let most = |at: usize| left(at).min(seeds);
     check_count("mvnee_count", (SIMD.mvnee_count, REFERENCE.mvnee_count), step, columns, most);
 }
 
@@ -141,7 +143,7 @@ fn check_build<T>(
         let chain: Vec<_> = chains.vertices[..bucket.inserted].iter().map(|vertex| vertex.row(at).into()).collect();
         tolerance([candidates.start.row(at).into(), candidates.point.row(at).into()], &chain)
     };
-    let check_vertex = |at: (usize, usize), close: Tolerances<'_>| match medium.grid() {
+    let check_vertex = |at: (usize, usize), close: Tolerances<'_>| match medium.field() {
         Some(_) => check_found(at, &chains_both, close),
         None => check_row(stage, at, &chains_both, close),
     };

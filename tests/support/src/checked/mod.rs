@@ -22,8 +22,8 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
-    Step, accumulate, extend, first_flight, flight_weight, generate, light_hit, medium_sample, mis_weight, occlusion,
-    passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
+    Step, accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
+    mis_weight, occlusion, passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -68,10 +68,12 @@ pub const CHECKED: Pipeline = Pipeline {
     medium_sample: walk::check_medium_sample,
     first_flight: walk::check_first_flight,
     extend: walk::check_extend,
+    glow: walk::check_glow,
     light_hit: walk::check_light_hit,
     prune: walk::check_prune,
     flight_weight: walk::check_flight_weight,
     spectral_weight: walk::check_spectral_weight,
+    flight_hue: walk::check_flight_hue,
     scatter: walk::check_scatter,
     surface: walk::check_surface,
     passage: walk::check_passage,
@@ -140,11 +142,16 @@ fn check_found((table, row): (usize, usize), both: &Both<Saved>, tolerances: Tol
     }
 }
 
-/// Compares the rows of two queues that have the same lane; a lane that only one of them lists is another decision.
+/// Compares the rows of two queues that have the same lane and, where rows have emitters, the same one; a row that only
+/// one of them lists is another decision.
 fn check_queue(stage: &str, (kernel, twin): &Both<Saved>, tolerances: Tolerances<'_>) {
     let (kernel_lanes, twin_lanes) = (kernel.indices("lane"), twin.indices("lane"));
+    let emitters = kernel.has("emitter").then(|| [kernel, twin].map(|queue| queue.indices("emitter")));
     for (at, lane) in kernel_lanes.iter().enumerate() {
-        let Some(other) = twin_lanes.iter().position(|other| other == lane) else {
+        // A path has several rows only where it meets several lights at infinity, all different.
+        let several = twin_lanes.iter().filter(|other| *other == lane).count() > 1;
+        let same = |other: usize| !several || emitters.is_none_or(|[own, its]| own[at] == its[other]);
+        let Some(other) = (0..twin_lanes.len()).find(|other| twin_lanes[*other] == *lane && same(*other)) else {
             count_decisions(1);
             continue;
         };
@@ -157,6 +164,11 @@ fn check_queue(stage: &str, (kernel, twin): &Both<Saved>, tolerances: Tolerances
     if !kernel_lanes.is_sorted() || !twin_lanes.is_sorted() {
         fail(stage, 0, "    rows are not in lane order");
     }
+}
+
+/// How far points of `lights` may be apart.
+fn light_point(lights: &Lights) -> Tolerance {
+    if lights.has_distant() { tolerances::DISTANT_POSITION } else { tolerances::POSITION }
 }
 
 /// Compares two sets of paths that go on.

@@ -64,7 +64,7 @@ pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_
         }
     );
     for lane in live.each() {
-        if medium.grid().is_some() {
+        if medium.field().is_some() {
             check_found((0, lane), &both, &[("flight", tolerances::TRACKED)]);
         } else {
             check_row("medium_sample", (0, lane), &both, &[("flight", tolerances::FLIGHT)]);
@@ -134,6 +134,51 @@ pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
     count_rows(live.count());
 }
 
+pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
+    let glow::Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
+    let glow::Columns { surface_hits, throughput, flown, glowing, radiance, dropped, .. } = columns;
+    let [flown_both, dropped_both, glowing_both, radiance_both] = run_both!(
+        glow(step),
+        [flown, dropped, glowing, radiance],
+        glow::Columns {
+            medium,
+            glow,
+            lights,
+            lengths,
+            walk,
+            live,
+            paths,
+            vertex,
+            ray,
+            flight,
+            hits,
+            surface_hits,
+            throughput,
+            flown: &mut *flown,
+            glowing: &mut *glowing,
+            radiance: &mut *radiance,
+            dropped: &mut *dropped,
+        }
+    );
+    for lane in live.each() {
+        check_row("glow", (0, lane), &flown_both, &[]);
+        for both in [&glowing_both, &radiance_both] {
+            if medium.field().is_some() {
+                check_found((0, lane), both, &[("channels", tolerances::GLOW)]);
+            } else {
+                check_row("glow", (0, lane), both, &[("channels", tolerances::CONTRIBUTION)]);
+            }
+        }
+    }
+    // All other paths keep their radiance to the bit.
+    for lane in lanes(live).filter(|lane| !live.contains(*lane)) {
+        check_row("glow", (0, lane), &radiance_both, &[]);
+    }
+    if dropped_both.0 != dropped_both.1 {
+        fail("glow", 0, &format!("    dropped {:?} and {:?}", dropped_both.0, dropped_both.1));
+    }
+}
+
 pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
     let light_hit::Columns { medium, lights, hits, paths, vertex, ray, before, flight, .. } = columns;
     let light_hit::Columns { live, views, worth, light_hits, .. } = columns;
@@ -155,8 +200,9 @@ pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
             light_hits: &mut *light_hits,
         }
     );
-    check_queue("light_hit", &views_both, &[("point", tolerances::POSITION)]);
-    check_queue("light_hit", &light_hits_both, &[("point", tolerances::POSITION)]);
+    let close = [("point", light_point(lights))];
+    check_queue("light_hit", &views_both, &close);
+    check_queue("light_hit", &light_hits_both, &close);
     if views_both.0.indices("lane") == views_both.1.indices("lane") {
         for at in 0..views.len {
             let close = [("weight", tolerances::TRANSMITTANCE), ("factor", tolerances::QUOTIENT)];
@@ -233,6 +279,30 @@ pub(super) fn check_spectral_weight(step: Step, columns: spectral_weight::Column
         let allowed = |tolerance| if weighed { tolerance } else { tolerances::EXACT };
         check_row("spectral_weight", (0, lane), &posterior_both, &[("channels", allowed(tolerances::LOG_POSTERIOR))]);
         check_row("spectral_weight", (0, lane), &throughput_both, &[("channels", allowed(tolerances::QUOTIENT))]);
+    }
+}
+
+pub(super) fn check_flight_hue(step: Step, columns: flight_hue::Columns<'_, '_>) {
+    let flight_hue::Columns { field, live, paths, immersion, flight, surface_hits, vertex, ray, .. } = columns;
+    let flight_hue::Columns { estimates, throughput, .. } = columns;
+    let [both] = run_both!(
+        flight_hue(step),
+        [throughput],
+        flight_hue::Columns {
+            field,
+            live,
+            paths,
+            immersion,
+            flight,
+            surface_hits,
+            vertex,
+            ray,
+            estimates: &mut *estimates,
+            throughput: &mut *throughput,
+        }
+    );
+    for lane in live.each() {
+        check_found((0, lane), &both, &[("channels", tolerances::ESTIMATE)]);
     }
 }
 

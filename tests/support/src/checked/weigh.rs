@@ -47,6 +47,10 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
             for (factor, factor_twin) in factor.into_iter().zip(factor_twin) {
                 let (found, expected) = (weight * f64::from(factor), weight_twin * f64::from(factor_twin));
                 if (found - expected).abs() > absolute + (relative + conditioning) * found.max(expected) {
+                    if medium.field().is_some() {
+                        count_decisions(1);
+                        break;
+                    }
                     let text = format!(
                         "    worth: kernel {weight:e} {factor:e}  twin {weight_twin:e} {factor_twin:e}, {} inserted\n    \
                          log posterior {:?}\n    {:?}",
@@ -58,7 +62,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
                 }
             }
         } else if (weight - weight_twin).abs() > absolute + (relative + conditioning) * largest {
-            if medium.grid().is_some() {
+            if medium.field().is_some() {
                 // A cell of the coarse field is a decision.
                 count_decisions(1);
                 continue;
@@ -111,10 +115,16 @@ impl Sight<'_, '_> {
         path.map(|position| glam::DVec3::from(position.map(f64::from))).collect()
     }
 
+    /// Whether the light is at infinity, where rounding of the last vertex is that of a direction.
+    fn is_distant(&self, at: usize) -> bool {
+        self.lights.distant_of(self.candidates.emitter.rows()[at]).is_some()
+    }
+
     fn conditioning(&self, g: f64, at: usize) -> f64 {
         let path = self.path(at);
-        let distance = path.iter().map(|position| position.length()).fold(0.0, f64::max);
-        let shortest = path.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
+        let near = &path[..path.len() - usize::from(self.is_distant(at))];
+        let distance = near.iter().map(|position| position.length()).fold(0.0, f64::max);
+        let shortest = near.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
         let emitter = &self.lights.emitters()[self.candidates.emitter.rows()[at] as usize];
         let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
         let cos_light = cosine(emitter, point, point - before);
@@ -165,17 +175,20 @@ pub(super) fn check_occlusion(step: Step, columns: occlusion::Columns<'_, '_>) {
 }
 
 pub(super) fn check_transmittance(step: Step, columns: transmittance::Columns<'_, '_>) {
-    let transmittance::Columns { grid, bucket, purpose, candidates, chains, paths, estimates, worth } = columns;
+    let transmittance::Columns { field, flown, bucket, purpose, candidates, chains, .. } = columns;
+    let transmittance::Columns { paths, immersion, estimates, worth, .. } = columns;
     let [both] = run_both!(
         transmittance(step),
         [worth],
         transmittance::Columns {
-            grid,
+            field,
+            flown,
             bucket,
             purpose,
             candidates,
             chains,
             paths,
+            immersion,
             estimates: &mut *estimates,
             worth: &mut *worth,
         }

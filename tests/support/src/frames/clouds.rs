@@ -1,6 +1,6 @@
 //! Frames with grids of densities.
 
-use fogbow_kernels::media::grid::{Grid, Interpolation, Leaf, ToIndex};
+use fogbow_kernels::media::field::{Field, Interpolation, Leaf, Shape, ToIndex, Volume, Voxels};
 
 use super::*;
 
@@ -36,14 +36,14 @@ pub fn lumps(place: [i32; 3]) -> f32 {
 }
 
 /// [`lumps`] in a cube of `size` about `center` `[m]`, with this extinction where they are densest [1/m].
-pub fn cloud(size: f64, center: DVec3, extinction: f32, interpolation: Interpolation) -> Grid {
-    Grid::new(&leaves(3, lumps), &centred(24, size, center), extinction, interpolation)
+pub fn cloud(size: f64, center: DVec3, extinction: f32, interpolation: Interpolation) -> Field {
+    Field::grid(Voxels::new(&leaves(3, lumps), &centred(24, size, center), interpolation), extinction)
 }
 
 /// `frame` with the medium's extinction in a grid.
-pub fn with_grid(frame: &Frame, grid: Grid) -> Frame {
-    let Medium { albedo, phase, .. } = frame.medium().clone();
-    with_medium(frame, Medium::grid_of(grid, albedo, phase))
+pub fn with_field(frame: &Frame, grid: Field) -> Frame {
+    let medium = Medium { kind: Kind::Field(Arc::new(grid)), ..frame.medium.clone() };
+    with_medium(frame, medium)
 }
 
 /// A cloud among lights in the open, and one in a room; techniques have to be set anew.
@@ -52,11 +52,56 @@ pub fn clouds(size: [u32; 2]) -> [(&'static str, Frame); 2] {
     let room = room(0.5, Selection::IntensityDistance, size);
     let open = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear).with_cells(3, 1.0, 1.0);
     let indoors = cloud(2.2, DVec3::new(0.0, 1.0, 1.4), 12.0, Interpolation::Nearest);
-    [("cloud among lights", with_grid(&lights, open)), ("cloud in a room", with_grid(&room, indoors))]
+    [("cloud among lights", with_field(&lights, open)), ("cloud in a room", with_field(&room, indoors))]
+}
+
+/// A volume without voxels.
+pub fn solid(shape: Shape, extinction: f32) -> Volume {
+    Volume { shape: Some(shape), voxels: None, extinction }
+}
+
+/// A ball of this `extinction` [1/m].
+pub fn ball(center: DVec3, radius: f64, extinction: f32) -> Volume {
+    solid(Shape::Sphere { center, radius }, extinction)
+}
+
+/// The cloud of [`cloud`] as one of several volumes.
+fn lumpy(size: f64, center: DVec3, extinction: f32) -> Volume {
+    let voxels = Voxels::new(&leaves(3, lumps), &centred(24, size, center), Interpolation::Trilinear);
+    Volume { shape: None, voxels: Some(voxels), extinction }
+}
+
+/// `frame` with a medium of these volumes, the first of which hide those behind, in fog.
+pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
+    with_field(frame, Field::new(volumes, around))
+}
+
+/// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a coloured ball in
+/// a room, and a coloured cloud; techniques have to be set anew.
+pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 3] {
+    let lights = three_lights(0.6, Selection::IntensityDistance, size);
+    let room = room(0.5, Selection::IntensityDistance, size);
+    let several = vec![
+        solid(Shape::block([[-0.4, -0.3, 0.6], [0.2, 0.5, 1.1]]), 0.0),
+        ball(DVec3::new(0.2, 0.1, 1.4), 0.7, 2.5),
+        solid(Shape::block([[-1.2, -0.6, 0.9], [0.3, 0.2, 2.2]]), 1.2),
+        lumpy(3.0, DVec3::new(0.5, 0.3, 1.8), 8.0),
+    ];
+    let mut several = with_volumes(&lights, several, 0.25);
+    let albedos = [[0.9; 3], [0.0; 3], [1.0, 0.9, 0.8], [0.6; 3], [0.95, 0.97, 1.0]];
+    let medium = several.medium.clone().with_albedos(&albedos);
+    several = with_medium(&several, medium);
+    let coloured = Field::new(vec![ball(DVec3::new(0.0, 1.0, 1.4), 0.8, 3.0)], 0.0).coloured([0.3, 0.55, 1.0]);
+    let cloud = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear).coloured([1.0, 0.5, 0.2]);
+    [
+        ("volumes in fog", several),
+        ("coloured ball in a room", with_field(&room, coloured)),
+        ("coloured cloud among lights", with_field(&lights, cloud)),
+    ]
 }
 
 /// The sets of techniques that grids have.
-pub const IN_GRIDS: [Active; 8] = [
+pub const IN_FIELDS: [Active; 8] = [
     Active::Path,
     Active::Nee,
     Active::Mvnee,

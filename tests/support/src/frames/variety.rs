@@ -29,8 +29,8 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
         }
     }
     let limited = with_techniques(&three_lights(0.8, Selection::Intensity, size), Active::Bridge, 2.0);
-    let bridge = Bridge::new(Roll::Aligned, limited.medium(), limited.lengths.max);
-    let bridge = Bridge { max_inserted: 3, ..bridge.with_mesc(limited.medium(), 2.5) };
+    let bridge = Bridge::new(Roll::Aligned, &limited.medium, limited.lengths.max);
+    let bridge = Bridge { max_inserted: 3, ..bridge.with_mesc(&limited.medium, 2.5) };
     let techniques = Techniques { bridge: Some(bridge.clone()), ..limited.techniques.clone() };
     add("limited bridges".into(), Frame { techniques, ..limited.clone() });
     let spots = focused(&three_lights(0.8, Selection::IntensityDistance, size), &[0.0, 3.0, 30.0]);
@@ -42,8 +42,8 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
         add(format!("cones, {active:?}"), with_techniques(&cones, active, 2.0));
     }
     let connector = Connector::Bridge(bridge);
-    let lis = Some(Lis { near: 0.7, ..Lis::new(spots.medium(), connector) });
-    let mvnee = Active::Mvnee.techniques(spots.medium(), spots.lengths.max, 1.0).mvnee;
+    let lis = Some(Lis { near: 0.7, ..Lis::new(&spots.medium, connector) });
+    let mvnee = Active::Mvnee.techniques(&spots.medium, spots.lengths.max, 1.0).mvnee;
     let techniques = Techniques { lis, mvnee, ..Techniques::default() };
     add("spotlights, limited".into(), Frame { techniques, ..spots.with_walk(3, 0.8) });
     add(
@@ -68,9 +68,9 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
             with_techniques(&lamps(1.0, 0.5, selection, size), active, 3.0),
         );
     }
-    let empty = Media::everywhere(Medium::vacuum());
+    let medium = Medium::vacuum();
     let vacuum = room(0.0, Selection::Uniform, size);
-    add("room in vacuum".into(), Frame { media: empty, techniques: vacuum.techniques.without_vertices(), ..vacuum });
+    add("room in vacuum".into(), Frame { medium, techniques: vacuum.techniques.without_vertices(), ..vacuum });
     for (name, coloured) in coloured(size) {
         for active in Active::ALL {
             add(format!("{name}, {active:?}"), with_techniques(&coloured, active, 4.0));
@@ -78,6 +78,7 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
         let aimed = Frame { aimed: 0.3, ..with_techniques(&coloured, Active::Every, 4.0) };
         add(format!("{name}, aimed"), aimed.with_walk(2, 0.8));
     }
+    skies::rooms(size).into_iter().for_each(|(name, frame)| add(name, frame));
     let short = PathLengths { min: 1, max: 2 };
     add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });
     let only = PathLengths { min: 3, max: 5 };

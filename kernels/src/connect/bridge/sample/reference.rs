@@ -106,7 +106,7 @@ pub fn count_edges(
 ) -> Option<u32> {
     let room = room(bridge, lengths.max, start.depth);
     let [which, count, along] = draws.count();
-    if room == 0 || medium.optical_depth(start.position, point) > f64::from(bridge.max_depth) {
+    if room == 0 || medium.optical_depth(start.position, point) > f64::from(bridge.max_depth) * medium.over_clearest() {
         return None;
     }
     if which < f64::from(bridge.defensive) {

@@ -63,7 +63,7 @@ fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, medium: impl M
         let spread = floor(number * lanes::to_f32(room)).min(room - u32x8::splat(1));
         let tabled = bridge.counts.draw(&cell, [along, across], number);
         let inserted = lanes::as_integer_mask(uniform).select(spread, tabled);
-        let near = lanes::as_integer_mask(depth.simd_le(f32x8::splat(bridge.max_depth)));
+        let near = lanes::as_integer_mask(depth.simd_le(f32x8::splat(bridge.max_depth) * medium.over_clearest()));
         let fits = inserted.simd_lt(room) & near;
         count.set_batch(b, fits.select(inserted, u32x8::splat(DROPPED)));
     }

@@ -74,8 +74,8 @@ impl Draws {
     }
 }
 
-/// Number of seeds on the axis from `start` to `point`; None if that is thicker than the limit, or the path would exceed
-/// `lengths.max` segments.
+/// Number of seeds on the axis from `start` to `point`; None if that is thicker than the limit, or there would be too
+/// many, or the path would exceed `lengths.max` segments.
 pub fn count_seeds(
     settings: &Settings,
     medium: &dyn Medium,
@@ -85,12 +85,12 @@ pub fn count_seeds(
     draws: &Draws,
 ) -> Option<u32> {
     let (distance, mean_free_path) = (start.distance(point), medium.mean_free_path(start, point));
-    if distance > settings.max_depth * mean_free_path {
+    if distance > settings.max_depth * medium.over_clearest() * mean_free_path {
         return None;
     }
     let mut reached = 0.0;
     let mut seeds = 0;
-    while draws.depth + seeds < lengths.max {
+    while draws.depth + seeds < lengths.max && seeds <= settings.max_inserted {
         reached += flight(draws.flight(seeds as usize), mean_free_path);
         if reached >= distance {
             return Some(seeds);
@@ -140,8 +140,13 @@ mod tests {
     use crate::media::reference::Homogeneous;
 
     const FREE: PathLengths = PathLengths { min: 1, max: 1000 };
-    const SETTINGS: Settings =
-        Settings { max_distance: f64::INFINITY, max_depth: f64::INFINITY, offset: Offset::Ggx, slope: 0.8 };
+    const SETTINGS: Settings = Settings {
+        max_distance: f64::INFINITY,
+        max_depth: f64::INFINITY,
+        max_inserted: u32::MAX,
+        offset: Offset::Ggx,
+        slope: 0.8,
+    };
 
     /// Seeds on an axis of this length.
     fn count(medium: &dyn Medium, distance: f64, lengths: PathLengths, pixel: u32) -> Option<u32> {

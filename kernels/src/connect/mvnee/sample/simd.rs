@@ -46,7 +46,7 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
         let (start, point) = (connections.start.batch(b), connections.point.batch(b));
         let distance = (point - start).length_squared().sqrt();
         let mean_free_path = medium.mean_free_path(start, point, distance);
-        let longest = u32x8::splat(lengths.max - 1) - sequence.depth;
+        let longest = (u32x8::splat(lengths.max - 1) - sequence.depth).min(u32x8::splat(technique.max_inserted));
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
@@ -60,7 +60,8 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
                 break;
             }
         }
-        let near = distance.simd_le(mean_free_path * f32x8::splat(technique.max_depth));
+        let most = f32x8::splat(technique.max_depth) * medium.over_clearest();
+        let near = distance.simd_le(mean_free_path * most);
         let fits = count.simd_le(longest) & lanes::as_integer_mask(near);
         counts.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
     }

@@ -1,0 +1,50 @@
+//! ```text
+//! T_c *= product_c e^{(k_c - k_h) (tau~ - known)}
+//! ```
+//!
+//! 1. All flights of live paths go through the tracker, those that end on surfaces among them.
+//! 2. Their tau~ is found for whole batches afterwards.
+
+use super::Columns;
+use crate::columns::queues::EstimateColumns;
+use crate::lanes::LANES;
+use crate::media::MediumX8;
+use crate::media::field::FieldX8;
+use crate::media::field::tracking::Ray;
+use crate::media::field::tracking::simd::{factor, transmittances};
+use crate::media::spectral::CHANNELS;
+use crate::random::{self, Stream};
+use crate::transmittance::simd::{hues, hues_x8};
+use crate::{Step, lanes};
+
+/// The SIMD kernel; see [`Kernel`](super::Kernel).
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let Columns { field, live, paths, immersion, flight, surface_hits, vertex, ray, estimates, throughput } = columns;
+    let EstimateColumns { product, depth: known, length } = estimates;
+    live.each_batch().for_each(|(b, _)| length.set_batch(b, flight.batch(b)));
+    for hit in 0..surface_hits.len {
+        length.rows_mut()[surface_hits.lane.rows()[hit] as usize] = surface_hits.distance.rows()[hit];
+    }
+    let hues_of = |lane: usize| hues(field, Some(immersion.hero.rows()[lane]));
+    let rays = live.each().map(|lane| {
+        let block = random::block(paths.depth_of(step.clock, lane), random::TRACKING);
+        let stream = Stream::new(paths.pixel.rows()[lane], paths.sample.rows()[lane], block, step.seed, 1);
+        let direction = ray.direction.row(lane).map(|component| component * length.rows()[lane]);
+        (lane, Ray { origin: vertex.position.row(lane), direction, stream, hues: hues_of(lane) })
+    });
+    transmittances(field, rays, |lane, products: [f32; CHANNELS], depth| {
+        product.set_row(lane, products);
+        known.rows_mut()[lane] = depth;
+    });
+    for (b, bits) in live.each_batch() {
+        let (from, length) = (vertex.position.batch(b), length.batch(b));
+        let depth = FieldX8::of(field).optical_depth(from, ray.direction.batch(b).mul_add(length, from), length);
+        let (products, known) = (product.batch(b), known.batch(b));
+        let hues = hues_x8(|lane| hues_of(LANES * b + lane));
+        for (c, product) in [products.x, products.y, products.z].into_iter().enumerate() {
+            let channel = &mut throughput.channels_mut()[c];
+            let (before, missing) = (channel.batch(b), factor(product, hues[c], known, depth));
+            channel.set_batch(b, lanes::mask(bits).select(before * missing, before));
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Extinction that differs from place to place: volumes with bounds or densities of their own, and what is around them.
+//!
+//! **Who is where.** Volumes are asked in the order of their priority, and the first that a point is in is its medium;
+//! what none is in belongs to the medium around all. A volume is within its shape, or, without one, wherever its density
+//! is not 0. Bounds are no vertices: they are nothing but places where extinction changes, so that nested, touching and
+//! overlapping volumes, starts inside of them and connections across them need no thought.
+//!
+//! **What is known.** Nobody knows the integral of extinction along a segment, so that free flights are *tracked* and the
+//! transmittance of connections is *estimated* ([`tracking`]). Both need bounds, which a coarse field of cells has; and
+//! weights need an optical depth that is the same for a segment whoever asks:
+//!
+//! ```text
+//! tau~ = sum of the cells' means at n points of the segment, evenly spread over its part within all cells and a little
+//!        beyond, times that part's length / n, and what is around for the rest of it
+//!        n = the cells it is long, rounded up, at most 64
+//! ```
+//!
+//! **Why images are right whatever tau~ is.** With T the transmittance of what a connection adds and T' any unbiased
+//! estimate of it, a candidate counts
+//!
+//! ```text
+//! C = Le throughput F / (reach(n) + sum_i reach(i) r~_i),      F = T' e^{tau~},      F = 1 for light that a walk met
+//! ```
+//!
+//! where `r~_i` is the density of the connection from start i over that of path tracing if its transmittance were
+//! e^{-tau~}. Connections do not depend on T, so their `r~_i` are known, and the weights `r~_i / (reach(n) + ..)` of
+//! all techniques add up to 1 for every path. Extinctions at vertices are the true ones and cancel. The mean of F is
+//! `T e^{tau~}`, so that the mean of C is what it would be if T were known. A bad tau~ makes noise, and nothing else.
+//! The stage [`transmittance`](crate::transmittance) finds F.
+//!
+//! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are spread along the axis with the
+//! mean extinction `tau~ / s`, of which density and count are exact.
+
+mod bricks;
+mod cells;
+mod lattice;
+mod map;
+pub mod reference;
+mod shape;
+mod simd;
+pub mod tracking;
+mod volume;
+mod voxels;
+
+use wide::{f32x8, i32x8, u32x8};
+
+use super::spectral::CHANNELS;
+use crate::vec3x8::Vec3x8;
+
+pub use bricks::{Bricks, Leaf};
+pub use cells::{Cell, Cells};
+pub use map::Map;
+pub use shape::Shape;
+pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
+pub use volume::Volume;
+pub use voxels::{Interpolation, ToIndex, Voxels};
+
+use lattice::Lattice;
+use volume::Placed;
+
+/// Most volumes of a field.
+pub const MOST_VOLUMES: usize = 32;
+
+/// Volumes, and what is around them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// The first that a point is in is its medium.
+    volumes: Vec<Placed>,
+    /// Extinction around all of them [1/m], >= 0.
+    around: f32,
+    /// Bounds and means of extinctions.
+    cells: Cells,
+    /// From the world to cells, counted from the first one.
+    to_cells: Map,
+    /// Extinction per channel, over that of the channel in which it is largest.
+    hues: [f32; CHANNELS],
+}
+
+impl Field {
+    /// `volumes`, those of the highest priority first, in a medium of extinction `around` [1/m].
+    ///
+    /// # Panics
+    /// If there are no volumes, or more than [`MOST_VOLUMES`], or one has neither a shape nor voxels.
+    pub fn new(volumes: Vec<Volume>, around: f32) -> Self {
+        let lattice = Lattice::best(&volumes, around);
+        Self::in_cells_of(volumes, around, lattice)
+    }
+
+    /// The densities of voxels, times `unit` [1/m].
+    pub fn grid(voxels: Voxels, unit: f32) -> Self {
+        Self::new(vec![Volume { shape: None, voxels: Some(voxels), extinction: unit }], 0.0)
+    }
+
+    /// One `extinction` [1/m] in a box from corner `low` to corner `high` `[m]`. Its transmittance is known, so that
+    /// nothing is left to chance.
+    ///
+    /// # Panics
+    /// If it has no inside.
+    pub fn block(corners: [[f64; 3]; 2], extinction: f32) -> Self {
+        Self::new(vec![Volume { shape: Some(Shape::block(corners)), voxels: None, extinction }], 0.0)
+    }
+
+    fn in_cells_of(volumes: Vec<Volume>, around: f32, lattice: Lattice) -> Self {
+        assert!((1..=MOST_VOLUMES).contains(&volumes.len()), "1 to {MOST_VOLUMES} volumes");
+        let to_cells = Map::new(&lattice.to_cells);
+        let volumes = lattice.place(volumes);
+        let cells = lattice.survey(&volumes, around);
+        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS] }
+    }
+
+    /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
+    /// smaller edges; with majorants times `factor` and means times `mean`. No mean of any image depends on them.
+    pub fn with_cells(self, log_side: u32, factor: f32, mean: f32) -> Self {
+        let volumes: Vec<Volume> = self.volumes.into_iter().map(|placed| placed.volume).collect();
+        let lattice = Lattice::other(&volumes, self.around, log_side);
+        let field = Self::in_cells_of(volumes, self.around, lattice);
+        Self { cells: field.cells.distorted(factor, mean), hues: self.hues, ..field }
+    }
+
+    /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
+    pub fn coloured(self, hues: [f32; CHANNELS]) -> Self {
+        debug_assert!(hues.contains(&1.0) && hues.iter().all(|hue| (0.0..=1.0).contains(hue)), "{hues:?}");
+        Self { hues, ..self }
+    }
+
+    /// Extinction per channel, over that of the channel in which it is largest.
+    pub fn hues(&self) -> [f32; CHANNELS] {
+        self.hues
+    }
+
+    /// Least of them.
+    pub fn clearest(&self) -> f32 {
+        self.hues.into_iter().fold(1.0, f32::min)
+    }
+
+    /// Whether extinction is the same in all channels.
+    pub fn is_grey(&self) -> bool {
+        self.hues == [1.0; CHANNELS]
+    }
+
+    /// Bounds and means.
+    pub fn cells(&self) -> &Cells {
+        &self.cells
+    }
+
+    /// Extinction around all volumes [1/m].
+    pub fn around(&self) -> f32 {
+        self.around
+    }
+
+    /// Length of the shortest edge of a cell `[m]`, about.
+    pub fn cell_edge(&self) -> f64 {
+        1.0 / self.to_cells.steepest()
+    }
+
+    /// Length of the diagonal of the box of all cells `[m]`, about.
+    pub fn extent(&self) -> f64 {
+        self.cells.dims.map(f64::from).into_iter().map(|count| count * count).sum::<f64>().sqrt()
+            * self.to_cells.longest()
+    }
+
+    /// Hands everything that extinctions depend on to `digest`.
+    pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
+        digest(&self.around.to_le_bytes());
+        self.hues.iter().for_each(|hue| digest(&hue.to_le_bytes()));
+        self.volumes.iter().for_each(|placed| placed.volume.digest(digest));
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        self.volumes.iter().map(|placed| placed.volume.bytes()).sum::<usize>() + self.cells.bytes()
+    }
+
+    /// The part of rays of unit `direction` up to `length` within the box of all cells `[m]`; empty where the second is
+    /// not larger.
+    #[inline(always)]
+    pub fn part(&self, origin: Vec3x8, direction: Vec3x8, length: f32x8) -> [f32x8; 2] {
+        let counts = self.cells.dims.map(|dim| dim as f32);
+        simd::within(self.in_cells(origin), self.to_cells.directions(direction), [0.0; 3], counts, length)
+    }
+
+    /// Points in cells from the first one on.
+    #[inline(always)]
+    fn in_cells(&self, at: Vec3x8) -> Vec3x8 {
+        self.to_cells.points(at)
+    }
+
+    /// Where the cells are that points, in cells, are in; outside it is one of those around.
+    #[inline(always)]
+    fn cells_at(&self, at: Vec3x8) -> i32x8 {
+        let mut index = i32x8::splat(0);
+        for ((v, count), stride) in [at.x, at.y, at.z].into_iter().zip(self.cells.dims).zip(self.cells.strides()) {
+            // One beyond the last is one of those around, and so is, moved by one, the one before the first.
+            let kept = (v + f32x8::ONE).fast_max(f32x8::ZERO).fast_min(f32x8::splat((count + 1) as f32));
+            index += kept.fast_trunc_int() * i32x8::splat(stride);
+        }
+        index
+    }
+
+    /// Extinction at points in cells [1/m], and who is there: 0 for what is around, or the number of the volume, from 1
+    /// on.
+    #[inline(always)]
+    fn at(&self, at: Vec3x8) -> (f32x8, u32x8) {
+        let mut present = u32x8::splat(1);
+        if let volumes @ [_, ..] = self.cells.volumes() {
+            present = u32x8::new(self.cells_at(at).to_array().map(|cell| volumes[cell as usize]));
+        }
+        volume::extinction(&self.volumes, self.around, present, at)
+    }
+
+    /// Extinction at points of the world [1/m].
+    #[inline(never)]
+    fn extinction(&self, at: Vec3x8) -> f32x8 {
+        self.at(self.in_cells(at)).0
+    }
+
+    /// Who is at points of the world: 0 for what is around, or the number of the volume, from 1 on.
+    #[inline(never)]
+    pub fn who(&self, at: Vec3x8) -> u32x8 {
+        self.at(self.in_cells(at)).1
+    }
+}
+
+#[cfg(test)]
+mod tests;

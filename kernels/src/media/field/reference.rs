@@ -1,0 +1,112 @@
+//! A field in f64.
+//!
+//! ```text
+//! extinction: that of the first volume that the point is in, or else of what is around
+//! density:    sum over the eight voxels about the point of value * prod over axes of (1 - distance from the voxel)
+//! tau~:       midpoint rule over the means of cells, with as many points as the segment is cells long, at most 64, over
+//!             its part in a box a little larger than all cells; the rest of it is in what is around
+//! ```
+//!
+//! Which cell a point is in, and how many points there are, are decisions on the edge of rounding: a twin may decide
+//! otherwise for one point in many thousands.
+
+use glam::DVec3;
+
+use super::Field;
+use super::simd::{ABOVE, BELOW, MOST_POINTS};
+use crate::media::reference::Medium;
+use crate::phase::reference::Phase;
+
+/// A field in one channel, and where its scattering events send light.
+#[derive(Clone, Copy)]
+pub struct FieldTwin<'a> {
+    /// The field.
+    pub field: &'a Field,
+    /// Extinction of the channel over that of the field.
+    pub hue: f64,
+    /// The phase function.
+    pub phase: &'a dyn Phase,
+}
+
+impl Field {
+    /// A point in cells from the first one on.
+    pub fn cells_of(&self, at: DVec3) -> DVec3 {
+        self.to_cells.point(at)
+    }
+
+    /// A direction in cells.
+    pub fn cells_along(&self, way: DVec3) -> DVec3 {
+        self.to_cells.direction(way)
+    }
+
+    /// Extinction at a point in cells from the first one on [1/m].
+    pub fn extinction_at(&self, at: DVec3) -> f64 {
+        self.here(at).1
+    }
+
+    /// Who is at a point in cells, as [`Self::who`] tells, and the extinction there [1/m].
+    pub fn here(&self, at: DVec3) -> (u32, f64) {
+        let there = (1..).zip(&self.volumes).find_map(|(who, volume)| Some((who, volume.extinction_at(at)?)));
+        there.unwrap_or((0, f64::from(self.around)))
+    }
+
+    /// The part of a ray, in cells, up to `end` within all cells and so much more below and above.
+    pub fn part_within(&self, from: DVec3, way: DVec3, [below, above]: [f64; 2], end: f64) -> Option<(f64, f64)> {
+        let (mut enter, mut exit) = (0.0_f64, end);
+        for axis in 0..3 {
+            let count = f64::from(self.cells.dims[axis]) + above;
+            if way[axis] == 0.0 {
+                if from[axis] < -below || from[axis] > count {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((-below - from[axis]) / way[axis], (count - from[axis]) / way[axis]);
+            (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
+        }
+        (enter < exit).then_some((enter, exit))
+    }
+
+    /// The cell that a point, in cells, is in.
+    pub fn cell_at(&self, at: DVec3) -> [u32; 3] {
+        [0, 1, 2].map(|axis| at[axis].clamp(0.0, f64::from(self.cells.dims[axis] - 1)) as u32)
+    }
+
+    /// Optical depth of a segment as weights count it, where the hue is 1.
+    fn depth_between(&self, from: DVec3, to: DVec3) -> f64 {
+        let (start, way, around) = (self.cells_of(from), self.cells_along(to - from), f64::from(self.around));
+        let Some((enter, exit)) = self.part_within(start, way, [BELOW, ABOVE].map(f64::from), 1.0) else {
+            return around * from.distance(to);
+        };
+        let points = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_POINTS));
+        let mean_at = |i: u32| {
+            let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / points) * way;
+            let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims[axis]));
+            if inside { f64::from(self.cells.at(self.cell_at(at)).mean) } else { around }
+        };
+        let mean = (0..points as u32).map(mean_at).sum::<f64>() / points;
+        (mean * (exit - enter) + around * (1.0 - (exit - enter))) * from.distance(to)
+    }
+}
+
+impl Medium for FieldTwin<'_> {
+    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64 {
+        from.distance(to) / self.optical_depth(from, to)
+    }
+
+    fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
+        (self.field.depth_between(from, to) * self.hue).max(1e-9)
+    }
+
+    fn over_clearest(&self) -> f64 {
+        self.hue / f64::from(self.field.clearest())
+    }
+
+    fn extinction(&self, at: DVec3) -> f64 {
+        self.field.extinction_at(self.field.cells_of(at)) * self.hue
+    }
+
+    fn phase(&self) -> &dyn Phase {
+        self.phase
+    }
+}

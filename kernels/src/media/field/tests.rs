@@ -1,0 +1,252 @@
+use glam::DVec3;
+use wide::f32x8;
+
+use super::reference::FieldTwin;
+use super::tracking::{Ray, reference as tracking_twin, simd as tracking};
+use super::*;
+use crate::media::MediumX8;
+use crate::media::reference::Medium as _;
+use crate::phase::HenyeyGreenstein;
+use crate::random::Stream;
+
+/// A twentieth of a metre per voxel, with the centre of voxel (8, 8, 8) in the origin.
+const TO_INDEX: ToIndex = [[20.0, 0.0, 0.0, 8.0], [0.0, 20.0, 0.0, 8.0], [0.0, 0.0, 20.0, 8.0]];
+
+/// A cube of 16^3 voxels with these densities.
+fn leaves(density: impl Fn([i32; 3]) -> f32) -> Vec<Leaf> {
+    let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| 8 * (corner >> axis & 1)));
+    corners
+        .map(|origin| {
+            let mut values = Box::new([0.0; 512]);
+            for (index, value) in values.iter_mut().enumerate() {
+                let local = [index % 8, index / 8 % 8, index / 64].map(|component| component as i32);
+                *value = density([0, 1, 2].map(|axis| origin[axis] + local[axis]));
+            }
+            Leaf { origin, values }
+        })
+        .collect()
+}
+
+fn blob([x, y, z]: [i32; 3]) -> f32 {
+    let distance = [x, y, z].map(|component| (f64::from(component) - 7.5) / 4.0);
+    (-0.5 * distance.map(|d| d * d).iter().sum::<f64>()).exp() as f32
+}
+
+fn grids() -> Vec<Field> {
+    let smooth = Field::grid(Voxels::new(&leaves(blob), &TO_INDEX, Interpolation::Trilinear), 6.0);
+    let blocky = Field::grid(Voxels::new(&leaves(blob), &TO_INDEX, Interpolation::Nearest), 6.0);
+    let turned = [[14.0, -14.0, 1.0, 8.0], [14.0, 14.0, 0.0, 8.0], [0.0, 2.0, 25.0, 8.0]];
+    let turned = Field::grid(Voxels::new(&leaves(blob), &turned, Interpolation::Trilinear), 9.0);
+    let ball = |center: [f64; 3], radius, extinction| Volume {
+        shape: Some(Shape::Sphere { center: DVec3::from(center), radius }),
+        voxels: None,
+        extinction,
+    };
+    let lumpy = Volume {
+        shape: None,
+        voxels: Some(Voxels::new(&leaves(blob), &TO_INDEX, Interpolation::Trilinear)),
+        extinction: 5.0,
+    };
+    let bounded = Volume { shape: Some(Shape::block([[-0.2, -0.9, -0.3], [0.8, 0.1, 0.4]])), ..lumpy.clone() };
+    let several = vec![ball([0.3, 0.1, 0.0], 0.3, 0.0), bounded, ball([-0.4, 0.2, 0.2], 0.5, 4.0), lumpy];
+    vec![
+        smooth.clone().with_cells(2, 1.0, 1.0),
+        blocky,
+        turned,
+        smooth.with_cells(4, 1.5, 0.5),
+        Field::new(several.clone(), 0.0),
+        Field::new(several, 0.6),
+        Field::new(vec![ball([0.1, 0.0, 0.2], 0.6, 3.0)], 0.3),
+    ]
+}
+
+fn twin(grid: &Field) -> FieldTwin<'_> {
+    FieldTwin { field: grid, hue: 1.0, phase: &HenyeyGreenstein { g: 0.0 } }
+}
+
+/// Numbers in (-1, 1), other ones for every `seed` and axis.
+fn point(seed: u32) -> [f32; 3] {
+    let words = crate::random::words(seed, 1, 2, 3);
+    [0, 1, 2].map(|axis| (2.0 * crate::random::uniform(words[axis]) - 1.0) as f32)
+}
+
+fn real(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}
+
+#[test]
+fn voxels_have_their_values_at_their_centres_and_are_mixed_between() {
+    let grid = Field::grid(Voxels::new(&leaves(blob), &TO_INDEX, Interpolation::Trilinear), 2.0);
+    let at = |place: [f64; 3]| twin(&grid).extinction((DVec3::from(place) - 8.0) / 20.0) / 2.0;
+    for place in [[0, 0, 0], [7, 8, 3], [15, 15, 15], [4, 9, 15]] {
+        let expected = f64::from(blob(place));
+        let found = at(place.map(f64::from));
+        assert!((found - expected).abs() < 2e-5, "{place:?}: {found} instead of {expected}");
+    }
+    let between = (f64::from(blob([3, 4, 5])) + f64::from(blob([4, 4, 5]))) / 2.0;
+    assert!((at([3.5, 4.0, 5.0]) - between).abs() < 2e-5);
+    // Half a voxel beyond the last one half of it is left, and a whole one beyond nothing.
+    assert!((at([15.5, 8.0, 8.0]) - f64::from(blob([15, 8, 8])) / 2.0).abs() < 2e-5);
+    assert_eq!([at([16.0, 8.0, 8.0]), at([-1.0, 8.0, 8.0]), at([8.0, 8.0, 99.0])], [0.0; 3]);
+}
+
+#[test]
+fn lanes_are_those_of_the_twin() {
+    for (number, grid) in grids().iter().enumerate() {
+        let lanes = FieldX8::of(grid);
+        let mut off = 0;
+        for round in 0..400 {
+            let ends: [[[f32; 3]; 2]; 8] =
+                core::array::from_fn(|lane| [2, 3].map(|i| point(1000 * i + 8 * round + lane as u32)));
+            let of = |end: usize| {
+                let axis = |axis: usize| f32x8::new(ends.map(|ends| ends[end][axis]));
+                Vec3x8::new(axis(0), axis(1), axis(2))
+            };
+            let (from, to) = (of(0), of(1));
+            let depth = lanes.optical_depth(from, to, (to - from).length_squared().sqrt()).to_array();
+            let extinction = lanes.extinction(from).to_array();
+            for lane in 0..8 {
+                let [from, to] = ends[lane].map(real);
+                let (expected, known) = (twin(grid).extinction(from), twin(grid).optical_depth(from, to));
+                assert!(
+                    (f64::from(extinction[lane]) - expected).abs() < 1e-4,
+                    "{number}: {} {expected}",
+                    extinction[lane]
+                );
+                let is_off = (f64::from(depth[lane]) - known).abs() > 1e-4 * (1.0 + known);
+                off += u32::from(is_off);
+            }
+        }
+        // Of 3200 segments, a few have a point, or the number of their points, on the edge of rounding.
+        assert!(off < 10, "grid {number}: {off} depths are off");
+    }
+}
+
+#[test]
+fn depths_are_the_same_both_ways_and_near_the_integral() {
+    for grid in grids().iter().take(3) {
+        for round in 0..100 {
+            let [from, to] = [2, 3].map(|i| real(point(1000 * i + round)));
+            let [there, back] = [twin(grid).optical_depth(from, to), twin(grid).optical_depth(to, from)];
+            assert!((there - back).abs() < 1e-9 * (1.0 + there), "{there} {back}");
+            let integral = integral(grid, from, to);
+            assert!((there - integral).abs() < 0.3 + 0.3 * integral, "{there} for {integral}");
+        }
+    }
+}
+
+/// The optical depth of a segment, by a fine midpoint rule.
+fn integral(grid: &Field, from: DVec3, to: DVec3) -> f64 {
+    let steps = 2000;
+    let at = |i: i32| twin(grid).extinction(from + (f64::from(i) + 0.5) / f64::from(steps) * (to - from));
+    (0..steps).map(at).sum::<f64>() / f64::from(steps) * from.distance(to)
+}
+
+fn rays(count: u32) -> Vec<Ray> {
+    let ray = |i: u32| {
+        let (origin, end) = (point(i), point(50_000 + i));
+        let direction = real(end).normalize().as_vec3().to_array();
+        Ray { origin, direction, stream: Stream::new(i, 5, 6, 7, 0), hues: [1.0; 3] }
+    };
+    (0..count).map(ray).collect()
+}
+
+#[test]
+fn tracked_flights_are_those_of_the_twin_in_any_lane() {
+    for grid in &grids() {
+        for count in [1, 7, 8, 9, 700] {
+            let rays = rays(count);
+            let mut found = vec![f32::NAN; rays.len()];
+            tracking::flights(grid, rays.iter().copied().enumerate(), |row, flight| found[row] = flight);
+            let mut reversed = vec![f32::NAN; rays.len()];
+            tracking::flights(grid, rays.iter().copied().enumerate().rev(), |row, flight| reversed[row] = flight);
+            assert!(found.iter().zip(&reversed).all(|(a, b)| a.to_bits() == b.to_bits()), "{count} rays");
+            let off = rays.iter().zip(&found).filter(|(ray, found)| {
+                let expected = tracking_twin::flight(grid, 1.0, real(ray.origin), real(ray.direction), ray.stream);
+                let close = (f64::from(**found) - expected).abs() < 1e-4 * (1.0 + expected);
+                !(close || expected.is_infinite() && found.is_infinite())
+            });
+            assert!(off.count() <= 2, "of {count}");
+        }
+    }
+}
+
+#[test]
+fn transmittances_are_those_of_the_twin() {
+    for grid in &grids() {
+        let segments: Vec<Ray> = (0..700)
+            .map(|i| {
+                let (origin, end) = (real(point(i)), real(point(70_000 + i)));
+                Ray {
+                    origin: point(i),
+                    direction: (end - origin).as_vec3().to_array(),
+                    stream: Stream::new(i, 5, 6, 7, 1),
+                    hues: [1.0; 3],
+                }
+            })
+            .collect();
+        let mut found = vec![(f32::NAN, f32::NAN); segments.len()];
+        tracking::transmittances(grid, segments.iter().copied().enumerate(), |row, [product], known| {
+            found[row] = (product, known)
+        });
+        let off = segments.iter().zip(&found).filter(|(ray, (product, known))| {
+            let (from, way) = (real(ray.origin), real(ray.direction));
+            let ([p], k) = tracking_twin::transmittance(grid, [1.0], from, from + way, ray.stream);
+            let known_matters = p > 0.0;
+            (f64::from(*product) - p).abs() > 1e-3 || known_matters && (f64::from(*known) - k).abs() > 1e-3 * (1.0 + k)
+        });
+        assert!(off.count() <= 4);
+    }
+}
+
+#[test]
+fn flights_and_transmittances_have_the_means_of_the_integral() {
+    for (number, grid) in grids().iter().enumerate() {
+        let (from, to) = (DVec3::new(-0.9, -0.3, -0.2), DVec3::new(0.8, 0.3, 0.25));
+        let (expected, samples) = ((-integral(grid, from, to)).exp(), 40_000_u32);
+        let direction = (to - from).normalize();
+        let (mut passed, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        for i in 0..samples {
+            let stream = |part| Stream::new(i, 3, 4, 5, part);
+            passed +=
+                f64::from(u8::from(tracking_twin::flight(grid, 1.0, from, direction, stream(0)) > from.distance(to)));
+            let ([product], known) = tracking_twin::transmittance(grid, [1.0], from, to, stream(1));
+            let estimate = product * (-known).exp();
+            sum += estimate;
+            squares += estimate * estimate;
+        }
+        let n = f64::from(samples);
+        let (share, mean) = (passed / n, sum / n);
+        let error = (expected * (1.0 - expected) / n).sqrt();
+        assert!((share - expected).abs() < 4.5 * error, "grid {number}: {share} of flights pass, not {expected}");
+        let error = ((squares / n - mean * mean) / n).sqrt();
+        assert!((mean - expected).abs() < 4.5 * error + 1e-5, "grid {number}: {mean} +- {error}, not {expected}");
+        // Known about where it is, the transmittance is worth more than a yes or no.
+        assert!(error < 0.7 * (expected * (1.0 - expected) / n).sqrt(), "grid {number}: {error}");
+    }
+}
+
+#[test]
+fn a_constant_grid_leaves_nothing_to_chance() {
+    let grid =
+        Field::grid(Voxels::new(&leaves(|_| 0.5), &TO_INDEX, Interpolation::Nearest), 3.0).with_cells(3, 1.0, 1.0);
+    let ray = Ray { origin: [-0.3; 3], direction: [0.6, 0.5, 0.3], stream: Stream::new(1, 2, 3, 4, 0), hues: [1.0; 3] };
+    tracking::transmittances(&grid, core::iter::once((0, ray)), |_, [product], known| {
+        let expected = 1.5 * real(ray.direction).length();
+        assert!((f64::from(known) / expected - 1.0).abs() < 1e-5 && product == 1.0, "{product} {known} {expected}");
+    });
+}
+
+#[test]
+fn bricks_take_less_than_their_voxels() {
+    let many: Vec<Leaf> = (0..1000)
+        .map(|i| {
+            let values =
+                core::array::from_fn(|j| crate::random::uniform(crate::random::words(i, j as u32, 0, 0)[0]) as f32);
+            Leaf { origin: [i % 10, i / 10 % 10, i / 100].map(|c| 8 * c as i32), values: Box::new(values) }
+        })
+        .collect();
+    let grid = Field::grid(Voxels::new(&many, &TO_INDEX, Interpolation::Trilinear), 1.0);
+    let voxels = many.len() * 512 * size_of::<f32>();
+    assert!(grid.bytes() as f64 <= 1.3 * voxels as f64, "{} bytes for {voxels}", grid.bytes());
+}

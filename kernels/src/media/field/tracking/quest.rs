@@ -1,0 +1,89 @@
+//! What rays are tracked for, eight at a time: the rate of candidates, and what becomes of a ray at each.
+
+use wide::f32x8;
+
+use crate::media::field::Cell;
+
+/// What is looked for along rays.
+pub(super) trait Quest<const N: usize>: Copy {
+    /// Whether the ray may end on its way.
+    const FLIES: bool;
+
+    /// Rate of candidates, and the mean extinction, in a cell [1/m].
+    fn rates(cell: &Cell) -> [f32; 2];
+
+    /// Where a candidate is in a cell of one extinction, its mean.
+    fn is_even(rates: [f32x8; 2]) -> f32x8;
+
+    /// What a candidate does to the ray's results, where extinction, rate and mean are these, for a number `u`; and
+    /// where the ray ends with it.
+    fn meet(
+        results: [f32x8; N],
+        hues: [f32x8; N],
+        extinction: f32x8,
+        rates: [f32x8; 2],
+        u: f32x8,
+    ) -> ([f32x8; N], f32x8);
+}
+
+/// Where a flight ends.
+#[derive(Clone, Copy)]
+pub(super) struct Flight;
+
+/// How much light comes through.
+#[derive(Clone, Copy)]
+pub(super) struct Transmittance;
+
+impl Quest<1> for Flight {
+    const FLIES: bool = true;
+
+    #[inline(always)]
+    fn rates(cell: &Cell) -> [f32; 2] {
+        [cell.most, cell.mean]
+    }
+
+    #[inline(always)]
+    fn is_even([most, mean]: [f32x8; 2]) -> f32x8 {
+        most.simd_eq(mean)
+    }
+
+    #[inline(always)]
+    fn meet(
+        results: [f32x8; 1],
+        _: [f32x8; 1],
+        extinction: f32x8,
+        [most, _]: [f32x8; 2],
+        u: f32x8,
+    ) -> ([f32x8; 1], f32x8) {
+        (results, (u * most).simd_lt(extinction))
+    }
+}
+
+impl<const N: usize> Quest<N> for Transmittance {
+    const FLIES: bool = false;
+
+    #[inline(always)]
+    fn rates(cell: &Cell) -> [f32; 2] {
+        [cell.spread, cell.mean]
+    }
+
+    #[inline(always)]
+    fn is_even(_: [f32x8; 2]) -> f32x8 {
+        // Of one extinction, a cell has no candidates.
+        f32x8::ZERO
+    }
+
+    #[inline(always)]
+    fn meet(
+        results: [f32x8; N],
+        hues: [f32x8; N],
+        extinction: f32x8,
+        [spread, mean]: [f32x8; 2],
+        _: f32x8,
+    ) -> ([f32x8; N], f32x8) {
+        let residual = (extinction - mean) / spread;
+        let factor = |c: usize| (f32x8::ONE - hues[c] * residual).fast_max(f32x8::ZERO);
+        let left: [f32x8; N] = core::array::from_fn(|c| results[c] * factor(c));
+        (left, left.into_iter().fold(f32x8::ZERO, f32x8::fast_max).simd_le(f32x8::ZERO))
+    }
+}

@@ -1,0 +1,150 @@
+//! Tracking in f64, one ray after the other.
+//!
+//! ```text
+//! t = where the ray enters the cells
+//! repeat: budget = -ln(1 - u)
+//!         while budget > rate(cell) (t_next - t): budget -= rate(cell) (t_next - t), t = t_next
+//!         t += budget / rate(cell);     collision, or factor, at t
+//! ```
+
+use glam::DVec3;
+
+use crate::media::field::{Cell, Field};
+use crate::random::{self, Stream};
+
+/// Length of the flight of a ray of unit `direction` that starts at `origin` `[m]`, where extinction is `hue` times that
+/// of the field; infinite where it leaves all there is.
+pub fn flight(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Stream) -> f64 {
+    fly(field, hue, origin, direction, stream).0
+}
+
+/// The same, and the number of candidates on its way, the collision included.
+pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Stream) -> (f64, u32) {
+    let mut walk = Walk::new(field, origin, direction, f64::INFINITY);
+    let around = f64::from(field.around()) * hue;
+    let mut candidates = 0;
+    let [mut first, ..] = stream.words(0).map(random::uniform);
+    let mut budget = -(1.0 - first).ln();
+    if around > 0.0 {
+        if budget <= around * walk.before {
+            return (budget / around, 0);
+        }
+        budget -= around * walk.before;
+    }
+    loop {
+        let rate = |cell: &Cell| f64::from(cell.most) * hue;
+        let (cell, left) = walk.advance(budget, rate, |_, _| ());
+        let Some(cell) = cell else {
+            return (if around > 0.0 { walk.exit + left / around } else { f64::INFINITY }, candidates);
+        };
+        candidates += 1;
+        let [chance, next, ..] = stream.words(candidates).map(random::uniform);
+        if chance * f64::from(cell.most) < walk.extinction() {
+            return (walk.t, candidates);
+        }
+        first = next;
+        budget = -(1.0 - first).ln();
+    }
+}
+
+/// An estimate of the transmittances from `from` to `to`, as products, one for each hue, and the optical depth of the
+/// coarse field where the hue is 1.
+pub fn transmittance<const N: usize>(
+    field: &Field,
+    hues: [f64; N],
+    from: DVec3,
+    to: DVec3,
+    stream: Stream,
+) -> ([f64; N], f64) {
+    let length = from.distance(to);
+    let mut walk = Walk::new(field, from, to - from, 1.0);
+    let mut draws = (0..).map(|k| stream.words(k).map(random::uniform));
+    let mut u = || draws.next().expect("streams do not end");
+    let around = f64::from(field.around()) * length;
+    let (mut products, mut known) = ([1.0; N], around * walk.before);
+    let [mut first, ..] = u();
+    loop {
+        let rate = |cell: &Cell| f64::from(cell.spread) * length;
+        let add = |cell: &Cell, t: f64| known += f64::from(cell.mean) * length * t;
+        let (Some(cell), _) = walk.advance(-(1.0 - first).ln(), rate, add) else {
+            let after = if walk.before < 1.0 { 1.0 - walk.exit } else { 0.0 };
+            return (products, known + around * after);
+        };
+        let [_, next, ..] = u();
+        let residual = (walk.extinction() - f64::from(cell.mean)) / f64::from(cell.spread);
+        for (product, hue) in products.iter_mut().zip(hues) {
+            *product *= (1.0 - hue * residual).max(0.0);
+        }
+        if products == [0.0; N] {
+            return (products, known);
+        }
+        first = next;
+    }
+}
+
+/// A ray on its way through the cells.
+struct Walk<'a> {
+    field: &'a Field,
+    /// In cells.
+    origin: DVec3,
+    direction: DVec3,
+    t: f64,
+    /// How far it goes before it comes to the cells: all the way if it misses them.
+    before: f64,
+    exit: f64,
+    cell: [i64; 3],
+}
+
+impl<'a> Walk<'a> {
+    fn new(field: &'a Field, origin: DVec3, direction: DVec3, longest: f64) -> Self {
+        let (start, direction) = (field.cells_of(origin), field.cells_along(direction));
+        let part = field.part_within(start, direction, [0.0; 2], longest);
+        let (t, exit) = part.unwrap_or((longest, longest));
+        let cell = part.map_or([0; 3], |(t, _)| field.cell_at(start + t * direction).map(i64::from));
+        Self { field, origin: start, direction, t, before: t, exit, cell }
+    }
+
+    fn extinction(&self) -> f64 {
+        self.field.extinction_at(self.origin + self.t * self.direction)
+    }
+
+    /// Goes on until `budget` is spent on `rate`, and gives the cell where that is, or, if the ray ends before, none and
+    /// what is left of the budget. Tells `pass` of every way through a cell.
+    fn advance(
+        &mut self,
+        mut budget: f64,
+        rate: impl Fn(&Cell) -> f64,
+        mut pass: impl FnMut(&Cell, f64),
+    ) -> (Option<Cell>, f64) {
+        while self.t < self.exit {
+            let cells = self.field.cells();
+            if (0..3).any(|axis| self.cell[axis] < 0 || self.cell[axis] >= i64::from(cells.dims[axis])) {
+                return (None, budget);
+            }
+            let cell = *cells.at(self.cell.map(|index| index as u32));
+            let (axis, border) = self.border();
+            let length = (border.min(self.exit) - self.t).max(0.0);
+            if rate(&cell) * length >= budget {
+                let way = budget / rate(&cell);
+                pass(&cell, way);
+                self.t += way;
+                return (Some(cell), 0.0);
+            }
+            budget -= rate(&cell) * length;
+            pass(&cell, length);
+            self.t = border.min(self.exit).max(self.t);
+            self.cell[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
+        }
+        (None, budget)
+    }
+
+    /// The axis along which the next cell lies, and where it begins.
+    fn border(&self) -> (usize, f64) {
+        let border_along = |axis: usize| {
+            let behind = if self.direction[axis] > 0.0 { 1 } else { 0 };
+            ((self.cell[axis] + behind) as f64 - self.origin[axis]) / self.direction[axis]
+        };
+        let moves = (0..3).filter(|axis| self.direction[*axis] != 0.0).map(|axis| (axis, border_along(axis)));
+        moves.fold((0, f64::INFINITY), |near, other| if other.1 < near.1 { other } else { near })
+    }
+}

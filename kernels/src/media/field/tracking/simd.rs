@@ -1,0 +1,353 @@
+//! ```text
+//! repeat for each of eight rays:
+//!     while budget > rate * (t_next - t):  budget -= rate * (t_next - t),  t = t_next,  into the next cell
+//!     t += budget / rate;    ask the density there;    a new budget
+//! ```
+//!
+//! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those
+//!    at once, and the others go on where they are.
+//! 2. A lane whose ray has ended takes the next one: none waits for the longest ray. What becomes of a ray does not
+//!    depend on its lane or its neighbours.
+//! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
+//! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
+//!    everything is known.
+//! 5. In a cell of one extinction, density need not be asked.
+
+use wide::{f32x8, i32x8, u32x8};
+
+use super::Ray;
+use super::quest::{Flight, Quest, Transmittance};
+use crate::lanes::{self, LANES};
+use crate::media::field::Field;
+use crate::media::field::simd::within;
+use crate::random::{Stream, uniform_x8};
+use crate::transcendental::{exp, neg_ln};
+use crate::vec3x8::Vec3x8;
+
+/// So many rays that still cross cells do not keep the others waiting.
+const FEW: u32 = 3;
+
+/// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves all there is. The
+/// first hue of a ray is that of its flight.
+pub fn flights(field: &Field, rays: impl Iterator<Item = (usize, Ray)>, mut end: impl FnMut(usize, f32)) {
+    track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
+        end(row, if ended.collided { ended.t } else { f32::INFINITY });
+    });
+}
+
+/// Hands an estimate of every segment's transmittance to `end`, as products and the optical depth of the coarse field
+/// where the hue is 1: for each of N hues, `T' = product e^{-hue depth}`.
+pub fn transmittances<const N: usize>(
+    field: &Field,
+    segments: impl Iterator<Item = (usize, Ray)>,
+    mut end: impl FnMut(usize, [f32; N], f32),
+) {
+    track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
+}
+
+/// A ray that is through.
+struct Ended<const N: usize> {
+    t: f32,
+    collided: bool,
+    results: [f32; N],
+    known: f32,
+}
+
+/// Eight rays on their way.
+struct Lanes<const N: usize> {
+    /// Where the ray is at t = 0, and where it goes, in cells.
+    origin: Vec3x8,
+    direction: Vec3x8,
+    t: f32x8,
+    /// Where it leaves the cells or ends.
+    exit: f32x8,
+    /// Where it enters the next cell along each axis.
+    next: Vec3x8,
+    /// From one cell to the next along each axis.
+    delta: Vec3x8,
+    /// The cell that the ray is in.
+    cell: i32x8,
+    /// From there to the next one along each axis.
+    stride: [i32x8; 3],
+    /// Length of a unit of t `[m]`, times the hue of a flight.
+    scale: f32x8,
+    /// Mean free paths left until the next candidate.
+    budget: f32x8,
+    results: [f32x8; N],
+    hues: [f32x8; N],
+    /// Optical depth of what is known.
+    known: f32x8,
+    stream: [u32x8; 4],
+    candidates: u32x8,
+    row: [usize; LANES],
+    /// Lanes with a ray.
+    live: u32,
+    /// Those of them whose rays have left the cells, or come to their ends.
+    through: u32,
+}
+
+#[inline(always)]
+fn track<const N: usize, Q: Quest<N>>(
+    field: &Field,
+    mut rays: impl Iterator<Item = (usize, Ray)>,
+    longest: f32,
+    mut end: impl FnMut(usize, Ended<N>),
+) {
+    let mut lanes = Lanes::<N>::empty();
+    loop {
+        while lanes.live != lanes::ALL && lanes.take::<Q>(field, &mut rays, longest, &mut end) {}
+        if lanes.live == 0 {
+            return;
+        }
+        let ended = lanes.cross_and_meet::<Q>(field);
+        lanes.leave::<Q>(field, longest);
+        for lane in lanes::each(ended) {
+            end(lanes.row[lane], lanes.ended(lane, lanes.through));
+        }
+        lanes.live &= !ended;
+    }
+}
+
+impl<const N: usize> Lanes<N> {
+    fn empty() -> Self {
+        let (zero, none) = (f32x8::ZERO, u32x8::splat(0));
+        Self {
+            origin: Vec3x8::ZERO,
+            direction: Vec3x8::ZERO,
+            t: zero,
+            exit: zero,
+            next: Vec3x8::ZERO,
+            delta: Vec3x8::ZERO,
+            cell: i32x8::splat(0),
+            stride: [i32x8::splat(0); 3],
+            scale: zero,
+            budget: zero,
+            results: [zero; N],
+            hues: [zero; N],
+            known: zero,
+            stream: [none; 4],
+            candidates: none,
+            row: [0; LANES],
+            live: 0,
+            through: 0,
+        }
+    }
+
+    /// What became of a ray, if those of `through` have not collided.
+    fn ended(&self, lane: usize, through: u32) -> Ended<N> {
+        let of = |v: f32x8| v.to_array()[lane];
+        let collided = through >> lane & 1 == 0;
+        Ended { t: of(self.t), collided, results: self.results.map(of), known: of(self.known) }
+    }
+
+    /// Takes as many rays as there are vacant lanes; tells whether there were any. Those that miss the cells, or end
+    /// before, end at once.
+    #[inline(always)]
+    fn take<Q: Quest<N>>(
+        &mut self,
+        field: &Field,
+        rays: &mut impl Iterator<Item = (usize, Ray)>,
+        longest: f32,
+        end: &mut impl FnMut(usize, Ended<N>),
+    ) -> bool {
+        let mut fresh = 0;
+        let (mut origins, mut directions) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for lane in lanes::each(!self.live & lanes::ALL) {
+            let Some((row, ray)) = rays.next() else { break };
+            self.row[lane] = row;
+            for axis in 0..3 {
+                (origins[axis][lane], directions[axis][lane]) = (ray.origin[axis], ray.direction[axis]);
+            }
+            for (column, word) in self.stream.iter_mut().zip(ray.stream.0) {
+                bytemuck::cast_mut::<u32x8, [u32; LANES]>(column)[lane] = word;
+            }
+            for (column, hue) in self.hues.iter_mut().zip(ray.hues) {
+                bytemuck::cast_mut::<f32x8, [f32; LANES]>(column)[lane] = hue;
+            }
+            fresh |= 1 << lane;
+        }
+        if fresh == 0 {
+            return false;
+        }
+        let of = |v: [[f32; LANES]; 3]| Vec3x8::new(f32x8::new(v[0]), f32x8::new(v[1]), f32x8::new(v[2]));
+        self.enter::<Q>(field, fresh, of(origins), of(directions), longest);
+        let mut missed = fresh & !lanes::bits(self.t.simd_lt(self.exit));
+        let mut early = 0;
+        if field.around() > 0.0 {
+            (missed, early) = self.approach::<Q>(field, fresh, missed, longest);
+        }
+        self.live |= fresh & !missed & !early;
+        for lane in lanes::each(missed | early) {
+            end(self.row[lane], self.ended(lane, missed));
+        }
+        true
+    }
+
+    /// Takes the rays `fresh` through what is around the cells, up to these or, if they have `missed` them, to their
+    /// ends. Gives those that have come to their ends, and those that have collided.
+    #[inline(always)]
+    fn approach<Q: Quest<N>>(&mut self, field: &Field, fresh: u32, missed: u32, longest: f32) -> (u32, u32) {
+        let fresh_lanes = lanes::mask(fresh);
+        let rate = f32x8::splat(field.around()) * self.scale;
+        let until = lanes::mask(missed).select(f32x8::splat(longest), self.t);
+        let depth = rate * until;
+        if !Q::FLIES {
+            self.known = fresh_lanes.select(depth, self.known);
+            return (missed, 0);
+        }
+        let early = fresh_lanes & depth.simd_ge(self.budget);
+        self.t = early.select(self.budget / rate, self.t);
+        self.budget = (fresh_lanes & !early).select(self.budget - depth, self.budget);
+        let early = lanes::bits(early);
+        (missed & !early, early)
+    }
+
+    /// Takes the rays that are through the cells on, through what is around these.
+    #[inline(always)]
+    fn leave<Q: Quest<N>>(&mut self, field: &Field, longest: f32) {
+        if field.around() == 0.0 || self.through == 0 {
+            return;
+        }
+        let through = lanes::mask(self.through);
+        let rate = f32x8::splat(field.around()) * self.scale;
+        if Q::FLIES {
+            self.t = through.select(self.exit + self.budget / rate, self.t);
+            self.through = 0;
+        } else {
+            let rest = rate * (f32x8::splat(longest) - self.exit);
+            self.known = through.select(self.known + rest, self.known);
+        }
+    }
+
+    /// Sets the rays of the lanes `fresh` out.
+    #[inline(always)]
+    fn enter<Q: Quest<N>>(&mut self, field: &Field, fresh: u32, origin: Vec3x8, direction: Vec3x8, longest: f32) {
+        let fresh = lanes::mask(fresh);
+        let mut scale = direction.length_squared().sqrt();
+        if Q::FLIES {
+            scale *= self.hues[0];
+        }
+        let (origin, direction) = (field.in_cells(origin), field.to_cells.directions(direction));
+        let [enter, exit] =
+            within(origin, direction, [0.0; 3], field.cells.dims.map(|dim| dim as f32), f32x8::splat(longest));
+        let at = direction.mul_add(enter, origin);
+        let mut next = [f32x8::ZERO; 3];
+        let mut delta = [f32x8::ZERO; 3];
+        let mut index = i32x8::splat(0);
+        for axis in 0..3 {
+            let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
+            let (start, step) = (pick(origin), pick(direction));
+            let last = f32x8::splat((field.cells.dims[axis] - 1) as f32);
+            let cell = pick(at).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
+            let forward = step.simd_gt(f32x8::ZERO);
+            let border = f32x8::from_i32x8(cell) + forward.select(f32x8::ONE, f32x8::ZERO);
+            let inverse = f32x8::ONE / step;
+            let moves = !step.simd_eq(f32x8::ZERO);
+            next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
+            delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
+            let stride = i32x8::splat(field.cells.strides()[axis]);
+            index += (cell + i32x8::splat(1)) * stride;
+            self.stride[axis] = choose(fresh, choose(forward, stride, -stride), self.stride[axis]);
+        }
+        self.cell = choose(fresh, index, self.cell);
+        let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
+        self.origin = Vec3x8::select(fresh, origin, self.origin);
+        self.direction = Vec3x8::select(fresh, direction, self.direction);
+        self.next = Vec3x8::select(fresh, vector(next), self.next);
+        self.delta = Vec3x8::select(fresh, vector(delta), self.delta);
+        self.scale = fresh.select(scale, self.scale);
+        self.t = fresh.select(enter, self.t);
+        self.exit = fresh.select(exit, self.exit);
+        self.results = self.results.map(|result| fresh.select(f32x8::ONE, result));
+        self.known = fresh.select(f32x8::ZERO, self.known);
+        self.candidates &= !lanes::as_integer_mask(fresh);
+        let [first, _] = self.draw();
+        self.budget = fresh.select(neg_ln(f32x8::ONE - first), self.budget);
+        self.candidates += bytemuck::cast::<f32x8, u32x8>(fresh) & u32x8::splat(1);
+    }
+
+    /// The two numbers of the next candidate of every ray.
+    #[inline(always)]
+    fn draw(&self) -> [f32x8; 2] {
+        let [a, b, ..] = Stream::words_x8(self.stream, self.candidates);
+        [uniform_x8(a), uniform_x8(b)]
+    }
+
+    /// Takes most rays to their next candidates; gives the lanes whose rays end.
+    #[inline(always)]
+    fn cross_and_meet<Q: Quest<N>>(&mut self, field: &Field) -> u32 {
+        let live = lanes::mask(self.live);
+        let (mut moving, mut through) = (live, f32x8::ZERO);
+        let mut rates;
+        loop {
+            rates = self.rates::<Q>(field);
+            let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
+            let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
+            let spent = rates[0] * length;
+            let crosses = moving & spent.simd_lt(self.budget);
+            self.budget = crosses.select(self.budget - spent, self.budget);
+            self.known = crosses.select(rates[1].mul_add(length, self.known), self.known);
+            self.t = crosses.select(border.fast_max(self.t), self.t);
+            let goes_on = crosses & border.simd_lt(self.exit);
+            self.step(goes_on, border);
+            through |= crosses & !goes_on;
+            moving = goes_on;
+            if lanes::bits(moving).count_ones() <= FEW {
+                break;
+            }
+        }
+        self.through = lanes::bits(through);
+        let arrived = live & !through & !moving;
+        if !arrived.any() {
+            return self.through;
+        }
+        let way = self.budget / rates[0];
+        self.t = arrived.select((way / self.scale) + self.t, self.t);
+        self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
+        let even = Q::is_even(rates);
+        let mut extinction = rates[1];
+        if (arrived & !even).any() {
+            let at = self.direction.mul_add(self.t, self.origin);
+            extinction = even.select(extinction, field.at(at).0);
+        }
+        let [u, first] = self.draw();
+        let (results, ends) = Q::meet(self.results, self.hues, extinction, rates, u);
+        for (result, after) in self.results.iter_mut().zip(results) {
+            *result = arrived.select(after, *result);
+        }
+        self.budget = arrived.select(neg_ln(f32x8::ONE - first), self.budget);
+        self.candidates += bytemuck::cast::<f32x8, u32x8>(arrived) & u32x8::splat(1);
+        self.through | lanes::bits(arrived & ends)
+    }
+
+    /// The rates of the cells that rays are in.
+    #[inline(always)]
+    fn rates<Q: Quest<N>>(&self, field: &Field) -> [f32x8; 2] {
+        let all = field.cells.all();
+        let rates = self.cell.to_array().map(|cell| Q::rates(&all[cell as usize]));
+        [0, 1].map(|i| f32x8::new(rates.map(|rates| rates[i])))
+    }
+
+    /// Takes the rays in `crosses` across the next `border` that they come to, at edges and corners across all of them.
+    #[inline(always)]
+    fn step(&mut self, crosses: f32x8, border: f32x8) {
+        let delta = [self.delta.x, self.delta.y, self.delta.z];
+        for (axis, next) in [&mut self.next.x, &mut self.next.y, &mut self.next.z].into_iter().enumerate() {
+            let here = crosses & next.simd_le(border);
+            *next = here.select(*next + delta[axis], *next);
+            self.cell += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
+        }
+    }
+}
+
+#[inline(always)]
+fn choose(mask: f32x8, a: i32x8, b: i32x8) -> i32x8 {
+    bytemuck::cast(mask.select(bytemuck::cast::<i32x8, f32x8>(a), bytemuck::cast::<i32x8, f32x8>(b)))
+}
+
+/// `T' e^{hue depth}` for an estimate of the transmittance as [`transmittances`] gives it, and the `depth` that weights
+/// counted.
+#[inline(always)]
+pub fn factor(product: f32x8, hue: f32x8, known: f32x8, depth: f32x8) -> f32x8 {
+    product * exp(hue * (depth - known))
+}

@@ -1,0 +1,187 @@
+//! How far walks should go, where no number of segments ends them.
+//!
+//! A walk that goes on finds more, and costs more. If a share q_k of all walks gets to the k-th octave of depth, with
+//! M_k the mean square of what is found there by walks that all go on and A_k the mean number of their vertices there,
+//!
+//! ```text
+//! variance = sum of M_k / q_k,     cost = c_0 + c sum of A_k q_k
+//! variance * cost is least where   q_k = min(1, sqrt(M_k / (c A_k) cost / variance)),    non-increasing
+//! ```
+//!
+//! (contributions at different depths taken as independent). Octaves that would have more walks than the ones before
+//! are joined with them. No octave has less than a quarter of the walks of the one before: what a look has not found
+//! may be there, and with q falling as the square of the depth it is still found, while the cost of going there is no
+//! more than that of what comes before. Behind the last octave where more than a few contributions were found nothing
+//! is known of M_k, and half of the walks go on from one octave to the next.
+//!
+//! Variance is that of the brightest parts of an image: a lamp on a table would have no walk go on in the dark wax beside
+//! it, of which the noise is seen all the same. So all walks get to the third octave, and no fewer than half of those of
+//! an octave to the next one.
+//!
+//! The first look does not know the scene. Its walks end so that both sums converge where light falls with the power
+//! -3/2 of the depth, as it does in endless white fog: with the power -3/4.
+
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::survival::{FIRST_FADING, OCTAVES, Survival};
+
+use super::{Pilot, Setting, cost};
+use crate::film::Film;
+use crate::stats::{ByDepth, Stats};
+
+/// Looks, each with what the one before found.
+const LOOKS: u32 = 3;
+/// Side of a tile: few blocks, as each takes as long as its longest walk.
+const TILE: u32 = 16;
+/// Samples per pixel and look.
+const SAMPLES: u32 = 4;
+/// Segments after which the walks of looks end: the last ones of a block are alone.
+const FARTHEST: u32 = 1 << 13;
+/// The octave from which on walks may end at all.
+const DARK: usize = 2;
+/// Least share of the walks of an octave that gets to the next one.
+const STEEPEST: f64 = 0.25;
+/// That share where little is known.
+const HALF: f64 = 0.5;
+/// Contributions of which an octave's light must at least seem to consist, were they all alike, to be known.
+const LEAST_CONTRIBUTIONS: f64 = 8.0;
+/// Work of a further look in about nanoseconds of one core.
+const MOST_WORK: f64 = 3e9;
+/// Steps towards the best shares.
+const STEPS: usize = 100;
+
+/// Survival by depth that suits the pilot's frame with `setting`; none if it was stopped.
+pub(super) fn survival(pilot: &Pilot<'_>, setting: Setting) -> Option<Survival> {
+    let mut survival = Survival::fading(FIRST_FADING);
+    for look in 0..LOOKS {
+        let found = take(pilot, Setting { survival, ..setting }, look)?;
+        let (best, cost) = found.best_reach(&survival);
+        survival = Survival::from_reach(best);
+        if cost * f64::from(SAMPLES * pilot.region.pixels() as u32) > MOST_WORK {
+            break;
+        }
+    }
+    Some(survival)
+}
+
+/// What a look says of a sample.
+struct Found {
+    /// Sum of squares of contributions, by octave.
+    squares: [f64; OCTAVES],
+    /// How many contributions there seem to be, were they all alike.
+    contributions: [f64; OCTAVES],
+    /// Vertices, by octave.
+    vertices: [f64; OCTAVES],
+    /// Work per vertex, and beside that.
+    cost: [f64; 2],
+}
+
+fn take(pilot: &Pilot<'_>, setting: Setting, look: u32) -> Option<Found> {
+    let mut frame = setting.apply(&pilot.frame);
+    frame.lengths.max = frame.lengths.max.min(FARTHEST);
+    let film = Film::new(&frame, pilot.region, TILE);
+    let empty = Stats { by_depth: Some(ByDepth::new()), ..Stats::new(false).with_work() };
+    let samples = look * SAMPLES..(look + 1) * SAMPLES;
+    let stats = pilot.renderer.render_counting(empty, &frame, &SIMD, &film, samples, pilot.monitor);
+    if pilot.monitor.stops() {
+        return None;
+    }
+    let by_depth = stats.by_depth.as_ref()?;
+    let per_sample = |sum: f64| sum / stats.samples as f64;
+    let vertices = by_depth.vertices.map(|count| per_sample(count as f64));
+    let whole = per_sample(cost(&stats, &frame));
+    let fixed = per_sample(cost(
+        &Stats { samples: stats.samples, segments: stats.samples, ..Stats::new(false).with_work() },
+        &frame,
+    ));
+    let per_vertex = (whole - fixed) / vertices.iter().sum::<f64>().max(1.0);
+    let sums = by_depth.sums();
+    let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+    let squares = sums.map(|[_, squares]| per_sample(squares));
+    Some(Found { squares, contributions: sums.map(alike), vertices, cost: [per_vertex, fixed] })
+}
+
+/// Octaves that get the same share of all walks.
+struct Part {
+    /// M: the mean square of what is found there by walks that all go on.
+    squares: f64,
+    /// A: the mean number of their vertices there.
+    vertices: f64,
+    octaves: usize,
+    /// q: the share of all walks that gets there.
+    share: f64,
+    /// q over that of the part before, where the squares do not say it.
+    falls: Option<f64>,
+}
+
+impl Found {
+    /// The shares of walks that should get to the beginning of each octave, if these were found with `survival`, and the
+    /// cost of a sample then.
+    fn best_reach(&self, survival: &Survival) -> ([f64; OCTAVES], f64) {
+        let mut parts = self.parts(survival);
+        for _ in 0..STEPS {
+            let variance: f64 = parts.iter().map(|part| part.squares / part.share).sum();
+            let ratio = self.cost_of(&parts) / (self.cost[0] * variance);
+            let mut before = 1.0;
+            let mut octave = 0;
+            for part in &mut parts {
+                octave += part.octaves;
+                let least = HALF.powi(octave.saturating_sub(1 + DARK) as i32);
+                let best = (part.squares / part.vertices * ratio).sqrt();
+                let best = part.falls.map_or(best, |falls| falls * before);
+                part.share = best.clamp(STEEPEST * before, before).max(least.min(before));
+                before = part.share;
+            }
+        }
+        (at_beginnings(&parts), self.cost_of(&parts))
+    }
+
+    /// Octaves, joined where later ones would have more walks.
+    fn parts(&self, survival: &Survival) -> Vec<Part> {
+        let is_known = |count: &f64| *count >= LEAST_CONTRIBUTIONS;
+        let known = self.contributions.iter().rposition(is_known).map_or(1, |last| last + 1);
+        let mut parts: Vec<Part> = Vec::new();
+        for k in 0..OCTAVES {
+            let had = survival.reach(middle(k));
+            // Of a few large ones there may be fewer than it seems.
+            let sure = (self.contributions[k] / LEAST_CONTRIBUTIONS).min(1.0);
+            let (squares, vertices) = (self.squares[k] * sure * had, self.vertices[k] / had);
+            let nothing = squares == 0.0 && vertices > 0.0;
+            let found = if nothing { STEEPEST } else { HALF };
+            let falls = (k >= known).then_some(found);
+            parts.push(Part { squares, vertices, octaves: 1, share: 1.0, falls });
+            while let [.., before, last] = &parts[..]
+                && last.falls.is_none()
+                && last.squares * before.vertices > before.squares * last.vertices
+            {
+                let (squares, vertices) = (before.squares + last.squares, before.vertices + last.vertices);
+                let octaves = before.octaves + last.octaves;
+                parts.truncate(parts.len() - 2);
+                parts.push(Part { squares, vertices, octaves, share: 1.0, falls });
+            }
+        }
+        parts
+    }
+
+    /// Cost of a sample.
+    fn cost_of(&self, parts: &[Part]) -> f64 {
+        let [per_vertex, fixed] = self.cost;
+        fixed + per_vertex * parts.iter().map(|part| part.vertices * part.share).sum::<f64>()
+    }
+}
+
+/// From shares in the middle of octaves to those at their beginnings; depth 1 is reached by all.
+fn at_beginnings(parts: &[Part]) -> [f64; OCTAVES] {
+    let mut middles = parts.iter().flat_map(|part| core::iter::repeat_n(part.share, part.octaves));
+    let mut before = 1.0;
+    core::array::from_fn(|k| {
+        let middle = middles.next().unwrap_or(before);
+        let between = if k == 0 { 1.0 } else { f64::sqrt(before * middle) };
+        before = middle;
+        between
+    })
+}
+
+/// A depth in the middle of an octave.
+fn middle(octave: usize) -> u32 {
+    (core::f64::consts::SQRT_2 * f64::from(1_u32 << octave)) as u32
+}

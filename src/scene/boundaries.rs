@@ -1,0 +1,159 @@
+//! Closed meshes of the scene's glTF file that bound volumes.
+//!
+//! A boundary is no surface: light passes it as if nothing were there, so that its triangles leave the model.
+
+use fogbow_kernels::media::closed_mesh::{ClosedMesh, OpenEdge, OpenMesh};
+use glam::DVec3;
+
+use super::document::Document;
+use super::model::{Loaded, list};
+use crate::error::{Error, Result};
+use crate::gltf::{Instance, Model, label, quoted};
+
+/// Most triangles of a boundary: its columns hold about seven copies of each.
+const MOST_TRIANGLES: usize = 1 << 28;
+/// Open edges that an error tells.
+const MOST_EDGES: usize = 3;
+
+/// A triangle's corners `[m]`.
+type Corners = [[f32; 3]; 3];
+
+/// A boundary that a volume has.
+#[derive(Clone, Debug)]
+pub struct Wanted<'a> {
+    /// The key that names it: `volume[0].shape.name`.
+    pub path: String,
+    /// Its name: that of nodes, or of their mesh. All nodes that are called so are parts of it.
+    pub name: &'a str,
+}
+
+/// The boundaries that are `wanted`, in their order, with positions counted from where those of `loaded` are. Their
+/// triangles are taken out of `loaded`. Volumes may share one.
+///
+/// # Errors
+/// If there is no geometry, nothing in it has the name, or what has it is not closed or shines.
+pub fn take(loaded: Option<&mut Loaded>, document: &Document, wanted: &[Wanted<'_>]) -> Result<Vec<ClosedMesh>> {
+    let Some(first) = wanted.first() else { return Ok(Vec::new()) };
+    let loaded = loaded.ok_or_else(|| no_geometry(document, first))?;
+    let boundaries = wanted.iter().map(|wanted| boundary(loaded, document, wanted)).collect::<Result<_>>()?;
+    remove(&mut loaded.model, |instance| wanted.iter().any(|wanted| is_called(instance, wanted.name)));
+    Ok(boundaries)
+}
+
+fn is_called(instance: &Instance, name: &str) -> bool {
+    instance.name == name || instance.mesh.as_deref() == Some(name)
+}
+
+/// The union of all nodes that are called like the boundary.
+fn boundary(loaded: &Loaded, document: &Document, wanted: &Wanted<'_>) -> Result<ClosedMesh> {
+    let named = loaded.model.instances.iter().filter(|instance| is_called(instance, wanted.name));
+    let parts: Vec<_> = named.collect();
+    if parts.is_empty() {
+        return Err(unknown(loaded, document, wanted));
+    }
+    let count = parts.iter().map(|part| part.triangles.len()).sum::<usize>();
+    let finding = || format!("has {count} triangles, more than the limit of {MOST_TRIANGLES} for what bounds a volume");
+    let too_many = || Error::failure(place(loaded, parts[0]), finding(), "give it fewer triangles");
+    (count <= MOST_TRIANGLES).then_some(()).ok_or_else(too_many)?;
+    let mut triangles = Vec::with_capacity(count);
+    for part in parts {
+        refuse_emission(loaded, part)?;
+        let corners = corners(&loaded.model, part);
+        ClosedMesh::check(&corners).map_err(|open| not_closed(loaded, part, &open))?;
+        triangles.extend(outward(corners));
+    }
+    Ok(ClosedMesh::new(&triangles).expect("what has closed parts is closed"))
+}
+
+fn corners(model: &Model, instance: &Instance) -> Vec<Corners> {
+    let range = instance.triangles.start as usize..instance.triangles.end as usize;
+    let position = |corner: u32| model.positions[corner as usize];
+    model.triangles[range].iter().map(|triangle| triangle.corners.map(position)).collect()
+}
+
+/// The same surface with its outside outside, so that parts that overlap do not cancel.
+fn outward(part: Vec<Corners>) -> impl Iterator<Item = Corners> {
+    let middle = DVec3::from(part[0][0].map(f64::from));
+    let volume = |corners: &Corners| {
+        let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)) - middle);
+        a.dot(b.cross(c))
+    };
+    let is_inverted = part.iter().map(volume).sum::<f64>() < 0.0;
+    part.into_iter().map(move |[a, b, c]| if is_inverted { [a, c, b] } else { [a, b, c] })
+}
+
+/// Takes the triangles of some instances out of a model.
+fn remove(model: &mut Model, is_removed: impl Fn(&Instance) -> bool) {
+    let mut left = Vec::new();
+    model.instances.retain_mut(|instance| {
+        let range = instance.triangles.start as usize..instance.triangles.end as usize;
+        let stays = !is_removed(instance);
+        if stays {
+            let first = left.len() as u32;
+            left.extend_from_slice(&model.triangles[range]);
+            instance.triangles = first..left.len() as u32;
+        }
+        stays
+    });
+    model.triangles = left;
+}
+
+fn no_geometry(document: &Document, wanted: &Wanted<'_>) -> Error {
+    let finding = format!("{} is {}, but the scene has no geometry", wanted.path, quoted(wanted.name));
+    document.error(&wanted.path, finding, "set geometry to the path of a glTF file that has the mesh")
+}
+
+fn unknown(loaded: &Loaded, document: &Document, wanted: &Wanted<'_>) -> Error {
+    let finding = format!("{} is {}, but {} has no such mesh", wanted.path, quoted(wanted.name), loaded.file);
+    let mut names: Vec<&str> = Vec::new();
+    for instance in &loaded.model.instances {
+        if !names.contains(&instance.name.as_str()) {
+            names.push(&instance.name);
+        }
+    }
+    let remedy = match names.is_empty() {
+        true => "give the name of a mesh; the file has none".into(),
+        false => format!("give one of its names: {}", list(names.into_iter())),
+    };
+    document.error(&wanted.path, finding, remedy)
+}
+
+/// A boundary that shines would be a light without a surface.
+fn refuse_emission(loaded: &Loaded, instance: &Instance) -> Result<()> {
+    let range = instance.triangles.start as usize..instance.triangles.end as usize;
+    let materials = loaded.model.triangles[range].iter().map(|triangle| triangle.material as usize);
+    let shines = |material: &usize| loaded.model.materials[*material].emission != [0.0; 3];
+    materials.clone().find(shines).map_or(Ok(()), |material| {
+        let name = label("material", material, loaded.model.materials[material].name.as_deref());
+        let finding = format!("bounds a volume and shines, with {name}; a boundary is no surface");
+        Err(Error::failure(place(loaded, instance), finding, "give it a material without emission"))
+    })
+}
+
+fn not_closed(loaded: &Loaded, instance: &Instance, open: &OpenMesh) -> Error {
+    let finding = match open {
+        OpenMesh::Empty => "bounds a volume, but none of its triangles has an area".into(),
+        OpenMesh::Edges(edges) => {
+            let told: Vec<_> = edges.iter().take(MOST_EDGES).map(|edge| ends(edge, &loaded.model)).collect();
+            let (told, more) = (told.join("; "), if edges.len() > MOST_EDGES { "; .." } else { "" });
+            format!("bounds a volume, but is not closed: {} of its edges are open: {told}{more}", edges.len())
+        }
+    };
+    let remedy = "close its holes in the modelling program: merge vertices by distance, fill what is left, and let all \
+                  normals point outward";
+    Error::failure(place(loaded, instance), finding, remedy)
+}
+
+/// Where an edge is, in the file's coordinates.
+fn ends(edge: &OpenEdge, model: &Model) -> String {
+    let position = |end: [f32; 3]| [0, 1, 2].map(|axis| (f64::from(end[axis]) + model.origin[axis]) as f32);
+    let [from, to] = edge.ends.map(position);
+    format!("from {from:?} to {to:?}")
+}
+
+fn place(loaded: &Loaded, instance: &Instance) -> String {
+    format!("{}: {}", loaded.file, label("node", instance.node as usize, Some(&instance.name)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,215 @@
+//! Extinction that differs from place to place: flights are tracked and transmittances estimated, and images are as they
+//! must be.
+
+use bumpalo::Bump;
+use fogbow::frame::Frame;
+use fogbow::render::Workers;
+use fogbow::wavefront::{Source, Wavefront};
+use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::connect::nee;
+use fogbow_kernels::media::Medium;
+use fogbow_kernels::media::field::reference::FieldTwin;
+use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
+use fogbow_kernels::media::reference::Medium as _;
+use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction};
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::tables::camera::Camera;
+use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_testing::agreement::{
+    assert_equal_means, assert_same, assert_stages_agree, assert_whole_paths_agree, means,
+};
+use fogbow_testing::frames::clouds::{IN_FIELDS, centred, cloud, clouds, leaves, volumes, with_field};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::recorded::wavefront;
+use fogbow_testing::render::{WORKERS, render_here, render_with};
+use glam::DVec3;
+
+/// All that varies.
+fn all() -> impl Iterator<Item = (&'static str, Frame)> {
+    clouds(SMALL).into_iter().chain(volumes(SMALL))
+}
+
+const SMALL: [u32; 2] = [16, 16];
+
+#[test]
+fn every_stage_agrees_with_its_twin() {
+    for (name, cloud) in all() {
+        assert_stages_agree(name, IN_FIELDS.map(|active| frames::with_techniques(&cloud, active, 4.0)).into_iter(), 8);
+    }
+}
+
+#[test]
+fn whole_paths_agree_with_the_scalar_integrator() {
+    for (name, cloud) in all() {
+        for active in IN_FIELDS {
+            let frame = frames::with_techniques(&cloud, active, 4.0);
+            assert!(assert_whole_paths_agree(&format!("{name}, {active:?}"), &frame) > 0.0, "{name}, {active:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pipeline_of_twins_renders_the_same_paths() {
+    for (name, cloud) in all() {
+        let frame = frames::with_techniques(&cloud, Active::Both, 4.0);
+        let [kernels, twins] = [SIMD, REFERENCE].map(|pipeline| render_here(&frame, &pipeline, 64, SMALL, 1));
+        let pairs = kernels.pixels().zip(twins.pixels());
+        let apart = pairs.filter(|(a, b)| (a.mean[1] - b.mean[1]).abs() > 1e-6 + 2e-2 * b.mean[1]).count();
+        assert!(apart <= 3, "{name}: {apart} of 256 samples are apart");
+    }
+}
+
+/// A wavefront among whose weighed straight connections the first counts nothing.
+fn with_weighed_connections<'q>(arena: &'q Bump, frame: &'q Frame, pipeline: Pipeline) -> (Wavefront<'q>, Bucket) {
+    let mut w = wavefront(arena, frame, 256, 2);
+    w.pipeline = pipeline;
+    w.light_sample(nee::SCOPE);
+    let bucket = w.candidates.connections.direct();
+    w.mis_weight(Source::Connections, bucket);
+    w.worth.weight.rows_mut()[0] = 0.0;
+    (w, bucket)
+}
+
+#[test]
+fn what_counts_nothing_is_not_estimated() {
+    let [(_, cloud), _] = clouds([256, 256]);
+    let frame = frames::with_techniques(&cloud, Active::Nee, 4.0);
+    for pipeline in [SIMD, REFERENCE] {
+        let arena = Bump::new();
+        let (mut w, bucket) = with_weighed_connections(&arena, &frame, pipeline);
+        (0..256).for_each(|row| w.estimates.product.set_row(row, [f32::NAN; 3]));
+        let before = w.worth.factor.row(0);
+        w.transmittance(Source::Connections, bucket, nee::SCOPE.purpose);
+        assert_eq!(w.worth.factor.row(0), before);
+        assert!(bucket.rows().all(|row| w.worth.factor.row(row)[0].is_finite()));
+    }
+}
+
+#[test]
+fn factors_beyond_all_numbers_are_dropped_and_counted() {
+    let [(_, cloud), _] = clouds([256, 256]);
+    let frame = frames::with_techniques(&cloud, Active::Nee, 4.0);
+    for pipeline in [SIMD, REFERENCE] {
+        let arena = Bump::new();
+        let (mut w, bucket) = with_weighed_connections(&arena, &frame, pipeline);
+        let weighs = |row: &usize| w.worth.weight.rows()[*row] > 0.0;
+        let row = bucket.rows().find(weighs).expect("some connection counts");
+        w.worth.factor.set_row(row, [1.0, f32::INFINITY, 1.0]);
+        w.accumulate(Source::Connections, bucket);
+        assert_eq!(w.stats.dropped.count, 1);
+        assert!(w.radiance.channels().iter().all(|channel| channel.rows().iter().all(|x| x.is_finite())));
+    }
+}
+
+#[test]
+fn images_do_not_depend_on_threads_or_lanes() {
+    for (name, cloud) in all() {
+        let frame = frames::with_techniques(&cloud, Active::Both, 4.0);
+        let image = |threads: usize, lanes: usize| {
+            let workers = Workers { threads, lanes: Some(lanes), ..WORKERS };
+            let (film, _) = render_with(&frame, &SIMD, workers, SMALL, 8, 0..5);
+            film.pixels().map(|pixel| pixel.mean.map(f64::to_bits)).collect::<Vec<_>>()
+        };
+        let one = image(1, 256);
+        assert!(one == image(2, 256) && one == image(2, 24), "{name}");
+    }
+}
+
+#[test]
+fn all_techniques_have_the_same_means_at_every_length() {
+    clouds(SMALL).iter().for_each(|(name, cloud)| assert_equal_means(name, cloud, 1..=6));
+    volumes(SMALL).iter().for_each(|(name, several)| assert_equal_means(name, several, 1..=3));
+}
+
+/// Majorants, means and the size of cells are our own affair.
+#[test]
+fn the_coarse_field_changes_no_mean() {
+    for (name, base) in all() {
+        let grid = base.medium.field().expect("a cloud").clone();
+        let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 4000);
+        for (change, other) in [
+            ("majorants doubled", grid.clone().with_cells(3, 2.0, 1.0)),
+            ("means halved", grid.clone().with_cells(2, 1.0, 0.5)),
+            ("means doubled", grid.clone().with_cells(3, 1.0, 2.0)),
+            ("larger cells", grid.clone().with_cells(5, 1.0, 1.0)),
+        ] {
+            for active in [Active::Both, Active::Bridge] {
+                let frame = frames::with_techniques(&with_field(&base, other.clone()), active, 4.0);
+                assert_same(&format!("{name}, {change}, {active:?}"), means(&frame, 3000), truth);
+            }
+        }
+    }
+}
+
+/// A grid of one density, so large that light from beyond it does not matter, is fog; and not noisier.
+#[test]
+fn a_constant_grid_is_fog() {
+    let fog = frames::fog_facing(0.0, 0.6, SMALL);
+    let everywhere = leaves(4, |_| 0.5);
+    let grid =
+        Field::grid(Voxels::new(&everywhere, &centred(32, 60.0, DVec3::ZERO), Interpolation::Nearest), 2.0 * 1.7);
+    let grey = with_field(&fog, grid);
+    for active in IN_FIELDS {
+        let [fog, grid] = [&fog, &grey].map(|frame| means(&frames::with_techniques(frame, active, 4.0), 2000));
+        assert_same(&format!("{active:?}"), grid, fog);
+        let variance = (grid[1].1 / fog[1].1).powi(2);
+        // A twentieth, and what so few samples leave open; with four times as many none is off by a twentieth.
+        assert!((variance - 1.0).abs() < 0.07, "{active:?}: {variance} of the variance of fog");
+    }
+}
+
+/// A box with a lamp behind it has the transmittance of its thickness, without noise.
+#[test]
+fn lamps_behind_a_box_have_its_transmittance() {
+    let lamp = Emitter::disk(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z, 2.0, [5.0; 3]);
+    for (near, far) in [(0.5, 2.0), (-1.0, 2.0), (-1.0, 7.0)] {
+        let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1e-3, 0.0, [4, 4]);
+        let grid = Field::block([[-3.0, -2.0, near], [4.0, 2.5, far]], 0.7);
+        let medium = Medium::of_field(grid, [0.0; 3], PhaseFunction::isotropic());
+        let frame = frames::plain(camera, medium, Lights::new(vec![lamp], Selection::Uniform), 4, 1);
+        let expected = 5.0 * (-0.7 * (far.min(3.0) - f64::max(near, 0.0))).exp();
+        for pipeline in [SIMD, REFERENCE] {
+            let (film, _) = render_with(&frame, &pipeline, WORKERS, [4, 4], 32, 0..8);
+            let off = film.pixels().map(|pixel| (pixel.mean[0] / expected - 1.0).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-5, "{near} to {far}: {off}");
+        }
+    }
+}
+
+/// Lights and a room with a box of fog in the middle of it, whether paths start inside or outside.
+#[test]
+fn all_techniques_have_the_same_means_around_a_box() {
+    let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let room = frames::room(0.5, Selection::IntensityDistance, SMALL);
+    let inside = Field::block([[-0.7, -0.6, -0.5], [0.9, 0.5, 2.1]], 1.5);
+    let outside = Field::block([[-0.5, 0.2, 0.8], [0.6, 1.6, 2.0]], 3.0);
+    for (name, base) in [("inside", with_field(&lights, inside)), ("outside", with_field(&room, outside))] {
+        assert_equal_means(name, &base, 1..=4);
+    }
+}
+
+/// A lamp behind a cloud that only absorbs: the transmittance of the cloud, by quadrature.
+#[test]
+fn lamps_behind_a_cloud_have_its_transmittance() {
+    let lamp = Emitter::disk(DVec3::new(0.1, 0.05, 3.0), -DVec3::Z, 0.6, [5.0; 3]);
+    let camera = Camera::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z, DVec3::Y, 0.05, 0.0, [1, 1]);
+    for (extinction, interpolation) in [(3.0, Interpolation::Trilinear), (8.0, Interpolation::Nearest)] {
+        let grid = cloud(3.0, DVec3::ZERO, extinction, interpolation);
+        let twin = FieldTwin { field: &grid, hue: 1.0, phase: &HenyeyGreenstein { g: 0.0 } };
+        let through = |x: f64, y: f64| {
+            let half = (0.05_f64 / 2.0).tan();
+            let way = DVec3::new(-(2.0 * x - 1.0) * half, (2.0 * y - 1.0) * half, 1.0) * 6.0;
+            let steps = 4000;
+            let at =
+                |i: i32| twin.extinction(DVec3::new(0.0, 0.0, -3.0) + (f64::from(i) + 0.5) / f64::from(steps) * way);
+            (-(0..steps).map(at).sum::<f64>() / f64::from(steps) * way.length()).exp()
+        };
+        let points = (0..8).flat_map(|i| (0..8).map(move |j| ((f64::from(i) + 0.5) / 8.0, (f64::from(j) + 0.5) / 8.0)));
+        let expected = 5.0 * points.map(|(x, y)| through(x, y)).sum::<f64>() / 64.0;
+        let medium = Medium::of_field(grid.clone(), [0.0; 3], PhaseFunction::isotropic());
+        let frame = frames::plain(camera, medium, Lights::new(vec![lamp], Selection::Uniform), 4, 1);
+        let (film, _) = render_with(&frame, &SIMD, WORKERS, [1, 1], 32, 0..40_000);
+        let (mean, error) = film.mean();
+        assert!((mean[0] - expected).abs() < 4.5 * error[0] + 2e-3 * expected, "{mean:?} +- {error:?}, not {expected}");
+    }
+}

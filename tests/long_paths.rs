@@ -1,0 +1,141 @@
+//! Paths that no number of segments ends: what they bring in dense media, and what they cost.
+
+use std::path::Path;
+
+use bumpalo::Bump;
+use fogbow::frame::Frame;
+use fogbow::pilot;
+use fogbow::render::{Monitor, Renderer};
+use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow::wavefront::{Wavefront, default_lanes};
+use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::survival::{OCTAVES, Survival};
+use fogbow_kernels::{LONGEST_PATH, MOST_INSERTED, PathLengths};
+use fogbow_testing::checked::{CHECKED, take_log};
+use fogbow_testing::frames::{self, Active};
+use fogbow_testing::render::{WORKERS, green, render, render_here};
+use fogbow_testing::statistics::z_of_means;
+use fogbow_testing::truths::slabs;
+
+fn scene(folder: &str, settings: &[String]) -> LoadedScene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The frame of a scene as the pilot would have it rendered.
+fn piloted(scene: &LoadedScene) -> Frame {
+    let renderer = Renderer::new(WORKERS).expect("threads start");
+    pilot::choose(&scene.frame, scene.scene.film.size, scene.choices(), &renderer, &Monitor::default()).0
+}
+
+/// `frame` with paths of any length, walks that end by octaves of depth, and connections of one technique.
+fn endless(frame: &Frame, active: Active, fall: f64) -> Frame {
+    let lengths = PathLengths { max: 4096, ..frame.lengths };
+    let mut frame = frames::with_techniques(&Frame { lengths, ..frame.clone() }, active, 4.0);
+    frame.techniques.limit_inserted(6);
+    frame.with_walk(u32::MAX, Survival::from_reach(core::array::from_fn::<f64, OCTAVES, _>(|k| fall.powi(k as i32))))
+}
+
+/// Absorbing fog, whose light is all on paths of a few dozen segments.
+fn absorbing(size: [u32; 2]) -> Frame {
+    let fog = frames::fog_facing(0.0, 0.8, size);
+    let mut medium = fog.medium.clone();
+    medium.albedo = [0.7; 3];
+    Frame { medium, aimed: 0.0, ..fog }
+}
+
+#[test]
+fn stages_agree_with_their_twins_on_walks_that_end_by_depth() {
+    let size = [16, 16];
+    for active in Active::ALL {
+        let frame = endless(&absorbing(size), active, 0.6);
+        render_here(&frame, &CHECKED, 128, size, 8);
+        let log = take_log();
+        assert!(log.failures.is_empty(), "{active:?}: {}", log.failures[0]);
+    }
+}
+
+#[test]
+fn every_technique_has_the_mean_of_all_lengths() {
+    let size = [12, 12];
+    let stated = frames::with_techniques(&absorbing(size), Active::Bridge, 4.0);
+    let stated = Frame { lengths: PathLengths { min: 1, max: 60 }, seed: 77, ..stated };
+    let truth = green(&render(&stated, size, 0..4000).0);
+    for active in Active::ALL {
+        for fall in [0.4, 0.5] {
+            let found = green(&render(&endless(&absorbing(size), active, fall), size, 0..1500).0);
+            let z = z_of_means(found, truth);
+            assert!(z.abs() < 4.2, "{active:?}, {fall}: {found:?} instead of {truth:?}, z = {z}");
+        }
+    }
+}
+
+/// Radiance along the normal of a slab over what it is lit with, from `side`, and its standard error.
+fn slab(albedo: f64, g: f64, tau: f64, reflected: bool, samples: u32) -> (f64, f64) {
+    let [distance, normal] = if reflected { [-0.1, 1.0] } else { [1.01, -1.0] };
+    let settings = [
+        format!("volume[0].scattering={:?}", albedo * tau),
+        format!("volume[0].absorption={:?}", (1.0 - albedo) * tau),
+        format!("volume[0].phase.g={g:?}"),
+        format!("light[0].center=[0,0,{distance:?}]"),
+        format!("light[0].normal=[0,0,{normal:?}]"),
+        "render.technique=nee".into(),
+    ];
+    let scene = scene("tests/data/slab", &settings);
+    green(&render(&piloted(&scene), scene.scene.film.size, 0..samples).0)
+}
+
+/// The disk and the slab end at 20 thicknesses, and light that comes at less than half a degree is missing: a
+/// thousandth.
+#[test]
+fn slabs_reflect_and_transmit_as_adding_and_doubling_says() {
+    let [white, milky, dark] = [(1.0, 0.0, 2.0), (1.0, 0.7, 20.0), (0.99, 0.7, 20.0)];
+    for (albedo, g, tau) in [white, milky, dark] {
+        let truth =
+            slabs().into_iter().find(|slab| (slab.albedo, slab.g, slab.tau) == (albedo, g, tau)).expect("a row");
+        for (is_reflected, truth) in [(true, truth.reflected), (false, truth.transmitted)] {
+            let (mean, error) = slab(albedo, g, tau, is_reflected, 600);
+            let off = (mean - truth).abs();
+            assert!(off < 4.0 * error + 0.002 * truth, "{albedo} {g} {tau}: {mean} +- {error} instead of {truth}");
+            assert!(error < 0.02 * truth, "{albedo} {g} {tau}: {mean} +- {error} says little");
+        }
+    }
+}
+
+/// Bytes that a worker takes for `frame`.
+fn bytes(frame: &Frame) -> usize {
+    let arena = Bump::new();
+    let lanes = default_lanes(frame);
+    let wavefront = Wavefront::new_in(&arena, frame, &SIMD, lanes);
+    assert!(wavefront.trail.slots() <= MOST_INSERTED as usize + 2);
+    arena.allocated_bytes() * 2048 / lanes
+}
+
+#[test]
+fn memory_does_not_grow_with_the_length_of_paths() {
+    let of = |segments: u32| scene("scenes/fog-facing", &[format!("render.max_segments={segments}")]).frame;
+    let [short, long] = [2048, LONGEST_PATH].map(|segments| bytes(&of(segments)));
+    assert_eq!(short, long);
+    assert!(long < 64 << 20, "{} MiB", long >> 20);
+}
+
+/// Twice as thick a slab has longer paths; what a segment of them takes stays the same.
+#[test]
+fn work_grows_no_faster_than_paths() {
+    let work = |tau: f64| {
+        let settings = [format!("volume[0].scattering={tau:?}"), "render.survival=1.0".into()];
+        let frame = Frame { seed: 3, ..scene("tests/data/slab", &settings).frame };
+        let film = fogbow::film::Film::new(&frame, fogbow::film::Region::whole(16, 16), 16);
+        let renderer = Renderer::new(WORKERS).expect("threads start");
+        let empty = fogbow::stats::Stats::new(false).with_work();
+        let stats = renderer.render_counting(empty, &frame, &SIMD, &film, 0..16, &Monitor::default());
+        let work = stats.work.expect("it was asked for");
+        let per_segment = |count: u64| count as f64 / stats.segments as f64;
+        (stats.segments as f64 / stats.samples as f64, per_segment(work.terms), per_segment(work.edges))
+    };
+    let (few, many) = (work(10.0), work(80.0));
+    assert!(many.0 > 3.0 * few.0, "{few:?}, {many:?}");
+    let most = f64::from(MOST_INSERTED + 1);
+    assert!(many.1 <= most && many.2 <= most && many.2 < 1.5 * few.2, "{few:?}, {many:?}");
+}

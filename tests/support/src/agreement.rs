@@ -1,0 +1,79 @@
+//! What must agree: stages and their twins, whole paths and the scalar integrator, all techniques.
+
+use core::ops::RangeInclusive;
+
+use fogbow::frame::Frame;
+use fogbow::reference;
+use fogbow_kernels::pipeline::SIMD;
+
+use crate::checked::{CHECKED, take_log};
+use crate::frames::clouds::IN_FIELDS;
+use crate::frames::{self, Active};
+use crate::render::{render, render_here};
+use crate::statistics::z_of_means;
+
+const SMALL: [u32; 2] = [16, 16];
+
+/// Share of rows that may be decided differently where cells, points, pixels and collisions are decisions.
+const DIFFERENT: f64 = 2e-3;
+
+/// Every stage of these small frames agrees with its twin, in `samples` of a pixel.
+pub fn assert_stages_agree(name: &str, frames: impl Iterator<Item = Frame>, samples: u32) {
+    let (mut rows, mut decisions) = (0, 0);
+    for frame in frames {
+        render_here(&frame, &CHECKED, 128, SMALL, samples);
+        let log = take_log();
+        assert!(log.failures.is_empty(), "{name}, {:?}: {}", frame.techniques, log.failures[0]);
+        (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+    }
+    assert!(decisions as f64 <= DIFFERENT * rows as f64, "{name}: {decisions} of {rows}");
+    assert!(rows > 10_000, "{name}: only {rows} rows");
+}
+
+/// A small frame has the same paths in the scalar integrator, but for a few that were decided differently. Gives the sum
+/// of what they found.
+pub fn assert_whole_paths_agree(case: &str, frame: &Frame) -> f64 {
+    let film = render_here(frame, &SIMD, 64, SMALL, 1);
+    let (mut apart, mut sum) = (0, 0.0);
+    for (pixel, found) in (0..).zip(film.pixels()) {
+        let twin = reference::radiance(frame, pixel, 0);
+        let far = |c: usize| (found.mean[c] - twin[c]).abs() > 1e-6 + 2e-2 * twin[c];
+        apart += u32::from((0..3).any(far));
+        sum += twin[1];
+    }
+    assert!(apart <= 3, "{case}: {apart} of 256 samples are apart");
+    sum
+}
+
+/// Mean and standard error of a small image, per channel.
+pub fn means(frame: &Frame, samples: u32) -> [(f64, f64); 3] {
+    let (film, stats) = render(frame, SMALL, 0..samples);
+    assert_eq!(stats.dropped.count, 0, "{:?}", stats.dropped.first);
+    let (mean, error) = film.mean();
+    [0, 1, 2].map(|channel| (mean[channel], error[channel]))
+}
+
+/// Means that [`means`] gave are the same.
+pub fn assert_same(case: &str, found: [(f64, f64); 3], truth: [(f64, f64); 3]) {
+    for channel in 0..3 {
+        let (found, truth) = (found[channel], truth[channel]);
+        if (found, truth) == ((0.0, 0.0), (0.0, 0.0)) {
+            continue;
+        }
+        let z = z_of_means(found, truth);
+        assert!(z.abs() < 4.2, "{case}, channel {channel}: {found:?} instead of {truth:?}, z = {z}");
+    }
+}
+
+/// In a field, every technique has the means of next event estimation, for paths of so many segments each.
+pub fn assert_equal_means(name: &str, base: &Frame, segments: RangeInclusive<u32>) {
+    for segments in segments {
+        let base = frames::with_length(base, segments);
+        let truth = means(&Frame { seed: 99, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 3000);
+        for active in IN_FIELDS {
+            let seed = 100 * active as u32 + segments;
+            let frame = Frame { seed, ..frames::with_techniques(&base, active, 4.0) };
+            assert_same(&format!("{name}, {active:?}, {segments} segments"), means(&frame, 1500), truth);
+        }
+    }
+}
