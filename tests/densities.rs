@@ -62,6 +62,7 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
             max_depth: f64::INFINITY,
             max_inserted: u32::MAX,
             offset: Offset::Ggx,
+            seeds: mvnee::Seeds::Coarse,
             slope: slope::of(case.g),
         };
         for start in &case.starts {

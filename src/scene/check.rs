@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
-use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset, Seeds};
 use fogbow_kernels::media::{Glow, Medium};
 use fogbow_kernels::survival::{FIRST_FADING, Survival};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection, Source};
@@ -259,6 +259,10 @@ impl Check<'_> {
             Perturbation::Ggx => Offset::Ggx,
             Perturbation::Gaussian => Offset::Gaussian,
         };
+        let seeds = match render.seeds {
+            schema::Seeds::Coarse => Seeds::Coarse,
+            schema::Seeds::Fast => Seeds::Fast,
+        };
         let roll = match render.roll {
             schema::Roll::Aligned => Roll::Aligned,
             schema::Roll::Uniform => Roll::Uniform,
@@ -277,7 +281,7 @@ impl Check<'_> {
                 if wanders { u32::MAX } else { render.max_segments.most().min(max_inserted.saturating_add(2)) };
             Bridge { max_inserted, ..Bridge::new(roll, medium, longest).with_mesc(medium, bridge_mesc) }
         });
-        let mvnee = Mvnee { max_inserted: max_seeds, ..Mvnee::new(medium, mesc, offset) };
+        let mvnee = Mvnee { max_inserted: max_seeds, seeds, ..Mvnee::new(medium, mesc, offset) };
         let connector = match render.lis {
             LisConnector::Bridge => bridge.clone().map(Connector::Bridge),
             LisConnector::Mvnee => Some(Connector::Mvnee(mvnee)),

@@ -218,6 +218,8 @@ pub struct Render {
     pub mesc: Option<f64>,
     /// Shape of MVNEE's perturbation.
     pub perturbation: Perturbation,
+    /// How MVNEE spreads its seeds in volumes; without any, both are the same.
+    pub seeds: Seeds,
     /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc and
     /// perturbation, apply to it.
     pub lis: LisConnector,
@@ -246,6 +248,7 @@ impl Default for Render {
             roulette: NumberOrAuto(None),
             mesc: None,
             perturbation: Perturbation::Ggx,
+            seeds: Seeds::Coarse,
             lis: LisConnector::Bridge,
             light_selection: LightSelection::IntensityDistance,
             samples: 64,
@@ -305,6 +308,16 @@ pub enum Perturbation {
     Ggx,
     /// Normal distribution.
     Gaussian,
+}
+
+/// Ways to spread MVNEE's seeds where extinction differs from place to place.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Seeds {
+    /// By flights through the mean extinctions of cells.
+    Coarse,
+    /// The first one likewise, all others as if extinction went on as it is there: cheaper, and worse where it does not.
+    Fast,
 }
 
 /// Shapes of the connections of light importance sampling.

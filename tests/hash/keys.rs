@@ -64,6 +64,7 @@ aimed = 0.25
 roulette = 0.125
 mesc = 4
 perturbation = "ggx"
+seeds = "coarse"
 lis = "bridge"
 light_selection = "uniform"
 samples = 4

@@ -24,12 +24,14 @@ pub trait MediumLanes: Copy {
 
 /// A medium in one channel per row.
 pub trait MediumX8: Copy {
+    /// A segment as weights see the medium along it.
+    type Axis: AxisX8;
+
     /// Whether extinction differs from place to place, so that paths keep running sums of what they pass through.
     const VARIES: bool;
 
-    /// Mean free path along the segment from `from` to `to`, of this `length` `[m]`: exact in a homogeneous medium, or
-    /// else that of the optical depth that weights count; infinite in vacuum.
-    fn mean_free_path(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8;
+    /// The segment from `from` to `to`, of this `length` `[m]`, as weights see the medium along it.
+    fn axis(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self::Axis;
 
     /// Optical depth of the straight segment from `from` to `to`, of this `length` `[m]`, as weights count it: exact in
     /// a homogeneous medium.
@@ -51,9 +53,32 @@ pub trait MediumX8: Copy {
     /// [own channel](MediumLanes::own), known where extinction varies: in a homogeneous medium the extinction itself.
     fn crowding(self, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Crowding;
 
-    /// ln of the product of the rates of so many `seeds`, which are one over `mean_free_path` `[m]`, over that of the
-    /// extinctions at the inner vertices of a way: 0 in a homogeneous medium.
-    fn log_seeds(self, seeds: usize, mean_free_path: f32x8, log_extinction: f32x8) -> f32x8;
+    /// ln of the product of the extinctions at so many inner vertices of a way, of which `log_extinction` is that in the
+    /// [own channel](MediumLanes::own); where extinction varies, for nobody asks elsewhere.
+    fn log_extinction_along(self, events: usize, log_extinction: f32x8) -> f32x8;
+}
+
+/// A segment as weights see the medium along it: its optical depth is exact in a homogeneous medium. Seeds are spread
+/// over it from its start.
+pub trait AxisX8: Copy {
+    /// Whether extinction differs from place to place.
+    const VARIES: bool;
+
+    /// Optical depth.
+    fn depth(&self) -> f32x8;
+
+    /// Optical depth of its part up to a distance `along` it `[m]`.
+    fn depth_until(&self, along: f32x8) -> f32x8;
+
+    /// Extinction at a distance `along` it [1/m].
+    fn extinction(&self, along: f32x8) -> f32x8;
+
+    /// Goes on by an optical `depth` from the place reached, at first its start: the distance passed `[m]`, which may
+    /// lead beyond its end.
+    fn advance(&mut self, depth: f32x8) -> f32x8;
+
+    /// Extinction at the place reached [1/m].
+    fn reached(&self) -> f32x8;
 }
 
 /// `e^log scale` [1/m]: a factor that may be neither very large nor very small as a whole.

@@ -26,7 +26,7 @@ use crate::vec3x8::Vec3x8;
 pub use field::Field;
 pub use glow::Glow;
 pub use homogeneous::Homogeneous;
-pub use lanes::{Crowding, MediumLanes, MediumX8};
+pub use lanes::{AxisX8, Crowding, MediumLanes, MediumX8};
 
 /// What fills space.
 #[derive(Clone, Debug, PartialEq)]

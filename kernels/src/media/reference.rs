@@ -8,8 +8,8 @@ use crate::phase::reference::Phase;
 
 /// A medium in one channel.
 pub trait Medium {
-    /// Mean free path along the segment between two points `[m]`: that of the optical depth, infinite in vacuum.
-    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64;
+    /// The segment between two points as weights see it: pieces of one extinction each, from its start to its end.
+    fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum>;
 
     /// Optical depth of the segment between two points, as weights count it.
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64;
@@ -24,6 +24,51 @@ pub trait Medium {
 
     /// Where a scattering event sends light.
     fn phase(&self) -> &dyn Phase;
+}
+
+/// A piece of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stratum {
+    /// Length `[m]`.
+    pub length: f64,
+    /// Extinction [1/m].
+    pub extinction: f64,
+}
+
+/// Optical depth of the first `along` metres of a segment.
+pub fn depth_until(strata: &[Stratum], along: f64) -> f64 {
+    let mut begin = 0.0;
+    let mut depth = 0.0;
+    for stratum in strata {
+        // Unlike `clamp`, goes with segments without an end.
+        depth += stratum.extinction * (along - begin).max(0.0).min(stratum.length);
+        begin += stratum.length;
+    }
+    depth
+}
+
+/// Extinction at a distance along a segment [1/m].
+pub fn extinction_along(strata: &[Stratum], along: f64) -> f64 {
+    let mut end = 0.0;
+    let at = strata.iter().find(|stratum| {
+        end += stratum.length;
+        along < end
+    });
+    at.or(strata.last()).map_or(0.0, |stratum| stratum.extinction)
+}
+
+/// How far along a segment an optical depth is reached `[m]`: infinitely far if it is not.
+pub fn reach(strata: &[Stratum], depth: f64) -> f64 {
+    let (mut left, mut begin) = (depth, 0.0);
+    for stratum in strata {
+        let thickness = stratum.extinction * stratum.length;
+        if left < thickness {
+            return begin + left / stratum.extinction;
+        }
+        left -= thickness;
+        begin += stratum.length;
+    }
+    f64::INFINITY
 }
 
 /// The same extinction everywhere.
@@ -60,8 +105,8 @@ pub fn flight(u: f64, mean_free_path: f64) -> f64 {
 }
 
 impl Medium for Homogeneous<'_> {
-    fn mean_free_path(&self, _: DVec3, _: DVec3) -> f64 {
-        1.0 / self.extinction
+    fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
+        vec![Stratum { length: from.distance(to), extinction: self.extinction }]
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
@@ -96,8 +141,8 @@ impl Twin<'_> {
 }
 
 impl Medium for Twin<'_> {
-    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64 {
-        self.kind().mean_free_path(from, to)
+    fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
+        self.kind().strata(from, to)
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {

@@ -12,7 +12,7 @@ use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
-use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
+use fogbow_kernels::connect::mvnee::{Mvnee, Offset, Seeds};
 use fogbow_kernels::media::{Kind, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
@@ -38,6 +38,8 @@ pub enum Active {
     Mvnee,
     /// The same with Gaussian offsets.
     MvneeGaussian,
+    /// The same with GGX offsets and fast seeds, which differ in volumes.
+    MvneeFast,
     /// Next event estimation and its multiple-vertex form together.
     Both,
     /// Next event estimation through one vertex, with plain next event estimation for company.
@@ -76,6 +78,7 @@ impl Active {
         let mvnee = match self {
             Self::Mvnee | Self::Both | Self::Every => Some(Mvnee::new(medium, mesc, Offset::Ggx)),
             Self::MvneeGaussian => Some(Mvnee::new(medium, mesc, Offset::Gaussian)),
+            Self::MvneeFast => Some(Mvnee { seeds: Seeds::Fast, ..Mvnee::new(medium, mesc, Offset::Ggx) }),
             _ => None,
         };
         let bridge = match self {

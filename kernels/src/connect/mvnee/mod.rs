@@ -12,6 +12,11 @@
 //! ```
 //!
 //! and 0 if s_i or m exceeds its limit or the projections do not increase strictly from the start to the light.
+//!
+//! Where extinction varies, the axis passes the coarse field, of extinction `mu~(t)` and optical depth `tau~`, and
+//! [`Seeds`] says how seeds are spread over it: their density takes the place of `mu_t^m exp(-mu_t s)`. Weights need
+//! that density, so flights are not tracked through the field itself, as they are in the paper. Extinctions at the
+//! vertices that the seeds end up at are the true ones; a connection with a vertex in vacuum counts nothing.
 
 pub mod sample;
 pub mod slope;
@@ -33,6 +38,17 @@ pub enum Offset {
     Gaussian,
 }
 
+/// How seeds are spread over an axis along which extinction varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seeds {
+    /// Flights through the coarse field: `prod_j mu~(t_j) exp(-tau~(s))`.
+    Coarse,
+    /// The first flight through the coarse field, and all others as if extinction went on as at the first seed:
+    /// `mu~(t_1)^m exp(-tau~(t_1) - mu~(t_1) (s - t_1))`, or `exp(-tau~(s))` without seeds. Weights ask the field for one
+    /// extinction instead of one per seed (section 4 of the paper).
+    Fast,
+}
+
 /// Width of the GGX offset over that of the Gaussian with the same core (Weber et al. 2017; rederived in
 /// [`slope`]'s tests).
 pub const GGX_WIDTH: f64 = 1.637_618_734;
@@ -48,6 +64,8 @@ pub struct Mvnee {
     pub max_inserted: u32,
     /// Shape of the perturbation.
     pub offset: Offset,
+    /// How seeds are spread where extinction varies.
+    pub seeds: Seeds,
     /// Standard deviation of the perturbation per unit of distance (sigma_phi).
     pub slope: f32,
 }
@@ -61,6 +79,7 @@ impl Mvnee {
             max_depth: medium.longest_depth(mesc),
             max_inserted: u32::MAX,
             offset,
+            seeds: Seeds::Coarse,
             slope: slope::of(medium.phase.mean_cosine()) as f32,
         }
     }

@@ -12,15 +12,20 @@
 //! ```
 //!
 //! The middle factor is the product of the seeds' flight densities `mu_t exp(-mu_t d_j)` and of the probability
-//! `exp(-mu_t d_{m+1})` that the last flight passes the light.
+//! `exp(-mu_t d_{m+1})` that the last flight passes the light. Where extinction varies, it is
+//!
+//! ```text
+//! coarse:  prod_j mu~(t_j) exp(-tau~(s))
+//! fast:    mu~(t_1)^m exp(-tau~(t_1) - mu~(t_1) (s - t_1))
+//! ```
 
 use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{GGX_WIDTH, Mvnee, Offset};
+use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::density::Density;
-use crate::media::reference::Medium;
+use crate::media::reference::{Medium, Stratum, depth_until, extinction_along};
 
 /// [`Mvnee`] in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +38,8 @@ pub struct Settings {
     pub max_inserted: u32,
     /// Shape of the perturbation.
     pub offset: Offset,
+    /// How seeds are spread where extinction varies.
+    pub seeds: Seeds,
     /// Standard deviation of the perturbation per unit of distance.
     pub slope: f64,
 }
@@ -40,7 +47,8 @@ pub struct Settings {
 impl From<&Mvnee> for Settings {
     fn from(mvnee: &Mvnee) -> Self {
         let [max_distance, max_depth, slope] = [mvnee.max_distance, mvnee.max_depth, mvnee.slope].map(f64::from);
-        Self { max_distance, max_depth, max_inserted: mvnee.max_inserted, offset: mvnee.offset, slope }
+        let Mvnee { max_inserted, offset, seeds, .. } = *mvnee;
+        Self { max_distance, max_depth, max_inserted, offset, seeds, slope }
     }
 }
 
@@ -59,19 +67,37 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
     if segments.iter().any(|segment| *segment <= 0.0) {
         return Density::ZERO;
     }
-    let depth = medium.optical_depth(*start, *point);
-    if depth > settings.max_depth * medium.over_clearest() {
+    let strata = medium.strata(*start, *point);
+    if depth_until(&strata, distance) > settings.max_depth * medium.over_clearest() {
         return Density::ZERO;
     }
-    let rate = 1.0 / medium.mean_free_path(*start, *point);
-    let mut density = Density::new(light_density).times_exp(-depth);
+    let mut density = seeds_density(settings.seeds, &strata, &segments).times(light_density);
     for (j, vertex) in inner.iter().enumerate() {
         let arm = *vertex - *start;
         let seed = *start + arm.dot(axis) * axis;
         let offset = offset_density(settings.offset, sigma(settings.slope, &segments, j), vertex.distance(seed));
-        density = density.times(rate).times(offset);
+        density = density.times(offset);
     }
     density
+}
+
+/// Density of seeds that leave these `segments` between start, seeds and light point on their axis.
+fn seeds_density(seeds: Seeds, strata: &[Stratum], segments: &[f64]) -> Density {
+    let distance: f64 = segments.iter().sum();
+    let (_, to_seeds) = segments.split_last().expect("there is a segment that arrives at the light");
+    let places = to_seeds.iter().scan(0.0, |place, segment| {
+        *place += segment;
+        Some(*place)
+    });
+    let coarse = |density: Density, place: f64| density.times(extinction_along(strata, place));
+    match (seeds, to_seeds) {
+        (Seeds::Fast, [first, ..]) => {
+            let rate = extinction_along(strata, *first);
+            let depth = depth_until(strata, *first) + rate * (distance - first);
+            to_seeds.iter().fold(Density::new(1.0), |density, _| density.times(rate)).times_exp(-depth)
+        }
+        _ => places.fold(Density::new(1.0), coarse).times_exp(-depth_until(strata, distance)),
+    }
 }
 
 /// The segments d_1 .. d_{m+1} between the projections of start, inner vertices and light point on the axis `[m]`.
@@ -118,6 +144,7 @@ mod tests {
         max_depth: f64::INFINITY,
         max_inserted: u32::MAX,
         offset: Offset::Ggx,
+        seeds: Seeds::Coarse,
         slope: 0.4,
     };
     const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };

@@ -3,7 +3,7 @@
 //!     w, s: axis and distance to the light point
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
 //!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
-//!     r += p_A P_l l_{n-1}^2 / cos_light * exp(tau(Lambda_a) - tau(s)) / p_w(a)
+//!     r += p_A P_l l_{n-1}^2 / cos_light * seeds / (prod_v mu exp(-tau(Lambda_a)) p_w(a))
 //!          * prod_v pi offset_density(width_v, rho_v) * spread_v
 //! ```
 //!
@@ -13,18 +13,19 @@
 //!    without a pass, cost more loads and cancel too when edges stand across the axis.
 //! 3. rho comes from the component across the axis, not from a difference of squares.
 //! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows
-//!    nor vanishes; all mu_t^m cancel.
+//!    nor vanishes. `seeds` over the rest of path tracing's density is one exponential; in a homogeneous medium all
+//!    mu_t^m cancel, and `tau(Lambda_a) - tau(s)` is left.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
 //! 6. Starts that are near enough in no lane cost only the test; starts that every lane refuses, the projections up to
 //!    there.
 
 use wide::f32x8;
 
-use super::{GGX_WIDTH, Mvnee, Offset};
+use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
-use crate::media::MediumX8;
 use crate::media::spectral::Hues;
-use crate::transcendental::exp;
+use crate::media::{AxisX8, MediumX8};
+use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 
 /// Sum of the ratios of all `starts`, counted from the light.
@@ -73,7 +74,9 @@ fn sum<M: MediumX8>(
         }
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance);
-        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
+        let line = arrival.medium.axis(start.position, suffix.vertices[0].position, distance);
+        let mut density = SeedDensity::new(mvnee.seeds, line);
+        let Some(axial) = project(suffix, a, axis, distance, possible, |along| density.add(along)) else { continue };
 
         let mut product = start.inverse_density;
         let mut after = axial.last_squared;
@@ -83,29 +86,81 @@ fn sum<M: MediumX8>(
             product *= factor(width_squared, projection.offset_squared, vertex.spread);
             after += projection.segment_squared;
         }
-        let straight = arrival.medium.optical_depth(start.position, suffix.vertices[0].position, distance);
-        let mut log = start.depth - arrival.skipped - straight;
+        let [log_seeds, depth] = density.finish(distance);
+        let mut log = start.depth - arrival.skipped - depth;
         let mut possible = axial.possible;
         if M::VARIES {
-            log += arrival.medium.log_seeds(a - 1, distance / straight, start.log_extinction);
+            log += log_seeds - arrival.medium.log_extinction_along(a - 1, start.log_extinction);
             let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
-            possible &= straight.simd_le(most);
+            possible &= line.depth().simd_le(most);
         }
         let detour = exp(log);
         let mut ratio = scale * start.attempt * detour * product;
         if let Some(hues) = arrival.hues {
-            ratio *= seeds(hues, suffix, a, straight);
+            ratio *= seeds(hues, suffix, a, depth);
         }
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum
 }
 
-/// Density of the seeds between start `a` and the light, `straight` apart, over that of the row's own channel: the mean
-/// over the channels for which they may have been drawn.
+/// Logarithm of the density of seeds, as it is added up from the start to the light.
+struct SeedDensity<A> {
+    seeds: Seeds,
+    axis: A,
+    /// ln of the product of the extinctions at the seeds so far.
+    log: f32x8,
+    /// How many they are.
+    count: usize,
+    /// Place of the first one on the axis `[m]`.
+    first: f32x8,
+    /// ln of the extinction there.
+    log_first: f32x8,
+}
+
+/// Least logarithm of an extinction: there are no seeds in vacuum.
+const NOWHERE: f32 = -1e4;
+
+impl<A: AxisX8> SeedDensity<A> {
+    #[inline(always)]
+    fn new(seeds: Seeds, axis: A) -> Self {
+        Self { seeds, axis, log: f32x8::ZERO, count: 0, first: f32x8::ZERO, log_first: f32x8::ZERO }
+    }
+
+    /// Counts a seed at a distance `along` the axis `[m]`.
+    #[inline(always)]
+    fn add(&mut self, along: f32x8) {
+        if !A::VARIES {
+            return;
+        }
+        self.count += 1;
+        if self.seeds == Seeds::Coarse || self.count == 1 {
+            let extinction = self.axis.extinction(along);
+            let ln = extinction.simd_gt(f32x8::ZERO).select(-neg_ln(extinction), f32x8::splat(NOWHERE));
+            (self.first, self.log_first) = if self.count == 1 { (along, ln) } else { (self.first, self.log_first) };
+            self.log += ln;
+        } else {
+            self.log += self.log_first;
+        }
+    }
+
+    /// ln of the product of the extinctions, and the optical depth that the flights pass up to the end of the axis, at
+    /// `distance` `[m]`.
+    #[inline(always)]
+    fn finish(&self, distance: f32x8) -> [f32x8; 2] {
+        if A::VARIES && self.seeds == Seeds::Fast && self.count > 0 {
+            let beyond = exp(self.log_first) * (distance - self.first);
+            return [self.log, self.axis.depth_until(self.first) + beyond];
+        }
+        [self.log, self.axis.depth()]
+    }
+}
+
+/// Density of the seeds between start `a` and the light, whose flights pass `depth`, over that of the row's own channel:
+/// the mean over the channels for which they may have been drawn.
 #[inline(always)]
-fn seeds(hues: &Hues, suffix: &Suffix<'_>, a: usize, straight: f32x8) -> f32x8 {
-    hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), straight))
+fn seeds(hues: &Hues, suffix: &Suffix<'_>, a: usize, depth: f32x8) -> f32x8 {
+    hues.mean(suffix.shares[a], hues.quotients(f32x8::splat((a - 1) as f32), depth))
 }
 
 /// A suffix seen along the axis from its start to its light point.
@@ -118,9 +173,17 @@ struct Axial {
     total: f32x8,
 }
 
-/// Fills the projections of the vertices between start `a` and the light; `None` if every row refuses.
+/// Fills the projections of the vertices between start `a` and the light, and tells `pass` where they are on the axis,
+/// from the start on `[m]`; `None` if every row refuses.
 #[inline(always)]
-fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, possible: f32x8) -> Option<Axial> {
+fn project(
+    suffix: &mut Suffix<'_>,
+    a: usize,
+    axis: Vec3x8,
+    distance: f32x8,
+    possible: f32x8,
+    mut pass: impl FnMut(f32x8),
+) -> Option<Axial> {
     let start = suffix.vertices[a].position;
     let (mut possible, mut along, mut before) = (possible, f32x8::ZERO, f32x8::ZERO);
     for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
@@ -138,6 +201,7 @@ fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, pos
             offset_squared: axis.mul_neg_add(reached, from_start).length_squared(),
         };
         along = reached;
+        pass(along);
     }
     let last = distance - along;
     possible &= last.simd_gt(f32x8::ZERO);

@@ -28,9 +28,10 @@
 //! `T e^{tau~}`, so that the mean of C is what it would be if T were known. A bad tau~ makes noise, and nothing else.
 //! The stage [`transmittance`](crate::transmittance) finds F.
 //!
-//! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are spread along the axis with the
-//! mean extinction `tau~ / s`, of which density and count are exact.
+//! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are flights through the
+//! means along the axis, of which density and count are exact ([`Seeds`](crate::connect::mvnee::Seeds)).
 
+mod axis;
 mod bricks;
 mod cells;
 mod lattice;
@@ -176,7 +177,7 @@ impl Field {
     #[inline(always)]
     pub fn part(&self, origin: Vec3x8, direction: Vec3x8, length: f32x8) -> [f32x8; 2] {
         let counts = self.cells.dims.map(|dim| dim as f32);
-        simd::within(self.in_cells(origin), self.to_cells.directions(direction), [0.0; 3], counts, length)
+        axis::within(self.in_cells(origin), self.to_cells.directions(direction), [0.0; 3], counts, length)
     }
 
     /// Points in cells from the first one on.

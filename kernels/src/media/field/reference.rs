@@ -3,18 +3,18 @@
 //! ```text
 //! extinction: that of the first volume that the point is in, or else of what is around
 //! density:    sum over the eight voxels about the point of value * prod over axes of (1 - distance from the voxel)
-//! tau~:       midpoint rule over the means of cells, with as many points as the segment is cells long, at most 64, over
-//!             its part in a box a little larger than all cells; the rest of it is in what is around
+//! tau~:       a segment has as many strata as it is cells long, at most 64, over its part in a box a little larger than
+//!             all cells, each with the mean of the cell at its middle; the rest of it is in what is around
 //! ```
 //!
-//! Which cell a point is in, and how many points there are, are decisions on the edge of rounding: a twin may decide
+//! Which cell a point is in, and how many strata there are, are decisions on the edge of rounding: a twin may decide
 //! otherwise for one point in many thousands.
 
 use glam::DVec3;
 
 use super::Field;
-use super::simd::{ABOVE, BELOW, MOST_POINTS};
-use crate::media::reference::Medium;
+use super::axis::{ABOVE, BELOW, MOST_STRATA};
+use crate::media::reference::{Medium, Stratum, depth_until};
 use crate::phase::reference::Phase;
 
 /// A field in one channel, and where its scattering events send light.
@@ -72,30 +72,35 @@ impl Field {
         [0, 1, 2].map(|axis| at[axis].clamp(0.0, f64::from(self.cells.dims[axis] - 1)) as u32)
     }
 
-    /// Optical depth of a segment as weights count it, where the hue is 1.
-    fn depth_between(&self, from: DVec3, to: DVec3) -> f64 {
+    /// A segment as weights see it, where the hue is 1.
+    fn strata_between(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
         let (start, way, around) = (self.cells_of(from), self.cells_along(to - from), f64::from(self.around));
+        let piece = |share: f64, extinction: f64| Stratum { length: share * from.distance(to), extinction };
         let Some((enter, exit)) = self.part_within(start, way, [BELOW, ABOVE].map(f64::from), 1.0) else {
-            return around * from.distance(to);
+            return vec![piece(1.0, around)];
         };
-        let points = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_POINTS));
+        let count = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_STRATA));
         let mean_at = |i: u32| {
-            let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / points) * way;
+            let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / count) * way;
             let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims[axis]));
             if inside { f64::from(self.cells.at(self.cell_at(at)).mean) } else { around }
         };
-        let mean = (0..points as u32).map(mean_at).sum::<f64>() / points;
-        (mean * (exit - enter) + around * (1.0 - (exit - enter))) * from.distance(to)
+        let mut strata = vec![piece(enter, around)];
+        strata.extend((0..count as u32).map(|i| piece((exit - enter) / count, mean_at(i))));
+        strata.push(piece(1.0 - exit, around));
+        strata
     }
 }
 
 impl Medium for FieldTwin<'_> {
-    fn mean_free_path(&self, from: DVec3, to: DVec3) -> f64 {
-        from.distance(to) / self.optical_depth(from, to)
+    fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
+        let mut strata = self.field.strata_between(from, to);
+        strata.iter_mut().for_each(|stratum| stratum.extinction *= self.hue);
+        strata
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
-        (self.field.depth_between(from, to) * self.hue).max(1e-9)
+        depth_until(&self.strata(from, to), from.distance(to)).max(1e-9)
     }
 
     fn over_clearest(&self) -> f64 {

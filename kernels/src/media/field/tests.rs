@@ -4,8 +4,8 @@ use wide::f32x8;
 use super::reference::FieldTwin;
 use super::tracking::{Ray, reference as tracking_twin, simd as tracking};
 use super::*;
-use crate::media::MediumX8;
-use crate::media::reference::Medium as _;
+use crate::media::reference::{Medium as _, depth_until, extinction_along, reach};
+use crate::media::{AxisX8 as _, MediumX8};
 use crate::phase::HenyeyGreenstein;
 use crate::random::Stream;
 
@@ -249,4 +249,41 @@ fn bricks_take_less_than_their_voxels() {
     let grid = Field::grid(Voxels::new(&many, &TO_INDEX, Interpolation::Trilinear), 1.0);
     let voxels = many.len() * 512 * size_of::<f32>();
     assert!(grid.bytes() as f64 <= 1.3 * voxels as f64, "{} bytes for {voxels}", grid.bytes());
+}
+
+#[test]
+fn places_on_an_axis_have_the_depth_that_leads_there() {
+    let (mut apart, mut tried) = (0, 0);
+    for field in grids() {
+        for seed in 0..200 {
+            let [from, to] = [point(seed), point(seed + 1000)];
+            let length = real(from).distance(real(to));
+            let eight = Vec3x8::splat;
+            let mut axis = FieldX8::of(&field).axis(eight(from), eight(to), f32x8::splat(length as f32));
+            let strata = twin(&field).strata(real(from), real(to));
+            let far = |found: f32x8, truth: f64| (f64::from(found.to_array()[0]) - truth).abs() > 2e-3 * (1.0 + truth);
+
+            let mut place = 0.0;
+            for depth in [0.1, 0.4, 0.02, 1.5] {
+                let truth = reach(&strata, depth_until(&strata, place) + depth);
+                let step = axis.advance(f32x8::splat(depth as f32)).to_array()[0];
+                place += f64::from(step);
+                if !truth.is_finite() {
+                    assert!(place > length * 0.999, "seed {seed}: {place} of {length}");
+                    break;
+                }
+                tried += 1;
+                let along = f32x8::splat(place as f32);
+                let as_reached = axis.reached().to_array()[0] == axis.extinction(along).to_array()[0];
+                let wrong = [
+                    far(f32x8::splat(place as f32), truth),
+                    far(axis.depth_until(along), depth_until(&strata, place)),
+                    far(axis.extinction(along), extinction_along(&strata, place)),
+                    !as_reached,
+                ];
+                apart += u32::from(wrong.contains(&true));
+            }
+        }
+    }
+    assert!(tried > 1000 && apart * 50 <= tried, "{apart} of {tried} are apart");
 }

@@ -10,7 +10,7 @@ use wide::{f32x8, u32x8};
 use super::Homogeneous;
 use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
-use crate::media::{MediumLanes, MediumX8};
+use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
@@ -27,6 +27,14 @@ pub struct ColouredLanes<'a>(&'a Homogeneous);
 pub struct HomogeneousX8 {
     extinction: f32x8,
     mean_free_path: f32x8,
+}
+
+/// A segment in it.
+#[derive(Clone, Copy)]
+pub struct HomogeneousAxis {
+    medium: HomogeneousX8,
+    /// Length `[m]`.
+    length: f32x8,
 }
 
 impl GreyLanes {
@@ -98,11 +106,13 @@ impl HomogeneousX8 {
 }
 
 impl MediumX8 for HomogeneousX8 {
+    type Axis = HomogeneousAxis;
+
     const VARIES: bool = false;
 
     #[inline(always)]
-    fn mean_free_path(self, _: Vec3x8, _: Vec3x8, _: f32x8) -> f32x8 {
-        self.mean_free_path
+    fn axis(self, _: Vec3x8, _: Vec3x8, length: f32x8) -> HomogeneousAxis {
+        HomogeneousAxis { medium: self, length }
     }
 
     #[inline(always)]
@@ -131,7 +141,36 @@ impl MediumX8 for HomogeneousX8 {
     }
 
     #[inline(always)]
-    fn log_seeds(self, _: usize, _: f32x8, _: f32x8) -> f32x8 {
-        f32x8::ZERO
+    fn log_extinction_along(self, events: usize, _: f32x8) -> f32x8 {
+        f32x8::splat(-(events as f32)) * neg_ln(self.extinction)
+    }
+}
+
+impl AxisX8 for HomogeneousAxis {
+    const VARIES: bool = false;
+
+    #[inline(always)]
+    fn depth(&self) -> f32x8 {
+        self.depth_until(self.length)
+    }
+
+    #[inline(always)]
+    fn depth_until(&self, along: f32x8) -> f32x8 {
+        self.medium.extinction * along
+    }
+
+    #[inline(always)]
+    fn extinction(&self, _: f32x8) -> f32x8 {
+        self.medium.extinction
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, depth: f32x8) -> f32x8 {
+        depth * self.medium.mean_free_path
+    }
+
+    #[inline(always)]
+    fn reached(&self) -> f32x8 {
+        self.medium.extinction
     }
 }

@@ -101,11 +101,12 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 3] {
 }
 
 /// The sets of techniques that grids have.
-pub const IN_FIELDS: [Active; 8] = [
+pub const IN_FIELDS: [Active; 9] = [
     Active::Path,
     Active::Nee,
     Active::Mvnee,
     Active::MvneeGaussian,
+    Active::MvneeFast,
     Active::Both,
     Active::Omnee,
     Active::Bridge,

@@ -7,7 +7,8 @@ use super::Mvnee;
 use crate::Step;
 pub use crate::connect::buckets::{BuildColumns, CountColumns};
 
-/// Counts the seeds of every connection: free flights along the axis until its length is exceeded.
+/// Counts the seeds of every connection: flights along the axis, in what [`Seeds`](super::Seeds) says, until its length
+/// is exceeded.
 ///
 /// Seed `k` takes word `k mod 4` of block `k div 4` of `MVNEE_FLIGHTS`, with the depth of the start. A connection that
 /// would make the path longer than `lengths.max` segments is marked as dropped.

@@ -1,7 +1,8 @@
 //! Making MVNEE's connections, in f64 (Weber, Hanika, Dachsbacher 2017).
 //!
 //! ```text
-//! seeds:    t_k = t_{k-1} + a free flight        while t_k < s
+//! seeds:    tau~(t_k) = tau~(t_{k-1}) - ln(1 - u)       while t_k < s,  or, fast, from the second one on
+//!           t_k = t_{k-1} - ln(1 - u) / mu~(t_1)
 //! vertices: x_k = x + t_k w + r (cos(phi) tangent + sin(phi) bitangent),   phi = 2 pi u'
 //! GGX:      r = alpha sqrt(u / (1 - u)),        alpha = 1.637618734 sigma
 //! Gaussian: r = sigma sqrt(-2 ln(1 - u))
@@ -15,9 +16,9 @@ use glam::DVec3;
 
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::mvnee::reference::{Settings, sigma};
-use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
+use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::sequence::Draws;
-use crate::media::reference::{Medium, flight};
+use crate::media::reference::{Medium, Stratum, depth_until, extinction_along, flight, reach};
 use crate::phase::reference::frame;
 use crate::{PathLengths, Step, random};
 
@@ -84,20 +85,50 @@ pub fn count_seeds(
     lengths: PathLengths,
     draws: &Draws,
 ) -> Option<u32> {
-    let (distance, mean_free_path) = (start.distance(point), medium.mean_free_path(start, point));
-    if distance > settings.max_depth * medium.over_clearest() * mean_free_path {
+    let (distance, strata) = (start.distance(point), medium.strata(start, point));
+    if depth_until(&strata, distance) > settings.max_depth * medium.over_clearest() {
         return None;
     }
-    let mut reached = 0.0;
+    let mut walk = Walk::new(settings.seeds, &strata);
     let mut seeds = 0;
     while draws.depth + seeds < lengths.max && seeds <= settings.max_inserted {
-        reached += flight(draws.flight(seeds as usize), mean_free_path);
-        if reached >= distance {
+        if walk.next(draws.flight(seeds as usize)) >= distance {
             return Some(seeds);
         }
         seeds += 1;
     }
     None
+}
+
+/// Goes from seed to seed.
+struct Walk<'a> {
+    seeds: Seeds,
+    strata: &'a [Stratum],
+    /// Optical depth passed.
+    depth: f64,
+    /// Place reached on the axis `[m]`, and the extinction at the first seed [1/m].
+    reached: Option<(f64, f64)>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(seeds: Seeds, strata: &'a [Stratum]) -> Self {
+        Self { seeds, strata, depth: 0.0, reached: None }
+    }
+
+    /// The place of the next seed on the axis `[m]`, after a flight that a share `u` of all does not reach.
+    fn next(&mut self, u: f64) -> f64 {
+        let depth = flight(u, 1.0);
+        let (place, first) = match (self.seeds, self.reached) {
+            (Seeds::Fast, Some((place, first))) => (place + depth / first, first),
+            (_, reached) => {
+                self.depth += depth;
+                let place = reach(self.strata, self.depth);
+                (place, reached.map_or_else(|| extinction_along(self.strata, place), |(_, first)| first))
+            }
+        };
+        self.reached = Some((place, first));
+        place
+    }
 }
 
 /// Fills `inserted` with as many perturbed seeds, between `start` and `point` `[m]`.
@@ -109,8 +140,14 @@ pub fn place(
     draws: &Draws,
     inserted: &mut [DVec3],
 ) {
-    let mean_free_path = medium.mean_free_path(start, point);
-    let mut segments: Vec<f64> = (0..inserted.len()).map(|k| flight(draws.flight(k), mean_free_path)).collect();
+    let strata = medium.strata(start, point);
+    let mut walk = Walk::new(settings.seeds, &strata);
+    let mut before = 0.0;
+    let segment = |k: usize| {
+        let place = walk.next(draws.flight(k));
+        place - core::mem::replace(&mut before, place)
+    };
+    let mut segments: Vec<f64> = (0..inserted.len()).map(segment).collect();
     let distance = (point - start).length();
     segments.push(distance - segments.iter().sum::<f64>());
     let axis = (point - start).normalize_or_zero();
@@ -145,6 +182,7 @@ mod tests {
         max_depth: f64::INFINITY,
         max_inserted: u32::MAX,
         offset: Offset::Ggx,
+        seeds: Seeds::Coarse,
         slope: 0.8,
     };
 

@@ -1,5 +1,5 @@
 //! ```text
-//! count: m = number of k with t_0 + .. + t_k < s,  t_k free flights
+//! count: m = number of k with t_0 + .. + t_k < s,  t_k flights along the axis
 //! build: seed k at t_0 + .. + t_k along the axis, moved by r (cos(2 pi v) tangent + sin(2 pi v) bitangent),
 //!        r = width sqrt(u / (1 - u))  or  width sqrt(-2 ln(1 - u)),   width^2 = c^2 slope^2 L R / (L + R)
 //! ```
@@ -7,7 +7,8 @@
 //! 1. Counting keeps nothing but the count; building draws the flights again. A hash and a logarithm per seed are
 //!    cheaper than storing seeds by row and reading them back in bucket order.
 //! 2. Building works on one bucket at a time: eight rows insert the same number of vertices, no lane waits.
-//! 3. The first pass leaves step, L and place of each seed in the chain's own columns, the second walks back from the
+//! 3. Flights through the coarse field are counted by depth, which needs no places: m of them add up to less than tau~.
+//! 4. The first pass leaves step, L and place of each seed in the chain's own columns, the second walks back from the
 //!    light, where R grows without a difference, and overwrites them with the vertex.
 
 use wide::{f32x8, u32x8};
@@ -15,20 +16,63 @@ use wide::{f32x8, u32x8};
 use crate::columns::Column3;
 use crate::columns::queues::CandidateBatch;
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
-use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset};
+use crate::connect::mvnee::{GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
-use crate::media::{MediumLanes, MediumX8};
+use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::random;
 use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
-/// Free flights of the seeds 4 k .. 4 k + 4 along an axis of this mean free path `[m]`.
+/// Optical depths between the seeds 4 k .. 4 k + 4 of flights through the coarse field.
 #[inline(always)]
-fn flights(sequence: &Sequence, mean_free_path: f32x8, k: usize) -> [f32x8; 4] {
-    let uniforms = sequence.uniforms(random::MVNEE_FLIGHTS.nth(k as u32));
-    uniforms.map(|u| neg_ln(f32x8::ONE - u) * mean_free_path)
+fn flights(sequence: &Sequence, k: usize) -> [f32x8; 4] {
+    sequence.uniforms(random::MVNEE_FLIGHTS.nth(k as u32)).map(|u| neg_ln(f32x8::ONE - u))
+}
+
+/// Goes from seed to seed.
+struct Walk<A> {
+    axis: A,
+    seeds: Seeds,
+    /// Whether there is a seed behind it, so that fast ones know their extinction.
+    begun: bool,
+}
+
+impl<A: AxisX8> Walk<A> {
+    #[inline(always)]
+    fn new(seeds: Seeds, axis: A) -> Self {
+        Self { axis, seeds, begun: false }
+    }
+
+    /// Distance from one seed to the next `[m]`, after a flight of this `depth`.
+    #[inline(always)]
+    fn next(&mut self, depth: f32x8) -> f32x8 {
+        if A::VARIES && self.seeds == Seeds::Fast && self.begun {
+            return depth / self.axis.reached();
+        }
+        self.begun = true;
+        self.axis.advance(depth)
+    }
+
+    /// Whether seeds are counted by depth.
+    #[inline(always)]
+    fn by_depth(&self) -> bool {
+        A::VARIES && self.seeds == Seeds::Coarse
+    }
+
+    /// The end of an axis of this `length` `[m]`, as a depth or as a distance, and where it is no deeper than `most`.
+    #[inline(always)]
+    fn end(&self, length: f32x8, most: f32x8) -> [f32x8; 2] {
+        let depth = self.axis.depth();
+        [if self.by_depth() { depth } else { length }, depth.simd_le(most)]
+    }
+
+    /// How much nearer the end the next seed is.
+    #[inline(always)]
+    fn toward_end(&mut self, depth: f32x8) -> f32x8 {
+        if self.by_depth() { depth } else { self.next(depth) }
+    }
 }
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
@@ -45,23 +89,22 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
         let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
         let (start, point) = (connections.start.batch(b), connections.point.batch(b));
         let distance = (point - start).length_squared().sqrt();
-        let mean_free_path = medium.mean_free_path(start, point, distance);
         let longest = (u32x8::splat(lengths.max - 1) - sequence.depth).min(u32x8::splat(technique.max_inserted));
+        let mut walk = Walk::new(technique.seeds, medium.axis(start, point, distance));
+        let [end, near] = walk.end(distance, f32x8::splat(technique.max_depth) * medium.over_clearest());
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
         let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
-            for flight in flights(&sequence, mean_free_path, k) {
-                along += flight;
-                inside &= along.simd_lt(distance) & lanes::as_mask(count.simd_le(longest));
+            for flight in flights(&sequence, k) {
+                along += walk.toward_end(flight);
+                inside &= along.simd_lt(end) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
             }
             if !inside.any() {
                 break;
             }
         }
-        let most = f32x8::splat(technique.max_depth) * medium.over_clearest();
-        let near = distance.simd_le(mean_free_path * most);
         let fits = count.simd_le(longest) & lanes::as_integer_mask(near);
         counts.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
     }
@@ -103,16 +146,17 @@ fn place(
     let to_light = candidate.point - candidate.start;
     let distance = to_light.length_squared().sqrt();
     let axis = to_light * (f32x8::ONE / distance);
-    let mean_free_path = medium.mean_free_path(candidate.start, candidate.point, distance);
+    let mut walk = Walk::new(mvnee.seeds, medium.axis(candidate.start, candidate.point, distance));
     let (tangent, bitangent) = axis.frame();
 
     // Leave (step, L, place on the axis) of every seed in its place in the chain.
     let (mut along, mut before) = (f32x8::ZERO, f32x8::ZERO);
     for (k, four) in chain.chunks_mut(4).enumerate() {
-        for (seed, flight) in four.iter_mut().zip(flights(sequence, mean_free_path, k)) {
-            along += flight;
-            before = flight.mul_add(flight, before);
-            seed.set_batch(b, Vec3x8::new(flight, before, along));
+        for (seed, flight) in four.iter_mut().zip(flights(sequence, k)) {
+            let step = walk.next(flight);
+            along += step;
+            before = step.mul_add(step, before);
+            seed.set_batch(b, Vec3x8::new(step, before, along));
         }
     }
 

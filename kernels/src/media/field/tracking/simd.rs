@@ -19,7 +19,7 @@ use super::Ray;
 use super::quest::{Flight, Quest, Transmittance};
 use crate::lanes::{self, LANES};
 use crate::media::field::Field;
-use crate::media::field::simd::within;
+use crate::media::field::axis::within;
 use crate::random::{Stream, uniform_x8};
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;

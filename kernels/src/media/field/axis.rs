@@ -1,0 +1,186 @@
+//! A segment through the coarse field.
+//!
+//! ```text
+//! segment in cells: p + t v, t in [0, 1];     [t0, t1] = its part within a box a little larger than that of all cells
+//! n = ceil(|v| (t1 - t0)), at most 64: so many strata of it, each with the mean of the cell at its middle
+//! tau~ = length ((t1 - t0) / n * sum_{i < n} mean(p + (t0 + (i + 1/2) / n (t1 - t0)) v) + (1 - (t1 - t0)) mu_around)
+//! ```
+//!
+//! 1. Lanes with fewer strata wait for those with more.
+//! 2. A segment and its reverse have the same strata, but for rounding.
+//! 3. Before the first stratum and behind the last is what is around; behind the last it has no end, so that every
+//!    depth is somewhere.
+
+use wide::f32x8;
+
+use super::Field;
+use crate::media::AxisX8;
+use crate::vec3x8::Vec3x8;
+
+/// Most strata of a segment.
+pub const MOST_STRATA: f32 = 64.0;
+
+/// By how many cells the box is larger in which strata are. From one face of the grid itself to the other their middles
+/// would fall on borders of cells, where which cell they are in is a matter of rounding.
+pub const BELOW: f32 = 0.271_828;
+/// The same at the upper faces.
+pub const ABOVE: f32 = 0.314_159;
+
+/// Least optical depth of a segment: quotients of depths stay finite.
+const LEAST_DEPTH: f32 = 1e-9;
+
+/// Least extinction of what a flight is in that ends [1/m]: in vacuum it ends beyond everything.
+const LEAST_EXTINCTION: f32 = 1e-30;
+
+/// Eight segments, each in one channel, and how far seeds have got on them.
+#[derive(Clone, Copy)]
+pub struct FieldAxis<'a> {
+    field: &'a Field,
+    /// Extinction over that of the field.
+    hue: f32x8,
+    /// Length `[m]`.
+    length: f32x8,
+    /// Where it begins, in cells.
+    start: Vec3x8,
+    /// From there to its end, in cells.
+    way: Vec3x8,
+    /// Where the first stratum begins, as a share of the length.
+    enter: f32x8,
+    /// Length of a stratum, as a share of the length.
+    stride: f32x8,
+    /// How many there are.
+    strata: f32x8,
+    /// The stratum reached: -1 before the first.
+    reached: f32x8,
+    /// The place reached, as a share of the length.
+    place: f32x8,
+}
+
+impl<'a> FieldAxis<'a> {
+    /// From `from` to `to`, of this `length` `[m]`.
+    #[inline(always)]
+    pub fn new(field: &'a Field, hue: f32x8, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self {
+        let (start, end) = (field.in_cells(from), field.in_cells(to));
+        let way = end - start;
+        let [enter, exit] = within(start, way, [-BELOW; 3], field.cells.dims.map(|dim| dim as f32 + ABOVE), f32x8::ONE);
+        let part = (exit - enter).fast_max(f32x8::ZERO);
+        let crossed = way.length_squared().sqrt() * part;
+        let inside = part.simd_gt(f32x8::ZERO);
+        let strata = crossed.ceil().fast_max(f32x8::ONE).fast_min(f32x8::splat(MOST_STRATA));
+        Self {
+            field,
+            hue,
+            length,
+            start,
+            way,
+            enter: inside.select(enter, f32x8::ZERO),
+            stride: part / strata,
+            strata: inside.select(strata, f32x8::ZERO),
+            reached: f32x8::splat(-1.0),
+            place: f32x8::ZERO,
+        }
+    }
+
+    /// Mean extinction in stratum `index`, where the hue is 1 [1/m].
+    #[inline(always)]
+    fn mean(&self, index: f32x8) -> f32x8 {
+        let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
+        let inside = index.simd_ge(f32x8::ZERO) & index.simd_lt(self.strata);
+        inside.select(self.field.mean_at(self.way.mul_add(middle, self.start)), f32x8::splat(self.field.around))
+    }
+
+    /// Sum over all strata of the mean times how much of the stratum, at most all of it, counts.
+    #[inline(always)]
+    fn sum(&self, share: impl Fn(f32x8) -> f32x8) -> f32x8 {
+        let most = self.strata.to_array().into_iter().fold(0.0, f32::max) as u32;
+        let mut sum = f32x8::ZERO;
+        for i in 0..most {
+            let index = f32x8::splat(i as f32);
+            let counts = index.simd_lt(self.strata);
+            sum += counts.select(self.mean(index) * share(index), f32x8::ZERO);
+        }
+        sum
+    }
+
+    /// Where the strata end, as a share of the length.
+    #[inline(always)]
+    fn exit(&self) -> f32x8 {
+        self.stride.mul_add(self.strata, self.enter)
+    }
+}
+
+impl AxisX8 for FieldAxis<'_> {
+    const VARIES: bool = true;
+
+    #[inline(never)]
+    fn depth(&self) -> f32x8 {
+        let around = f32x8::splat(self.field.around) * (f32x8::ONE - self.stride * self.strata);
+        let depth = self.sum(|_| f32x8::ONE).mul_add(self.stride, around) * self.length * self.hue;
+        depth.fast_max(f32x8::splat(LEAST_DEPTH))
+    }
+
+    #[inline(never)]
+    fn depth_until(&self, along: f32x8) -> f32x8 {
+        let place = along / self.length;
+        let passed = (place - self.enter) / self.stride;
+        let sum = self.sum(|index| (passed - index).fast_max(f32x8::ZERO).fast_min(f32x8::ONE)) * self.stride;
+        let outside = place.fast_min(self.enter) + (place - self.exit()).fast_max(f32x8::ZERO);
+        let empty = self.strata.simd_eq(f32x8::ZERO);
+        let around = f32x8::splat(self.field.around);
+        empty.select(around * place, around.mul_add(outside, sum)) * self.length * self.hue
+    }
+
+    #[inline(always)]
+    fn extinction(&self, along: f32x8) -> f32x8 {
+        self.mean(((along / self.length - self.enter) / self.stride).floor()) * self.hue
+    }
+
+    #[inline(never)]
+    fn advance(&mut self, depth: f32x8) -> f32x8 {
+        let from = self.place;
+        let mut left = depth / (self.length * self.hue);
+        loop {
+            let next = self.reached + f32x8::ONE;
+            let room = self.mean(self.reached) * (self.stride.mul_add(next, self.enter) - self.place);
+            let passes = left.simd_ge(room) & self.reached.simd_lt(self.strata);
+            if !passes.any() {
+                break;
+            }
+            left -= passes.select(room, f32x8::ZERO);
+            self.place = passes.select(self.stride.mul_add(next, self.enter), self.place);
+            self.reached = passes.select(next, self.reached);
+        }
+        self.place += left / self.mean(self.reached).fast_max(f32x8::splat(LEAST_EXTINCTION));
+        (self.place - from) * self.length
+    }
+
+    #[inline(always)]
+    fn reached(&self) -> f32x8 {
+        self.mean(self.reached) * self.hue
+    }
+}
+
+impl Field {
+    /// Mean extinction of the cells that points, in cells, are in [1/m].
+    #[inline(always)]
+    fn mean_at(&self, at: Vec3x8) -> f32x8 {
+        let all = self.cells.all();
+        f32x8::new(self.cells_at(at).to_array().map(|cell| all[cell as usize].mean))
+    }
+}
+
+/// The part of `start + t way`, t in [0, `end`], within a box; empty where the second is not larger.
+#[inline(always)]
+pub fn within(start: Vec3x8, way: Vec3x8, low: [f32; 3], high: [f32; 3], end: f32x8) -> [f32x8; 2] {
+    let (mut enter, mut exit) = (f32x8::ZERO, end);
+    let axes = [(start.x, way.x), (start.y, way.y), (start.z, way.z)];
+    for (((origin, step), low), high) in axes.into_iter().zip(low).zip(high) {
+        // Along an axis, a way that does not move is either inside all the time or never: +-inf do as they should, and
+        // the NaN of a start on the very boundary is moved off it.
+        let step = step.simd_eq(f32x8::ZERO).select(f32x8::splat(1e-30), step);
+        let inverse = f32x8::ONE / step;
+        let (a, b) = ((f32x8::splat(low) - origin) * inverse, (f32x8::splat(high) - origin) * inverse);
+        (enter, exit) = (enter.fast_max(a.fast_min(b)), exit.fast_min(a.fast_max(b)));
+    }
+    [enter, exit]
+}
