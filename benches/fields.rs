@@ -9,7 +9,7 @@ use fogbow::wavefront::Source;
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
-use fogbow_kernels::media::field::tracking::{Ray, reference, simd};
+use fogbow_kernels::media::field::tracking::{Ray, batches, reference, simd};
 use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
 use fogbow_kernels::pipeline::REFERENCE;
 use fogbow_kernels::random::{self, Stream, uniform};
@@ -65,7 +65,7 @@ fn tracking(c: &mut Criterion) {
     group.throughput(Throughput::Elements(candidates(&grid, &flights)));
     group.bench_function("flights, candidates", |b| {
         b.iter(|| {
-            simd::flights(&grid, flights.iter().copied().enumerate(), |row, flight| {
+            simd::flights(&grid, batches(&flights), |row, flight| {
                 black_box((row, flight));
             })
         });
@@ -74,7 +74,7 @@ fn tracking(c: &mut Criterion) {
     group.throughput(Throughput::Elements(segments.len() as u64));
     group.bench_function("transmittances of 10 cm", |b| {
         b.iter(|| {
-            simd::transmittances(&grid, segments.iter().copied().enumerate(), |row, product: [f32; 1], known| {
+            simd::transmittances(&grid, batches(&segments), |row, product: [f32; 1], known| {
                 black_box((row, product, known));
             });
         });

@@ -205,6 +205,13 @@ impl Stream {
         Self([a, b, c.wrapping_add(part), d])
     }
 
+    /// The words of [`Stream::new`] for eight rows.
+    #[inline(always)]
+    pub fn new_x8(pixel: u32x8, sample: u32x8, block: u32x8, seed: u32, part: u32) -> [u32x8; 4] {
+        let [a, b, c, d] = words_x8(pixel, sample, block, seed);
+        [a, b, c + u32x8::splat(part), d]
+    }
+
     /// Words number `4 counter` and on.
     pub fn words(self, counter: u32) -> [u32; 4] {
         let [a, b, c, d] = self.0;

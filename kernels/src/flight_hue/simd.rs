@@ -5,12 +5,14 @@
 //! 1. All flights of live paths go through the tracker, those that end on surfaces among them.
 //! 2. Their tau~ is found for whole batches afterwards.
 
+use wide::u32x8;
+
 use super::Columns;
 use crate::columns::queues::EstimateColumns;
 use crate::lanes::LANES;
 use crate::media::MediumX8;
 use crate::media::field::FieldX8;
-use crate::media::field::tracking::Ray;
+use crate::media::field::tracking::RaysX8;
 use crate::media::field::tracking::simd::{factor, transmittances};
 use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream};
@@ -26,11 +28,17 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         length.rows_mut()[surface_hits.lane.rows()[hit] as usize] = surface_hits.distance.rows()[hit];
     }
     let hues_of = |lane: usize| hues(field, Some(immersion.hero.rows()[lane]));
-    let rays = live.each().map(|lane| {
-        let block = random::block(paths.depth_of(step.clock, lane), random::TRACKING);
-        let stream = Stream::new(paths.pixel.rows()[lane], paths.sample.rows()[lane], block, step.seed, 1);
-        let direction = ray.direction.row(lane).map(|component| component * length.rows()[lane]);
-        (lane, Ray { origin: vertex.position.row(lane), direction, stream, hues: hues_of(lane) })
+    let rays = live.each_batch().map(|(b, live)| {
+        let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
+        let block = random::block_x8(depth, random::TRACKING);
+        RaysX8 {
+            first: LANES * b,
+            live,
+            origin: vertex.position.batch(b),
+            direction: ray.direction.batch(b) * length.batch(b),
+            stream: Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 1),
+            hues: hues_x8(|lane| hues_of(LANES * b + lane)),
+        }
     });
     transmittances(field, rays, |lane, products: [f32; CHANNELS], depth| {
         product.set_row(lane, products);

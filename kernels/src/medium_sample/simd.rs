@@ -6,14 +6,16 @@
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
 //! 2. Flights are drawn for whole batches, dying paths included.
-//! 3. In a field they are tracked instead, one after the other, eight at a time ([`tracking`]).
+//! 3. In a field they are tracked instead ([`tracking`]).
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
+use crate::lanes::LANES;
 use crate::media::MediumLanes;
 use crate::media::field::Field;
-use crate::media::field::tracking::{self, Ray};
+use crate::media::field::tracking::{self, RaysX8};
+use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream, uniform_x8};
 use crate::survival::Survival;
 use crate::{Step, lanes, with_homogeneous};
@@ -34,11 +36,18 @@ pub fn run(step: Step, mut columns: Columns<'_, '_>) {
 fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     let Columns { live, paths, immersion, vertex, ray, flights, .. } = columns;
     let hues = field.hues();
-    let rays = live.each().map(|lane| {
-        let block = random::block(paths.depth_of(step.clock, lane), random::TRACKING);
-        let stream = Stream::new(paths.pixel.rows()[lane], paths.sample.rows()[lane], block, step.seed, 0);
-        let hue = hues[immersion.hero.rows()[lane] as usize];
-        (lane, Ray { origin: vertex.position.row(lane), direction: ray.direction.row(lane), stream, hues: [hue; 3] })
+    let rays = live.each_batch().map(|(b, live)| {
+        let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
+        let block = random::block_x8(depth, random::TRACKING);
+        let hue = || immersion.hero.batch(b).to_array().map(|hero| hues[(hero as usize).min(CHANNELS - 1)]);
+        RaysX8 {
+            first: LANES * b,
+            live,
+            origin: vertex.position.batch(b),
+            direction: ray.direction.batch(b),
+            stream: Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 0),
+            hues: [if field.is_grey() { f32x8::ONE } else { f32x8::new(hue()) }],
+        }
     });
     tracking::simd::flights(field, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
 }

@@ -7,12 +7,12 @@
 //! 2. Their tau~ is found for whole batches afterwards.
 //! 3. A grey field has one hue.
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::lanes::LANES;
 use crate::media::MediumX8;
-use crate::media::field::tracking::Ray;
+use crate::media::field::tracking::RaysX8;
 use crate::media::field::tracking::simd::{factor, transmittances};
 use crate::media::field::{Field, FieldX8};
 use crate::media::spectral::CHANNELS;
@@ -36,15 +36,25 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
     let hues_of = |row: usize| hues(field, flown.then(|| immersion.hero.rows()[lane_of(row)]));
     for segment in 0..=bucket.inserted {
         let (from, to) = (vertex(segment), vertex(segment + 1));
-        let counts = |row: &usize| worth.weight.rows()[*row] != 0.0 && worth.factor.any(*row);
-        let rays = bucket.rows().filter(counts).map(|row| {
-            let lane = lane_of(row);
-            let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
-            let block = random::block(paths.depth_of(step.clock, lane), block);
-            let stream = Stream::new(pixel, sample, block, step.seed, segment as u32);
-            let (origin, end) = (from.row(row), to.row(row));
-            let direction = [0, 1, 2].map(|axis| end[axis] - origin[axis]);
-            (row, Ray { origin, direction, stream, hues: hues_of(row) })
+        let rays = bucket.batches().map(|(b, rows)| {
+            let counts = |lane: &usize| {
+                let row = LANES * b + lane;
+                worth.weight.rows()[row] != 0.0 && worth.factor.any(row)
+            };
+            let live = lanes::each(rows).filter(counts).fold(0, |live, lane| live | 1 << lane);
+            let of = candidates.lane.batch(b).to_array();
+            let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.gather(&of));
+            let block = random::block_x8(u32x8::splat(step.clock) - birth, block);
+            let (origin, end) = (from.batch(b), to.batch(b));
+            let hues = hues_x8(|lane| if live >> lane & 1 == 1 { hues_of(LANES * b + lane) } else { [0.0; CHANNELS] });
+            RaysX8 {
+                first: LANES * b,
+                live,
+                origin,
+                direction: end - origin,
+                stream: Stream::new_x8(pixel, sample, block, step.seed, segment as u32),
+                hues: core::array::from_fn(|hue| hues[hue]),
+            }
         });
         transmittances(field, rays, |row, products: [f32; N], known| {
             estimates.product.set_row(row, [0, 1, 2].map(|c: usize| products[c.min(N - 1)]));

@@ -2,7 +2,7 @@ use glam::DVec3;
 use wide::f32x8;
 
 use super::reference::FieldTwin;
-use super::tracking::{Ray, reference as tracking_twin, simd as tracking};
+use super::tracking::{Ray, batches, reference as tracking_twin, simd as tracking};
 use super::*;
 use crate::media::reference::{Medium as _, depth_until, extinction_along, reach};
 use crate::media::{AxisX8 as _, MediumX8};
@@ -157,9 +157,10 @@ fn tracked_flights_are_those_of_the_twin_in_any_lane() {
         for count in [1, 7, 8, 9, 700] {
             let rays = rays(count);
             let mut found = vec![f32::NAN; rays.len()];
-            tracking::flights(grid, rays.iter().copied().enumerate(), |row, flight| found[row] = flight);
+            tracking::flights(grid, batches(&rays), |row, flight| found[row] = flight);
             let mut reversed = vec![f32::NAN; rays.len()];
-            tracking::flights(grid, rays.iter().copied().enumerate().rev(), |row, flight| reversed[row] = flight);
+            let backward: Vec<Ray> = rays.iter().copied().rev().collect();
+            tracking::flights(grid, batches(&backward), |row, flight| reversed[rays.len() - 1 - row] = flight);
             assert!(found.iter().zip(&reversed).all(|(a, b)| a.to_bits() == b.to_bits()), "{count} rays");
             let off = rays.iter().zip(&found).filter(|(ray, found)| {
                 let expected = tracking_twin::flight(grid, 1.0, real(ray.origin), real(ray.direction), ray.stream);
@@ -186,9 +187,7 @@ fn transmittances_are_those_of_the_twin() {
             })
             .collect();
         let mut found = vec![(f32::NAN, f32::NAN); segments.len()];
-        tracking::transmittances(grid, segments.iter().copied().enumerate(), |row, [product], known| {
-            found[row] = (product, known)
-        });
+        tracking::transmittances(grid, batches(&segments), |row, [product], known| found[row] = (product, known));
         let off = segments.iter().zip(&found).filter(|(ray, (product, known))| {
             let (from, way) = (real(ray.origin), real(ray.direction));
             let ([p], k) = tracking_twin::transmittance(grid, [1.0], from, from + way, ray.stream);
@@ -231,7 +230,7 @@ fn a_constant_grid_leaves_nothing_to_chance() {
     let grid =
         Field::grid(Voxels::new(&leaves(|_| 0.5), &TO_INDEX, Interpolation::Nearest), 3.0).with_cells(3, 1.0, 1.0);
     let ray = Ray { origin: [-0.3; 3], direction: [0.6, 0.5, 0.3], stream: Stream::new(1, 2, 3, 4, 0), hues: [1.0; 3] };
-    tracking::transmittances(&grid, core::iter::once((0, ray)), |_, [product], known| {
+    tracking::transmittances(&grid, batches(&[ray]), |_, [product], known| {
         let expected = 1.5 * real(ray.direction).length();
         assert!((f64::from(known) / expected - 1.0).abs() < 1e-5 && product == 1.0, "{product} {known} {expected}");
     });

@@ -18,7 +18,12 @@ mod quest;
 pub mod reference;
 pub mod simd;
 
+use wide::{f32x8, u32x8};
+
+use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
+use crate::random::Stream;
+use crate::vec3x8::Vec3x8;
 
 /// A ray through a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +33,44 @@ pub struct Ray {
     /// Where it goes: a unit direction for a flight, the whole segment for a transmittance `[m]`.
     pub direction: [f32; 3],
     /// Where its numbers come from.
-    pub stream: crate::random::Stream,
+    pub stream: Stream,
     /// Extinctions that count, over those of the field: that of a flight, or those of up to three transmittances, from -1
     /// to 1.
     pub hues: [f32; CHANNELS],
+}
+
+/// Eight rays with N hues each.
+#[derive(Clone, Copy, Debug)]
+pub struct RaysX8<const N: usize> {
+    /// Row of that in lane 0; the others are in the rows behind it.
+    pub first: usize,
+    /// Lanes with a ray.
+    pub live: u32,
+    /// Where they start `[m]`.
+    pub origin: Vec3x8,
+    /// Where they go: unit directions for flights, whole segments for transmittances `[m]`.
+    pub direction: Vec3x8,
+    /// Where their numbers come from, word by word.
+    pub stream: [u32x8; 4],
+    /// Extinctions that count, over those of the field.
+    pub hues: [f32x8; N],
+}
+
+/// `rays` with the first N of their hues, eight at a time; their rows are their places.
+pub fn batches<const N: usize>(rays: &[Ray]) -> impl Iterator<Item = RaysX8<N>> {
+    rays.chunks(LANES).enumerate().map(|(number, rays)| {
+        let of = |lane: usize| rays.get(lane).unwrap_or(&rays[0]);
+        let reals = |pick: &dyn Fn(&Ray) -> f32| f32x8::new(core::array::from_fn(|lane| pick(of(lane))));
+        let words = |word: usize| u32x8::new(core::array::from_fn(|lane| of(lane).stream.0[word]));
+        let [x, y, z] = [0, 1, 2].map(|axis| reals(&|ray| ray.origin[axis]));
+        let [along_x, along_y, along_z] = [0, 1, 2].map(|axis| reals(&|ray| ray.direction[axis]));
+        RaysX8 {
+            first: LANES * number,
+            live: crate::lanes::first(rays.len()),
+            origin: Vec3x8::new(x, y, z),
+            direction: Vec3x8::new(along_x, along_y, along_z),
+            stream: [0, 1, 2, 3].map(words),
+            hues: core::array::from_fn(|hue| reals(&|ray| ray.hues[hue])),
+        }
+    })
 }

@@ -6,8 +6,9 @@
 //!
 //! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those
 //!    at once, and the others go on where they are.
-//! 2. A lane whose ray has ended takes the next one: none waits for the longest ray. What becomes of a ray does not
-//!    depend on its lane or its neighbours.
+//! 2. Rays come in batches, which are set out and taken to their first candidates as such: many end there. Of the
+//!    others, each takes a lane whose ray has ended, so that none waits for the longest one. What becomes of a ray does
+//!    not depend on its lane or its neighbours.
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
@@ -15,7 +16,7 @@
 
 use wide::{f32x8, i32x8, u32x8};
 
-use super::Ray;
+use super::RaysX8;
 use super::quest::{Flight, Quest, Transmittance};
 use crate::lanes::{self, LANES};
 use crate::media::field::Field;
@@ -28,8 +29,8 @@ use crate::vec3x8::Vec3x8;
 const FEW: u32 = 3;
 
 /// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves all there is. The
-/// first hue of a ray is that of its flight.
-pub fn flights(field: &Field, rays: impl Iterator<Item = (usize, Ray)>, mut end: impl FnMut(usize, f32)) {
+/// hue of a ray is that of its flight.
+pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, f32)) {
     track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
         end(row, if ended.collided { ended.t } else { f32::INFINITY });
     });
@@ -39,7 +40,7 @@ pub fn flights(field: &Field, rays: impl Iterator<Item = (usize, Ray)>, mut end:
 /// where the hue is 1: for each of N hues, `T' = product e^{-hue depth}`.
 pub fn transmittances<const N: usize>(
     field: &Field,
-    segments: impl Iterator<Item = (usize, Ray)>,
+    segments: impl Iterator<Item = RaysX8<N>>,
     mut end: impl FnMut(usize, [f32; N], f32),
 ) {
     track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
@@ -54,6 +55,7 @@ struct Ended<const N: usize> {
 }
 
 /// Eight rays on their way.
+#[derive(Clone, Copy)]
 struct Lanes<const N: usize> {
     /// Where the ray is at t = 0, and where it goes, in cells.
     origin: Vec3x8,
@@ -79,7 +81,7 @@ struct Lanes<const N: usize> {
     known: f32x8,
     stream: [u32x8; 4],
     candidates: u32x8,
-    row: [usize; LANES],
+    row: u32x8,
     /// Lanes with a ray.
     live: u32,
     /// Those of them whose rays have left the cells, or come to their ends.
@@ -89,22 +91,24 @@ struct Lanes<const N: usize> {
 #[inline(always)]
 fn track<const N: usize, Q: Quest<N>>(
     field: &Field,
-    mut rays: impl Iterator<Item = (usize, Ray)>,
+    mut rays: impl Iterator<Item = RaysX8<N>>,
     longest: f32,
     mut end: impl FnMut(usize, Ended<N>),
 ) {
-    let mut lanes = Lanes::<N>::empty();
+    let (mut lanes, mut waiting) = (Lanes::<N>::empty(), Lanes::<N>::empty());
     loop {
-        while lanes.live != lanes::ALL && lanes.take::<Q>(field, &mut rays, longest, &mut end) {}
+        while lanes.live != lanes::ALL {
+            if waiting.live == 0 {
+                let Some(batch) = rays.next() else { break };
+                waiting.set_out::<Q>(field, &batch, longest, &mut end);
+                waiting.go_on::<Q>(field, longest, &mut end);
+            }
+            lanes.take(&mut waiting);
+        }
         if lanes.live == 0 {
             return;
         }
-        let ended = lanes.cross_and_meet::<Q>(field);
-        lanes.leave::<Q>(field, longest);
-        for lane in lanes::each(ended) {
-            end(lanes.row[lane], lanes.ended(lane, lanes.through));
-        }
-        lanes.live &= !ended;
+        lanes.go_on::<Q>(field, longest, &mut end);
     }
 }
 
@@ -127,7 +131,7 @@ impl<const N: usize> Lanes<N> {
             known: zero,
             stream: [none; 4],
             candidates: none,
-            row: [0; LANES],
+            row: none,
             live: 0,
             through: 0,
         }
@@ -140,47 +144,59 @@ impl<const N: usize> Lanes<N> {
         Ended { t: of(self.t), collided, results: self.results.map(of), known: of(self.known) }
     }
 
-    /// Takes as many rays as there are vacant lanes; tells whether there were any. Those that miss the cells, or end
-    /// before, end at once.
+    /// Takes the rays that wait as long as there are vacant lanes.
     #[inline(always)]
-    fn take<Q: Quest<N>>(
+    fn take(&mut self, waiting: &mut Self) {
+        if self.live == 0 {
+            *self = *waiting;
+            waiting.live = 0;
+            return;
+        }
+        for (to, from) in lanes::each(!self.live & lanes::ALL).zip(lanes::each(waiting.live)) {
+            let (row, from_row) = (self.columns(), waiting.columns());
+            for (column, source) in row.into_iter().zip(from_row) {
+                column[to] = source[from];
+            }
+            self.live |= 1 << to;
+            waiting.live &= !(1 << from);
+        }
+    }
+
+    /// Goes on with all rays until most have met a candidate or are through, and hands those that end to `end`.
+    #[inline(always)]
+    fn go_on<Q: Quest<N>>(&mut self, field: &Field, longest: f32, end: &mut impl FnMut(usize, Ended<N>)) {
+        let ended = self.cross_and_meet::<Q>(field);
+        self.leave::<Q>(field, longest);
+        self.end(ended, self.through, end);
+        self.live &= !ended;
+    }
+
+    /// Hands rays that have ended to `end`.
+    #[inline(always)]
+    fn end(&self, ended: u32, through: u32, end: &mut impl FnMut(usize, Ended<N>)) {
+        let rows = self.row.to_array();
+        for lane in lanes::each(ended) {
+            end(rows[lane] as usize, self.ended(lane, through));
+        }
+    }
+
+    /// Sets a batch out. Rays that miss the cells, or end before, end at once.
+    #[inline(always)]
+    fn set_out<Q: Quest<N>>(
         &mut self,
         field: &Field,
-        rays: &mut impl Iterator<Item = (usize, Ray)>,
+        batch: &RaysX8<N>,
         longest: f32,
         end: &mut impl FnMut(usize, Ended<N>),
-    ) -> bool {
-        let mut fresh = 0;
-        let (mut origins, mut directions) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        for lane in lanes::each(!self.live & lanes::ALL) {
-            let Some((row, ray)) = rays.next() else { break };
-            self.row[lane] = row;
-            for axis in 0..3 {
-                (origins[axis][lane], directions[axis][lane]) = (ray.origin[axis], ray.direction[axis]);
-            }
-            for (column, word) in self.stream.iter_mut().zip(ray.stream.0) {
-                bytemuck::cast_mut::<u32x8, [u32; LANES]>(column)[lane] = word;
-            }
-            for (column, hue) in self.hues.iter_mut().zip(ray.hues) {
-                bytemuck::cast_mut::<f32x8, [f32; LANES]>(column)[lane] = hue;
-            }
-            fresh |= 1 << lane;
-        }
-        if fresh == 0 {
-            return false;
-        }
-        let of = |v: [[f32; LANES]; 3]| Vec3x8::new(f32x8::new(v[0]), f32x8::new(v[1]), f32x8::new(v[2]));
-        self.enter::<Q>(field, fresh, of(origins), of(directions), longest);
-        let mut missed = fresh & !lanes::bits(self.t.simd_lt(self.exit));
+    ) {
+        self.enter::<Q>(field, batch, longest);
+        let mut missed = batch.live & !lanes::bits(self.t.simd_lt(self.exit));
         let mut early = 0;
         if field.around() > 0.0 {
-            (missed, early) = self.approach::<Q>(field, fresh, missed, longest);
+            (missed, early) = self.approach::<Q>(field, batch.live, missed, longest);
         }
-        self.live |= fresh & !missed & !early;
-        for lane in lanes::each(missed | early) {
-            end(self.row[lane], self.ended(lane, missed));
-        }
-        true
+        self.end(missed | early, missed, end);
+        self.live = batch.live & !missed & !early;
     }
 
     /// Takes the rays `fresh` through what is around the cells, up to these or, if they have `missed` them, to their
@@ -219,13 +235,15 @@ impl<const N: usize> Lanes<N> {
         }
     }
 
-    /// Sets the rays of the lanes `fresh` out.
+    /// Takes a batch to where it enters the cells.
     #[inline(always)]
-    fn enter<Q: Quest<N>>(&mut self, field: &Field, fresh: u32, origin: Vec3x8, direction: Vec3x8, longest: f32) {
-        let fresh = lanes::mask(fresh);
+    fn enter<Q: Quest<N>>(&mut self, field: &Field, batch: &RaysX8<N>, longest: f32) {
+        let RaysX8 { first, stream, hues, .. } = *batch;
+        let live = lanes::mask(batch.live);
+        let [origin, direction] = [batch.origin, batch.direction].map(|v| Vec3x8::select(live, v, Vec3x8::ZERO));
         let mut scale = direction.length_squared().sqrt();
         if Q::FLIES {
-            scale *= self.hues[0];
+            scale *= hues[0];
         }
         let (origin, direction) = (field.in_cells(origin), field.to_cells.directions(direction));
         let [enter, exit] =
@@ -247,23 +265,31 @@ impl<const N: usize> Lanes<N> {
             delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
             let stride = i32x8::splat(field.cells.strides()[axis]);
             index += (cell + i32x8::splat(1)) * stride;
-            self.stride[axis] = choose(fresh, choose(forward, stride, -stride), self.stride[axis]);
+            self.stride[axis] = choose(forward, stride, -stride);
         }
-        self.cell = choose(fresh, index, self.cell);
         let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
-        self.origin = Vec3x8::select(fresh, origin, self.origin);
-        self.direction = Vec3x8::select(fresh, direction, self.direction);
-        self.next = Vec3x8::select(fresh, vector(next), self.next);
-        self.delta = Vec3x8::select(fresh, vector(delta), self.delta);
-        self.scale = fresh.select(scale, self.scale);
-        self.t = fresh.select(enter, self.t);
-        self.exit = fresh.select(exit, self.exit);
-        self.results = self.results.map(|result| fresh.select(f32x8::ONE, result));
-        self.known = fresh.select(f32x8::ZERO, self.known);
-        self.candidates &= !lanes::as_integer_mask(fresh);
+        (self.origin, self.direction) = (origin, direction);
+        (self.next, self.delta, self.cell) = (vector(next), vector(delta), index);
+        (self.t, self.exit, self.scale) = (enter, exit, scale);
+        (self.results, self.hues, self.known) = ([f32x8::ONE; N], hues, f32x8::ZERO);
+        (self.stream, self.candidates) = (stream, u32x8::splat(0));
+        self.row = u32x8::splat(first as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
         let [first, _] = self.draw();
-        self.budget = fresh.select(neg_ln(f32x8::ONE - first), self.budget);
-        self.candidates += bytemuck::cast::<f32x8, u32x8>(fresh) & u32x8::splat(1);
+        self.budget = neg_ln(f32x8::ONE - first);
+        self.candidates = u32x8::splat(1);
+        self.through = 0;
+    }
+
+    /// All that a ray is, number by number.
+    #[inline(always)]
+    fn columns(&mut self) -> impl Iterator<Item = &mut [u32; LANES]> {
+        let vectors = [&mut self.origin, &mut self.direction, &mut self.next, &mut self.delta];
+        let axes = vectors.into_iter().flat_map(|v| [&mut v.x, &mut v.y, &mut v.z]);
+        let numbers = [&mut self.t, &mut self.exit, &mut self.scale, &mut self.budget, &mut self.known];
+        let reals = axes.chain(numbers).chain(&mut self.results).chain(&mut self.hues).map(bytemuck::cast_mut);
+        let places = self.stride.iter_mut().chain([&mut self.cell]).map(bytemuck::cast_mut);
+        let words = self.stream.iter_mut().chain([&mut self.candidates, &mut self.row]).map(bytemuck::cast_mut);
+        reals.chain(places).chain(words)
     }
 
     /// The two numbers of the next candidate of every ray.
