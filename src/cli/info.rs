@@ -124,7 +124,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
     let free_path = spectrum(medium.extinctions().map(|extinction| 1.0 / extinction));
     let [x, y, z] = field.cells().dims;
     let (g, size) = (number(medium.phase.mean_cosine(), 4), field.bytes() >> 10);
-    say(format!("  mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
+    say(format!("volumes: mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
 }
 
 /// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.
