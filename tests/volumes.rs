@@ -4,7 +4,8 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use fogbow::volume::{VoxelGrid, list, list_bytes, read, read_bytes};
+use fogbow::volume::{Leaf, VoxelGrid, list, list_bytes, read, read_bytes};
+use fogbow_testing::volume_writer;
 use fogbow_testing::volumes::{FILES, Outcomes, assert_sound, bytes, damage, path};
 use glam::{DMat3, DVec3};
 
@@ -177,6 +178,24 @@ fn progress_ends_with_all_leaves() {
     };
     read(&path("tiles.vdb"), None, &report).expect("a grid");
     assert_eq!(last.get(), (4100, 4100));
+}
+
+/// Files of tests that are too large to be kept.
+#[test]
+fn what_tests_write_is_read() {
+    let leaf = |origin: [i32; 3]| {
+        let value = |index: usize| if index.is_multiple_of(3) { 0.0 } else { (index as i32 + origin[0]) as f32 };
+        Leaf { origin, values: Box::new(core::array::from_fn(value)) }
+    };
+    let leaves = [[0; 3], [0, 8, 120], [136, 4088, 16], [4088; 3]].map(leaf);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.vdb");
+    volume_writer::write(&path, 0.25, &leaves);
+    let grid = read(&path, None, &|_, _| {}).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((grid.leaves.as_slice(), grid.name.as_str()), (&leaves[..], "density"));
+    assert_eq!(grid.index_to_world.transform_point3(DVec3::ONE), DVec3::splat(0.25));
+    let active = leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value != 0.0).count();
+    assert_eq!(grid.active_voxels, active as u64);
 }
 
 #[test]

@@ -24,10 +24,8 @@ pub fn finish(
     reporter: &Reporter,
 ) -> Result<ExitCode> {
     let stopped = signals.exit_code();
-    if let Some(code) = stopped.filter(|_| outcome.stats.samples == 0) {
-        // An image of before is worth more than a black one.
-        reporter.line("stopped before the first sample; nothing is written");
-        return Ok(code.into());
+    if stopped.is_some() && outcome.stats.samples == 0 {
+        return Ok(nothing(signals, reporter));
     }
     if stopped.is_some() {
         reporter.line(format!("stopped after {} samples; writing the results so far", outcome.stats.samples));
@@ -42,6 +40,12 @@ pub fn finish(
     }
     refuse_drops(session, outcome, reporter)?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
+}
+
+/// The end of a render without samples, because of a signal: an image of before is worth more than a black one.
+pub fn nothing(signals: &Signals, reporter: &Reporter) -> ExitCode {
+    reporter.line("stopped before the first sample; nothing is written");
+    signals.exit_code().map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
 /// Writes all results; what can be written is, also if something else cannot. Returns what went wrong.

@@ -7,7 +7,8 @@ use fogbow_kernels::WalkLimits;
 use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::pipeline::SIMD;
 
-use super::{InfoArgs, say, volume, warning_text};
+use super::progress::Reporter;
+use super::{InfoArgs, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, number, rate, starts, survival};
 use crate::film::{self, Film, Region};
@@ -16,7 +17,7 @@ use crate::image::{self, Format};
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::{Grid, LightKind, Medium};
-use crate::scene::{self, ANGULAR_RADIUS, Contents, Light, LoadedScene};
+use crate::scene::{ANGULAR_RADIUS, Contents, Densities, Filling, Light, LoadedScene};
 use crate::truncation::{self, Truncation};
 use crate::volume::is_volume;
 
@@ -39,8 +40,14 @@ pub fn run(args: &InfoArgs) -> Result<()> {
     } else if format == Some(Format::Exr) {
         describe_image(path)
     } else {
-        describe_scene(&scene::load(path, args.set.clone())?, args.verbose)
+        describe_scene(&load(args)?, args.verbose)
     }
+}
+
+/// The scene; no signal is waited for, so that one ends the program as usual.
+fn load(args: &InfoArgs) -> Result<LoadedScene> {
+    let loaded = loading::load(&args.path, args.set.clone(), &mut Reporter::for_terminals(), || false)?;
+    Ok(loaded.expect("nothing interrupts it"))
 }
 
 fn describe_image(path: &Path) -> Result<()> {
@@ -93,7 +100,7 @@ fn glow(medium: &Medium, grid: Option<&Grid>) -> String {
 }
 
 fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
-    for volume in &loaded.scene.volume {
+    for (volume, filling) in loaded.scene.volume.iter().zip(&loaded.fillings) {
         let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
         let shape = volume.shape.as_ref().map(|shape| format!("a {}", shape.kind.name()));
         let grid = volume.grid.as_ref().map(|grid| quoted(&grid.file));
@@ -107,13 +114,36 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
             |(free_path, albedo)| format!("mean free path {free_path} m{of}, albedo {albedo}"),
         );
         say(format!("volume{name}: {what}, {inside}{glow}"))?;
+        match filling {
+            Some(filling) => describe_filling(filling, &volume.medium(), scale)?,
+            None => say("  nothing: its grid has no voxels")?,
+        }
     }
     let Some(field) = loaded.frame.medium.field() else { return Ok(()) };
     let medium = &loaded.frame.medium;
     let free_path = spectrum(medium.extinctions().map(|extinction| 1.0 / extinction));
     let [x, y, z] = field.cells().dims;
     let (g, size) = (number(medium.phase.mean_cosine(), 4), field.bytes() >> 10);
-    say(format!("  mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
+    say(format!("volumes: mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
+}
+
+/// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.
+fn describe_filling(filling: &Filling, medium: &Medium, scale: f64) -> Result<()> {
+    let Filling { bounds: [low, high], densities, glowing, bytes } = filling;
+    let voxels = |grid: &Densities| format!("{} active voxels", grid.active_voxels);
+    let grids = [
+        densities.as_ref().map(voxels),
+        glowing.as_ref().map(|grid| format!("{} of emission", voxels(grid))),
+        (*bytes > 0).then(|| volume::memory(*bytes as u64)),
+    ];
+    let grids = grids.into_iter().flatten().map(|text| format!(", {text}")).collect::<String>();
+    let [low, high] = [low, high].map(|corner| volume::coordinates(*corner));
+    say(format!("  from {low} to {high} m{grids}"))?;
+    let Some(densities) = densities else { return Ok(()) };
+    let [densest, mean] =
+        [f64::from(densities.most), densities.mean].map(|density| coefficients(medium, density * scale));
+    let Some(((densest, _), (mean, _))) = densest.zip(mean) else { return Ok(()) };
+    say(format!("  mean free path {densest} m where it is densest, {mean} m at the mean of its active voxels"))
 }
 
 fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {

@@ -5,6 +5,7 @@ mod compare;
 mod destinations;
 mod finish;
 mod info;
+mod loading;
 mod presets;
 mod progress;
 mod render;

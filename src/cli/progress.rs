@@ -1,6 +1,7 @@
 //! Progress of a render: a bar, lines, or messages for other programs.
 
 use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -8,6 +9,7 @@ use serde_json::json;
 use super::bar::Bar;
 use super::{Progress, say, tell};
 use crate::figures::{duration, rate};
+use crate::scene::Loading;
 use crate::session::State;
 
 /// Time between plain lines and between messages.
@@ -28,18 +30,76 @@ pub struct Reporter {
     style: Progress,
     bar: Bar,
     last: Option<Instant>,
+    /// The file that is being read.
+    file: Option<PathBuf>,
+}
+
+/// What a file is called in a bar or a line.
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 impl Reporter {
-    /// A reporter for a render called `name`.
-    pub fn new(style: Progress, name: &str) -> Self {
+    /// A reporter without a bar, so far.
+    pub fn new(style: Progress) -> Self {
         let style = match style {
             Progress::Auto if std::io::stderr().is_terminal() => Progress::Bar,
             Progress::Auto => Progress::Plain,
             chosen => chosen,
         };
-        let bar = if style == Progress::Bar { Bar::new(name) } else { Bar::hidden() };
-        Self { style, bar, last: None }
+        Self { style, bar: Bar::hidden(), last: None, file: None }
+    }
+
+    /// A reporter that has nothing to say but to people at a terminal.
+    pub fn for_terminals() -> Self {
+        Self::new(if std::io::stderr().is_terminal() { Progress::Bar } else { Progress::None })
+    }
+
+    /// From now on it is about a render called `name`.
+    pub fn begin(&mut self, name: &str) {
+        if self.style == Progress::Bar {
+            self.bar = Bar::new(name);
+        }
+    }
+
+    /// Shows how far a file has been read, `elapsed` after loading began.
+    pub fn loading(&mut self, loading: &Loading, elapsed: Duration) {
+        let Loading { file, fraction } = loading;
+        let is_new = self.file.as_ref() != Some(file);
+        if is_new {
+            self.loaded();
+            self.begin(&file_name(file));
+            self.file = Some(file.clone());
+        }
+        // Once all of it has been read, its densities are looked through.
+        let doing = if *fraction < 1.0 { "loading" } else { "preparing" };
+        if self.style == Progress::Bar {
+            self.bar.update(*fraction, doing.into());
+            return;
+        }
+        if !is_new && self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
+            return;
+        }
+        self.last = Some(Instant::now());
+        let (name, percent) = (file_name(file), 100.0 * fraction);
+        match self.style {
+            Progress::Plain => tell(format!("{percent:5.1} %  {doing} {name}")),
+            Progress::Json => tell(json!({
+                "event": "progress",
+                "phase": "loading",
+                "file": name,
+                "fraction": fraction,
+                "seconds": elapsed.as_secs_f64(),
+            })),
+            Progress::Openjd if is_new => inform(format!("openjd_status: loading {name}")),
+            Progress::Openjd | Progress::Auto | Progress::Bar | Progress::None => {}
+        }
+    }
+
+    /// Ends what is shown of files.
+    pub fn loaded(&mut self) {
+        self.bar.finish();
+        (self.bar, self.last, self.file) = (Bar::hidden(), None, None);
     }
 
     /// Shows `state`, not more often than is useful.

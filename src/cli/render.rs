@@ -4,7 +4,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::destinations::{self, Destination};
-use super::finish::finish;
+use super::finish::{finish, nothing};
+use super::loading;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
@@ -23,8 +24,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         return help_scene();
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
-    let scene = scene::load(path, overrides(args))?;
-    let mut reporter = Reporter::new(args.progress, &scene.name);
+    let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
+    let Some(scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
+        return Ok(nothing(&signals, &reporter));
+    };
+    reporter.begin(&scene.name);
     cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
@@ -48,7 +52,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
             reference: args.reference.unwrap_or_default(),
         },
     )?;
-    let signals = Signals::watch(&session.monitor().stop)?;
+    signals.set(&session.monitor().stop)?;
     session.prepare(has_png, |state| reporter.update(state));
     let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
     left_out.iter().for_each(|left_out| reporter.warn(left_out));

@@ -24,25 +24,28 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Waits for signals from now on; each also sets `stop`. Those that whoever started the program had it ignore, as
+    /// Waits for signals from now on. Those that whoever started the program had it ignore, as
     /// `nohup` does, stay ignored.
-    pub fn watch(stop: &Arc<AtomicBool>) -> Result<Self> {
+    pub fn watch() -> Result<Self> {
         let signals = Self::default();
-        for signal in ENDING.into_iter().filter(|signal| !is_ignored(*signal)) {
-            signals.watch_for(signal, stop).map_err(|error| {
-                let finding = format!("signal {signal} cannot be caught: {error}");
-                Error::failure("fogbow", finding, "start fogbow from another shell")
-            })?;
-        }
+        each(|signal| signals.watch_for(signal))?;
         Ok(signals)
     }
 
-    fn watch_for(&self, signal: i32, stop: &Arc<AtomicBool>) -> std::io::Result<()> {
+    fn watch_for(&self, signal: i32) -> std::io::Result<()> {
         let again = Arc::new(AtomicBool::new(false));
         flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&again))?;
         flag::register(signal, again)?;
         flag::register_usize(signal, Arc::clone(&self.received), signal as usize)?;
-        flag::register(signal, Arc::clone(stop))?;
+        Ok(())
+    }
+
+    /// From now on a signal also sets `stop`, as one that came before does at once.
+    pub fn set(&self, stop: &Arc<AtomicBool>) -> Result<()> {
+        each(|signal| flag::register(signal, Arc::clone(stop)).map(|_| ()))?;
+        if self.came() {
+            stop.store(true, Ordering::Relaxed);
+        }
         Ok(())
     }
 
@@ -56,6 +59,16 @@ impl Signals {
         let signal = self.received.load(Ordering::Relaxed);
         (signal != 0).then_some((ENDED_BY_SIGNAL as usize + signal) as u8)
     }
+}
+
+/// Has `watch` do something for every signal that is not ignored.
+fn each(watch: impl Fn(i32) -> std::io::Result<()>) -> Result<()> {
+    ENDING.into_iter().filter(|signal| !is_ignored(*signal)).try_for_each(|signal| {
+        watch(signal).map_err(|error| {
+            let finding = format!("signal {signal} cannot be caught: {error}");
+            Error::failure("fogbow", finding, "start fogbow from another shell")
+        })
+    })
 }
 
 /// Whether this process was started with `signal` ignored, as far as the system tells.

@@ -31,7 +31,9 @@ fn describe_grid(grid: &GridSummary) -> Result<()> {
     let compression = if grid.compression == "none" { "not compressed" } else { &grid.compression };
     say(format!("grid {}: {}{half}, {class}, {compression}", quoted(&grid.name), grid.value_type))?;
     match grid.active_voxels {
-        Some(voxels) => say(format!("  active voxels: {voxels}, {} at {VOXEL} bytes each", memory(voxels)))?,
+        Some(voxels) => {
+            say(format!("  active voxels: {voxels}, {} at {VOXEL} bytes each", memory(voxels.saturating_mul(VOXEL))))?
+        }
         None => say("  active voxels: the file does not say how many")?,
     }
     match grid.voxel_size() {
@@ -47,9 +49,9 @@ fn describe_grid(grid: &GridSummary) -> Result<()> {
     Ok(())
 }
 
-/// The memory of voxels, in the unit that suits it.
-fn memory(voxels: u64) -> String {
-    let bytes = voxels.saturating_mul(VOXEL) as f64;
+/// An amount of memory, in the unit that suits it.
+pub fn memory(bytes: u64) -> String {
+    let bytes = bytes as f64;
     let (unit, power) = match bytes {
         ..1024.0 => ("bytes", 0),
         ..1048576.0 => ("KiB", 10),
@@ -71,6 +73,7 @@ fn size(edges: [f64; 3]) -> String {
     if edges.iter().all(|edge| *edge == edges[0]) { edges[0].clone() } else { edges.join(" x ") }
 }
 
-fn coordinates(point: [f64; 3]) -> String {
+/// A point `[m]`.
+pub fn coordinates(point: [f64; 3]) -> String {
     format!("[{}]", point.map(length).join(", "))
 }

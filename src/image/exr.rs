@@ -14,7 +14,7 @@ use exr::prelude::{
     ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 
-use super::Image;
+use super::{Image, LARGEST_IMAGE};
 use crate::error::{Error, Result};
 use crate::film::Film;
 
@@ -48,10 +48,8 @@ pub fn write_film(
     image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
 }
 
-/// Pixels of the largest image that is read.
-const LARGEST_IMAGE: usize = 1 << 27;
 /// What every EXR file begins with.
-const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// What is wrong with the file at `path`, in words of someone who did not write the format.
 fn fault(path: &Path, error: exr::error::Error) -> Error {

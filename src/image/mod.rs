@@ -1,10 +1,18 @@
 //! Images on disk.
 
 pub mod exr;
+pub mod hdr;
 pub mod png;
 pub mod tone;
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Pixels of the largest image that is read.
+const LARGEST_IMAGE: usize = 1 << 27;
 
 /// An image in memory: named planes of equal size.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +31,28 @@ impl Image {
     /// The plane called `name`.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|(channel, _)| channel == name).map(|(_, values)| values.as_slice())
+    }
+}
+
+/// Reads the image at `path`, OpenEXR or Radiance, whichever it begins like.
+///
+/// # Errors
+/// If the file cannot be read, is neither, or is damaged or too large.
+pub fn read_radiances(path: &Path) -> Result<Image> {
+    let fault = |finding: &str, remedy: &str| Err(Error::failure(path.display(), finding, remedy));
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut start));
+    if let Err(error) = read {
+        return fault(&format!("cannot be read: {error}"), "check the path and its permissions");
+    }
+    let give = "give an OpenEXR or a Radiance (.hdr) image";
+    match start.as_slice() {
+        [] => fault("is empty", give),
+        start if start.starts_with(&exr::MAGIC) => exr::read_image(path),
+        start if start.starts_with(hdr::MAGIC) => hdr::read_image(path),
+        [0x89, b'P', b'N', b'G', ..] => fault("is a PNG image, which holds no radiance", give),
+        [0xff, 0xd8, 0xff, ..] => fault("is a JPEG image, which holds no radiance", give),
+        _ => fault("is neither an OpenEXR nor a Radiance image", give),
     }
 }
 

@@ -16,6 +16,7 @@ use glam::DVec3;
 use super::cameras::Chosen;
 use super::document::Document;
 use super::environment;
+use super::filling::Filling;
 use super::lights::{self, Placed, Shining};
 use super::model;
 use super::phase;
@@ -25,7 +26,7 @@ use super::schema::{
     self, LARGEST_FILM, LightSelection, LisConnector, NumberOrAuto, Perturbation, Scene, Spectrum, Starts, Technique,
 };
 use super::surfaces;
-use super::volumes::{self, Boundaries, Volume};
+use super::volumes::{self, Sources, Volume};
 use crate::error::{Error, Result};
 use crate::frame::Frame;
 use crate::gltf::Model;
@@ -48,22 +49,22 @@ struct Check<'a> {
 }
 
 /// The frame of `scene`, whose values stand in `document`, with this camera, what is `shining`, the surfaces of `model`
-/// and `boundaries` of volumes; positions are counted from `origin`.
+/// and the `sources` of volumes; and what these hold. Positions are counted from `origin`.
 pub fn frame(
     scene: &Scene,
     document: &Document,
     camera: &Chosen<'_>,
     shining: &Shining<'_>,
     model: Option<Model>,
-    boundaries: &Boundaries,
+    sources: &Sources<'_>,
     origin: DVec3,
-) -> Result<Frame> {
+) -> Result<(Frame, Vec<Option<Filling>>)> {
     let check = Check { document };
     check.film_size(scene.film.size)?;
     check.exposure(scene.film.exposure)?;
     let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
-    let medium = check.medium_of(scene, boundaries, origin)?;
+    let (medium, fillings) = check.medium_of(scene, sources, origin)?;
     let (techniques, lengths) = check.render(&scene.render, &medium)?;
     let (seed, walk, roulette, aimed) = (scene.render.seed, WalkLimits::ALL, 0.0, 0.0);
     let left_out = model.as_ref().filter(|_| scene.has_endless_medium()).map_or_else(Vec::new, suns);
@@ -80,7 +81,7 @@ pub fn frame(
     let nowhere = lights.lights().is_empty() && !lights.has_distant();
     let techniques = if nowhere { Techniques::default() } else { techniques };
     let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
-    check.walk(&scene.render, frame)
+    Ok((check.walk(&scene.render, frame)?, fillings))
 }
 
 /// An error if `start`, where the camera's rays start, is inside a sphere: black within, it would hide all else.
@@ -132,15 +133,16 @@ impl Check<'_> {
         Ok(value.0)
     }
 
-    /// What fills space: the medium around everything, and volumes in it, with positions counted from `origin`.
-    fn medium_of(&self, scene: &Scene, boundaries: &Boundaries, origin: DVec3) -> Result<Medium> {
+    /// What fills space: the medium around everything, and volumes in it, with positions counted from `origin`; and what
+    /// these hold.
+    fn medium_of(&self, scene: &Scene, sources: &Sources<'_>, origin: DVec3) -> Result<(Medium, Vec<Option<Filling>>)> {
         let around = scene.medium.as_ref().map_or(Ok(Medium::vacuum()), |medium| self.medium("medium", medium))?;
         let finding = "given, but the medium has no extinction, so that endless ways would meet light without end";
         let remedy = "give scattering or absorption, or put the emission into a [[volume]], which needs none";
         let ends = around.glow.is_none() || around.largest_extinction() > 0.0;
         self.require(ends, "medium.emission", finding, remedy)?;
         if scene.volume.is_empty() {
-            return Ok(around);
+            return Ok((around, Vec::new()));
         }
         if scene.render.technique.0.contains(&Technique::Lis) {
             let remedy = "leave lis out: nee, mvnee, omnee and bridge go with volumes";
@@ -150,8 +152,8 @@ impl Check<'_> {
             let keys: &schema::Volume = keys;
             let table = format!("volume[{index}]");
             let medium = self.medium(&table, &keys.medium())?;
-            let boundary = boundaries.get(&index).cloned();
-            Ok(Volume { document: self.document, table, keys, medium, boundary })
+            let boundary = sources.boundaries.get(&index).cloned();
+            Ok(Volume { document: self.document, table, keys, medium, boundary, look: sources.look })
         };
         let volumes: Vec<Volume<'_>> = scene.volume.iter().enumerate().map(volume).collect::<Result<_>>()?;
         volumes::medium(self.document, around, &volumes, origin)

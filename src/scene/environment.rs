@@ -9,7 +9,7 @@ use super::document::Document;
 use super::ranges::LARGEST_RADIANCE;
 use super::schema::{self, Scene, Spectrum};
 use crate::error::{Error, Result};
-use crate::image::{Image, exr};
+use crate::image::{self, Image};
 use crate::warning::Warning;
 
 /// The error that something at infinity is named at `path`, where a medium without end is around everything.
@@ -93,9 +93,9 @@ impl Sky<'_> {
         self.require(ok, "scale", format!("{scale:?}"), "give a number above 0, up to 1e30")?;
         let path = self.document.folder().join(name);
         let finding = || format!("{name:?}, but there is no file {}", path.display());
-        let remedy = "give the path of an EXR image, relative to the folder of the scene";
+        let remedy = "give the path of an OpenEXR or Radiance image, relative to the folder of the scene";
         self.require(path.is_file(), "image", finding(), remedy)?;
-        let image = exr::read_image(&path)?;
+        let image = image::read_radiances(&path)?;
         let fault = |finding: String, remedy: &str| Error::failure(path.display(), finding, remedy);
         let [width, height] = sides(&image).ok_or_else(|| {
             let finding =

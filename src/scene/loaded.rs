@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::filling::Filling;
 use super::schema::{self, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
 use crate::frame::Frame;
 use crate::gltf::Model;
@@ -24,6 +25,8 @@ pub struct LoadedScene {
     pub lights: Vec<Light>,
     /// What else its geometry holds.
     pub contents: Contents,
+    /// What its volumes hold, in their order; none where there is nothing.
+    pub fillings: Vec<Option<Filling>>,
     /// The same as the stages read it.
     pub frame: Frame,
     /// What is not rendered, or not as it is written.

@@ -7,9 +7,11 @@ mod check;
 pub mod document;
 mod environment;
 mod extras;
+mod filling;
 pub mod help;
 mod lights;
 mod loaded;
+mod loading;
 mod model;
 mod phase;
 pub mod presets;
@@ -27,12 +29,15 @@ use crate::error::{Error, Result};
 use crate::gltf::Asset;
 use crate::warning::Warning;
 use document::{Document, Override, words};
+pub use filling::{Densities, Filling};
 pub use lights::ANGULAR_RADIUS;
 use lights::{Placed, Shining};
 pub use loaded::{Contents, Light, LoadedScene};
+pub use loading::{Loading, Look};
 use model::Loaded;
 use ranges::Owner;
 use schema::{Film, Scene, Technique, Techniques};
+use volumes::Sources;
 
 /// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in
 /// order.
@@ -41,6 +46,14 @@ use schema::{Film, Scene, Technique, Techniques};
 /// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of
 /// range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
+    load_watched(path, overrides, &|_| {})
+}
+
+/// The same, telling `look` now and then how far volumes have been read.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_watched(path: &Path, overrides: Vec<Override>, look: Look<'_>) -> Result<LoadedScene> {
     let file = file(path)?;
     let asset = model::is_model(&file).then(|| Asset::open(&file)).transpose()?;
     let mut document = match &asset {
@@ -48,7 +61,7 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
         None => Document::read(&file)?,
     };
     document.apply_all(overrides)?;
-    let mut scene = load_document(name(path), &document, asset)?;
+    let mut scene = load_document(name(path), &document, asset, look)?;
     scene.files.insert(0, file);
     Ok(scene)
 }
@@ -58,13 +71,13 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    load_document(name(Path::new(file)), &Document::parse(file, text)?, None)
+    load_document(name(Path::new(file)), &Document::parse(file, text)?, None, &|_| {})
 }
 
 /// The scene that `document` describes; `asset` is the glTF file that is a scene by itself.
 ///
 /// The camera comes first: it says what positions are counted from, and with that the model's vertices are read.
-fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Result<LoadedScene> {
+fn load_document(name: String, document: &Document, asset: Option<Asset>, look: Look<'_>) -> Result<LoadedScene> {
     let mut scene = read(document)?;
     presets::resolve(&mut scene, document)?;
     if !scene.volume.is_empty() && !scene.has_endless_medium() && !document.has("render.technique") {
@@ -78,6 +91,7 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     let origin = chosen.origin();
     let mut loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
     let boundaries = volumes::boundaries(&scene, document, loaded.as_mut())?;
+    let sources = Sources { boundaries, look };
 
     let placed = all_lights(&scene, document, loaded.as_ref())?;
     let has_suns = !scene.has_endless_medium();
@@ -94,11 +108,11 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>) -> Res
     let sky = environment::source(&scene, document)?;
     warnings.extend(environment::warning(&scene, sky.as_ref()));
     let (shining, model) = (Shining { placed: &placed, sky }, loaded.map(|loaded| loaded.model));
-    let frame = check::frame(&scene, document, &chosen, &shining, model, &boundaries, origin)?;
+    let (frame, fillings) = check::frame(&scene, document, &chosen, &shining, model, &sources, origin)?;
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();
-    Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, frame, warnings, origin })
+    Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, fillings, frame, warnings, origin })
 }
 
 /// The lights of `scene`: those of its file first, then those that stand for the punctual ones of its model.

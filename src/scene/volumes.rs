@@ -11,6 +11,8 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::boundaries::{self, Wanted};
 use super::document::Document;
+use super::filling::{Densities, Filling};
+use super::loading::{Loading, Look};
 use super::model::Loaded;
 use super::ranges::{LARGEST, LARGEST_EMISSION, Owner};
 use super::schema::{self, ShapeKind};
@@ -38,10 +40,20 @@ pub struct Volume<'a> {
     pub medium: Medium,
     /// The mesh that bounds it, if one does.
     pub boundary: Option<Arc<ClosedMesh>>,
+    /// Who is told how far its files have been read.
+    pub look: Look<'a>,
 }
 
 /// The meshes that bound volumes, by the index of the volume.
 pub type Boundaries = BTreeMap<usize, Arc<ClosedMesh>>;
+
+/// What volumes are made of besides their keys.
+pub struct Sources<'a> {
+    /// Meshes that bound them.
+    pub boundaries: Boundaries,
+    /// Who is told how far their files have been read.
+    pub look: Look<'a>,
+}
 
 /// The boundaries that the volumes of `scene` name, which are taken out of `loaded`.
 ///
@@ -57,21 +69,29 @@ pub fn boundaries(scene: &schema::Scene, document: &Document, loaded: Option<&mu
     Ok(indices.into_iter().zip(meshes.into_iter().map(Arc::new)).collect())
 }
 
-/// The medium of `volumes` in what is `around` them, of positions counted from `origin`.
+/// The medium of `volumes` in what is `around` them, of positions counted from `origin`, and what each of them holds, if
+/// anything.
 ///
 /// # Errors
 /// If a key is out of range or missing, a file cannot be read, or the media differ in what all have in common.
-pub fn medium(document: &Document, around: Medium, volumes: &[Volume<'_>], origin: DVec3) -> Result<Medium> {
+pub fn medium(
+    document: &Document,
+    around: Medium,
+    volumes: &[Volume<'_>],
+    origin: DVec3,
+) -> Result<(Medium, Vec<Option<Filling>>)> {
     if volumes.len() > MOST_VOLUMES {
         let finding = format!("there are {} volumes, but a scene has {MOST_VOLUMES} at most", volumes.len());
         return Err(document.error("volume", finding, "leave some out, or join grids"));
     }
     let common = common(&around, volumes)?;
     uncoloured(document, &around, volumes, &common)?;
-    let mut placed = Vec::new();
+    let (mut placed, mut fillings) = (Vec::new(), Vec::new());
     for (index, volume) in volumes.iter().enumerate() {
-        if let Some(bounds) = volume.placed(origin)? {
-            placed.push((volume.keys.priority, index, bounds));
+        let filled = volume.placed(origin)?;
+        fillings.push(filled.as_ref().map(|(.., filling)| filling.clone()));
+        if let Some((bounds, source, _)) = filled {
+            placed.push((volume.keys.priority, index, (bounds, source)));
         }
     }
     let all = placed.iter().map(|(_, index, _)| &volumes[*index].medium).chain([&around]);
@@ -79,10 +99,10 @@ pub fn medium(document: &Document, around: Medium, volumes: &[Volume<'_>], origi
     let extinction = |medium: &&Medium| medium.largest_extinction();
     let densest = all.max_by(|a, b| extinction(a).total_cmp(&extinction(b))).unwrap_or(&around).clone();
     if extinction(&&densest) == 0.0 && !glows {
-        return Ok(Medium::vacuum());
+        return Ok((Medium::vacuum(), fillings));
     }
     if placed.is_empty() {
-        return Ok(around);
+        return Ok((around, fillings));
     }
     // The highest priority first, and of equal ones the last.
     placed.sort_by_key(|(priority, index, _)| core::cmp::Reverse((*priority, *index)));
@@ -92,7 +112,7 @@ pub fn medium(document: &Document, around: Medium, volumes: &[Volume<'_>], origi
     let field = Field::new(bounds, around.largest_extinction()).coloured(common.hues);
     let glow = glows.then(|| Glow::of_field(&field, around.glow.map_or([0.0; 3], |glow| glow.around()), sources));
     let medium = Medium::of_field(field, densest.albedo, common.phase).with_albedos(&albedos);
-    Ok(if let Some(glow) = glow { medium.with_glow(glow) } else { medium })
+    Ok((if let Some(glow) = glow { medium.with_glow(glow) } else { medium }, fillings))
 }
 
 /// What the densities of a grid multiply.
@@ -172,16 +192,19 @@ fn hues(medium: &Medium) -> [f32; 3] {
 }
 
 impl Volume<'_> {
-    /// Where it is, of positions counted from `origin`, and what it emits there; none if it is nowhere.
-    fn placed(&self, origin: DVec3) -> Result<Option<(Placed, Source)>> {
+    /// Where it is, of positions counted from `origin`, what it emits there, and what it holds; none if it is nowhere.
+    fn placed(&self, origin: DVec3) -> Result<Option<(Placed, Source, Filling)>> {
         let extinction = self.medium.largest_extinction();
         let mut shape = self.keys.shape.as_ref().map(|shape| self.shape(shape, origin)).transpose()?;
-        let source = self.source(origin)?;
+        let (source, glowing) = self.source(origin)?;
+        let mut densities = None;
         let (unit, voxels) = match &self.keys.grid {
             Some(grid) => {
                 let quantity = Quantity::extinction(extinction);
                 let unit = (f64::from(extinction) * grid.scale) as f32;
-                self.voxels("grid", grid, &quantity, origin)?.map_or((0.0, None), |voxels| (unit, Some(voxels)))
+                let found = self.voxels("grid", grid, &quantity, origin)?;
+                densities = found.as_ref().map(|(_, densities)| *densities);
+                found.map_or((0.0, None), |(voxels, _)| (unit, Some(voxels)))
             }
             None if shape.is_none() && self.keys.emission_grid.is_some() => {
                 shape = source.voxels.clone().map(|voxels| Shape::Voxels(Arc::new(voxels)));
@@ -194,21 +217,28 @@ impl Volume<'_> {
             }
             None => (extinction, None),
         };
-        let is_somewhere = shape.is_some() || voxels.is_some();
-        Ok(is_somewhere.then_some((Placed { shape, voxels, extinction: unit }, source)))
+        if shape.is_none() && voxels.is_none() {
+            return Ok(None);
+        }
+        let own = densities.or(glowing).filter(|_| self.keys.shape.is_none()).map(|densities| densities.bounds);
+        let placed = Placed { shape, voxels, extinction: unit };
+        let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
+        let bytes = placed.bytes() + source.voxels.as_ref().map_or(0, Voxels::bytes);
+        Ok(Some((placed, source, Filling { bounds, densities, glowing, bytes })))
     }
 
-    /// What it emits.
-    fn source(&self, origin: DVec3) -> Result<Source> {
+    /// What it emits, and what is in the grid of its emission.
+    fn source(&self, origin: DVec3) -> Result<(Source, Option<Densities>)> {
         let emission = self.medium.glow.as_ref().map_or([0.0; 3], |glow| glow.around());
-        let Some(grid) = &self.keys.emission_grid else { return Ok(Source::constant(emission)) };
+        let Some(grid) = &self.keys.emission_grid else { return Ok((Source::constant(emission), None)) };
         let finding = format!("given, but {}.emission, which it multiplies, is 0", self.table);
         let remedy = "give the emission where the density of the grid is 1, or leave the grid out";
         self.require(emission != [0.0; 3], "emission_grid", finding, remedy)?;
         let quantity = Quantity::emission(emission);
-        let Some(voxels) = self.voxels("emission_grid", grid, &quantity, origin)? else { return Ok(Source::NONE) };
+        let found = self.voxels("emission_grid", grid, &quantity, origin)?;
+        let Some((voxels, densities)) = found else { return Ok((Source::NONE, None)) };
         let emission = emission.map(|channel| (f64::from(channel) * grid.scale) as f32);
-        Ok(Source { emission, voxels: Some(voxels) })
+        Ok((Source { emission, voxels: Some(voxels) }, Some(densities)))
     }
 
     /// The shape of these keys.
@@ -253,7 +283,13 @@ impl Volume<'_> {
 
     /// The grid of a file, at `table` of the volume, in its place; its densities multiply `quantity`. None where there are
     /// no voxels.
-    fn voxels(&self, table: &str, grid: &schema::Grid, quantity: &Quantity, origin: DVec3) -> Result<Option<Voxels>> {
+    fn voxels(
+        &self,
+        table: &str,
+        grid: &schema::Grid,
+        quantity: &Quantity,
+        origin: DVec3,
+    ) -> Result<Option<(Voxels, Densities)>> {
         let key = |name: &str| format!("{table}.{name}");
         for (name, scale) in [("scale", grid.scale), ("scale_by", grid.scale_by)] {
             let ok = scale > 0.0 && scale <= LARGEST_SCALE;
@@ -266,7 +302,8 @@ impl Volume<'_> {
         let finding = format!("{:?}", grid.rotate_deg);
         self.require(ok, &key("rotate_deg"), finding, "give three angles from -360 to 360 degrees")?;
         let path = self.document.folder().join(&grid.file);
-        let voxels = volume::read(&path, grid.name.as_deref(), &|_, _| {})?;
+        let look = |done, total| (self.look)(Loading::of(&path, done, total));
+        let voxels = volume::read(&path, grid.name.as_deref(), &look)?;
         if voxels.leaves.is_empty() {
             return Ok(None);
         }
@@ -278,27 +315,20 @@ impl Volume<'_> {
             schema::Interpolation::Trilinear => Interpolation::Trilinear,
             schema::Interpolation::Nearest => Interpolation::Nearest,
         };
-        let to_index = self.to_index(table, grid, &voxels, origin)?;
-        let densest =
-            voxels.leaves.iter().flat_map(|leaf| leaf.values.iter()).fold(0.0, |most: f32, value| most.max(*value));
+        let to_world = to_world(grid, &voxels, origin);
+        let to_index = self.to_index(table, grid, &to_world)?;
+        let densities = Densities::of(&voxels, &to_world);
         let Quantity { name, unit, factor, largest } = quantity;
-        let most = f64::from(densest) * f64::from((factor * grid.scale) as f32);
+        let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
         let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);
         let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
         self.require(most <= *largest, &key("scale"), finding, &remedy)?;
-        Ok(Some(Voxels::new(&voxels.leaves, &to_index, interpolation)))
+        Ok(Some((Voxels::new(&voxels.leaves, &to_index, interpolation), densities)))
     }
 
-    /// From positions counted from `origin` to index coordinates.
-    fn to_index(&self, table: &str, grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> Result<ToIndex> {
-        let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
-        let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
-        let placed = DAffine3::from_scale_rotation_translation(
-            DVec3::splat(grid.scale_by),
-            turned,
-            DVec3::from(grid.translate) - origin,
-        );
-        let to_index = (placed * voxels.index_to_world).inverse();
+    /// To index coordinates, which lead `to_world`.
+    fn to_index(&self, table: &str, grid: &schema::Grid, to_world: &DAffine3) -> Result<ToIndex> {
+        let to_index = to_world.inverse();
         let finding = format!("{:?} of the file and of its transform, too much or too little for f32", grid.scale_by);
         let sound = to_index.is_finite() && to_index.matrix3.to_cols_array().iter().all(|entry| entry.abs() < 1e12);
         self.require(sound, &format!("{table}.scale_by"), finding, "enlarge it by another factor")?;
@@ -311,6 +341,14 @@ impl Volume<'_> {
         let path = format!("{}.{key}", self.table);
         if ok { Ok(()) } else { Err(self.document.error(&path, format!("{path} is {finding}"), remedy)) }
     }
+}
+
+/// From index coordinates of `voxels`, placed as `grid` says, to positions counted from `origin`.
+fn to_world(grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> DAffine3 {
+    let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
+    let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
+    let moved = DVec3::from(grid.translate) - origin;
+    DAffine3::from_scale_rotation_translation(DVec3::splat(grid.scale_by), turned, moved) * voxels.index_to_world
 }
 
 /// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.

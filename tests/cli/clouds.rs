@@ -34,6 +34,10 @@ fn a_cloud_is_described() {
     let cloud = "volume \"puff\": \"cloud.vdb\", mean free path 0.05000 m at density 1, albedo 0.7";
     assert!(run.stdout.lines().any(|line| line.starts_with(cloud)), "{run}");
     assert!(!run.stdout.contains("vacuum") && !run.stdout.contains("fog:"), "{run}");
+    let grid = run.stdout.lines().find(|line| line.contains(", 9544 active voxels, "));
+    assert!(grid.is_some_and(|line| line.starts_with("  from [") && line.ends_with(" KiB")), "{run}");
+    // The densest voxels have 250/256; at the edge there is next to nothing.
+    assert!(run.stdout.contains("\n  mean free path 0.05120 m where it is densest, 0."), "{run}");
 }
 
 #[test]
@@ -43,7 +47,8 @@ fn a_box_is_rendered_and_described() {
     folder.write("scene.toml", SCENE.replace(MEDIUM, volume));
     folder.done(&["render", "scene.toml", "--technique", "bridge", "-o", "a.exr"]);
     let run = folder.done(&["info", "scene.toml"]);
-    assert!(run.stdout.contains("volume: a box, mean free path 0.5000 m, albedo 1"), "{run}");
+    let lines = "volume: a box, mean free path 0.5000 m, albedo 1\n  from [-1, -1, 1] to [1, 1, 2] m\n";
+    assert!(run.stdout.contains(lines), "{run}");
     for (set, finding) in [
         ("volume[0].shape.max=[1, 1, 1]", "volume[0].shape.max is [1.0, 1.0, 1.0], where min is [-1.0, -1.0, 1.0]"),
         ("volume[0].shape.min=[nan, 0, 0]", "volume[0].shape.min is [NaN, 0.0, 0.0]"),

@@ -66,12 +66,168 @@ fn images_that_are_no_skies_are_refused() {
     finding(&missing, "environment.image is \"none.exr\", but there is no file ");
     let folder = with_image(|_, _| (1.0, 1.0, 1.0), "");
     folder.write("sky.exr", "no image");
-    finding(&folder, "sky.exr: is not an EXR image");
+    finding(&folder, "sky.exr: is neither an OpenEXR nor a Radiance image");
+    folder.write("sky.exr", b"\x89PNG\r\n\x1a\n");
+    finding(&folder, "sky.exr: is a PNG image, which holds no radiance");
+    folder.write("sky.exr", "");
+    finding(&folder, "sky.exr: is empty");
     let grey = exr::prelude::SpecificChannels::build().with_channel("Y");
     let grey = grey.with_pixel_fn(|_| (1.0_f32,));
     let image = exr::prelude::Image::from_channels((8, 4), grey);
     image.write().to_file(folder.path("sky.exr")).expect("an image");
     finding(&folder, "sky.exr: has no channel R, only Y");
+}
+
+/// How the rows of a Radiance image are stored.
+#[derive(Clone, Copy, Debug)]
+enum Rows {
+    /// Pixel after pixel.
+    Flat,
+    /// Pixel after pixel, equal ones counted.
+    Counted,
+    /// Component after component, equal bytes counted.
+    Components,
+}
+
+/// Sides of the Radiance images.
+const SIDES: [usize; 2] = [16, 8];
+
+/// Mantissas and exponent of a pixel, some of them equal to their neighbours.
+fn rgbe(x: usize, y: usize) -> [u8; 4] {
+    match (x / 3 + y) % 4 {
+        0 => [0; 4],
+        1 => [200, 3, y as u8, 120],
+        2 => [255, 128, 2, 190],
+        _ => [7, x as u8, 130, 129],
+    }
+}
+
+/// The value of a channel of such a pixel.
+fn value(pixel: [u8; 4], channel: usize) -> f32 {
+    if pixel[3] == 0 { 0.0 } else { f32::from(pixel[channel]) * (f32::from(pixel[3]) - 136.0).exp2() }
+}
+
+/// Lengths of runs of what is equal, and what it is.
+fn runs<T: Copy + PartialEq>(items: impl Iterator<Item = T>) -> Vec<(u8, T)> {
+    let mut runs: Vec<(u8, T)> = Vec::new();
+    for item in items {
+        match runs.last_mut() {
+            Some((count, last)) if *last == item => *count += 1,
+            _ => runs.push((1, item)),
+        }
+    }
+    runs
+}
+
+/// A Radiance image of these pixels, with `lines` in its header.
+fn radiance(rows: Rows, lines: &str) -> Vec<u8> {
+    let [width, height] = SIDES;
+    let mut file =
+        format!("#?RADIANCE\n# a sky\nFORMAT=32-bit_rle_rgbe\n{lines}\n-Y {height} +X {width}\n").into_bytes();
+    for y in 0..height {
+        let row = (0..width).map(|x| rgbe(x, y));
+        match rows {
+            Rows::Flat => file.extend(row.flatten()),
+            Rows::Counted => runs(row).iter().for_each(|(count, pixel)| {
+                file.extend(pixel);
+                file.extend([1, 1, 1, count - 1].iter().filter(|_| *count > 1));
+            }),
+            Rows::Components => {
+                file.extend([2, 2, 0, width as u8]);
+                for component in 0..4 {
+                    for (count, byte) in runs(row.clone().map(|pixel| pixel[component])) {
+                        file.extend(if count > 1 { [128 + count, byte] } else { [1, byte] });
+                    }
+                }
+            }
+        }
+    }
+    file
+}
+
+#[test]
+fn radiance_images_are_the_same_skies() {
+    let folder = in_vacuum("[environment]\nimage = \"sky.exr\"\n");
+    let hash =
+        || fogbow::scene::load(&folder.path("scene.toml"), vec![]).unwrap_or_else(|error| panic!("{error}")).hash();
+    let write = |factors: [f32; 3]| {
+        let pixel = |x, y| {
+            let [r, g, b] = [0, 1, 2].map(|channel| value(rgbe(x, y), channel) / factors[channel]);
+            (r, g, b)
+        };
+        write_rgb_file(folder.path("sky.exr"), SIDES[0], SIDES[1], pixel).expect("an image");
+        hash()
+    };
+    let [plain, exposed] = [write([1.0; 3]), write([8.0, 4.0, 2.0])];
+    assert_ne!(plain, exposed);
+    // What counts is how a file begins, and not what it is called.
+    for rows in [Rows::Flat, Rows::Counted, Rows::Components] {
+        for (lines, expected) in [("", &plain), ("EXPOSURE= 2\nVIEW\nCOLORCORR=4 2 1\n", &exposed)] {
+            folder.write("sky.exr", radiance(rows, lines));
+            assert_eq!(&hash(), expected, "{rows:?}, {lines:?}");
+        }
+    }
+    let other = String::from_utf8_lossy(&radiance(Rows::Flat, "")[..11]).replace("RADIANCE", "RGBE");
+    folder.write("sky.exr", [other.as_bytes(), &radiance(Rows::Flat, "")[11..]].concat());
+    assert_eq!(hash(), plain);
+}
+
+#[test]
+fn damaged_radiance_images_are_images_or_errors() {
+    let read = |bytes: &[u8]| fogbow::image::hdr::read_bytes("x.hdr", bytes);
+    for rows in [Rows::Flat, Rows::Counted, Rows::Components] {
+        let file = radiance(rows, "EXPOSURE=2\n");
+        assert_eq!(read(&file).expect("an image").width, SIDES[0]);
+        for len in 0..file.len() {
+            let error = read(&file[..len]).expect_err("too short");
+            assert!(error.place.starts_with("x.hdr") && !error.remedy.is_empty(), "{error}");
+        }
+        let header = file.windows(2).rposition(|two| two == b"X ").expect("a size");
+        for at in 0..file.len() {
+            for byte in [0, 1, 2, 127, 128, 129, 255, b'9', b'\n', file[at] ^ 1] {
+                // Large sizes are another test: here they would only take long.
+                if at <= header || at > header + 4 || byte != b'9' {
+                    let mut file = file.clone();
+                    file[at] = byte;
+                    let image = read(&file);
+                    assert!(image.is_err() || image.is_ok_and(|image| image.channels.len() == 3), "{at}: {byte}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn radiance_images_that_are_no_skies_are_refused() {
+    let folder = in_vacuum("[environment]\nimage = \"sky.hdr\"\n");
+    let file = |from: &str, to: &str, rows: Rows| {
+        let (file, lines) = (radiance(rows, ""), "\n\n-Y 8 +X 16\n");
+        let at = file.windows(lines.len()).position(|window| window == lines.as_bytes()).expect("a size") + lines.len();
+        let header = String::from_utf8(file[..at].to_vec()).expect("UTF-8");
+        assert!(header.contains(from), "{header}");
+        [header.replace(from, to).as_bytes(), &file[at..]].concat()
+    };
+    for (from, to, finding) in [
+        ("-Y 8 +X 16", "-Y 80000 +X 80000", "sky.hdr: has 80000x80000 pixels, more than the limit of 134217728"),
+        ("-Y 8 +X 16", "-Y 99999999999 +X 99999999999", "pixels, more than the limit of 134217728"),
+        ("-Y 8 +X 16", "-Y 1 +X 100000", "sky.hdr: row 0: is truncated: the file ends before the image does"),
+        ("-Y 8 +X 16", "-Y 0 +X 16", "sky.hdr: has no size, but \"-Y 0 +X 16\""),
+        ("-Y 8 +X 16", "+X 16 -Y 8", "sky.hdr: has its pixels in the order \"+X 16 -Y 8\""),
+        ("-Y 8 +X 16", "-Y 9 +X 16", "sky.hdr: row 8: is truncated"),
+        ("rle_rgbe", "rle_xyze", "sky.hdr: has pixels of the format \"32-bit_rle_xyze\", not 32-bit_rle_rgbe"),
+        ("# a sky", "EXPOSURE=0", "sky.hdr: has the header \"EXPOSURE=0\", which is no factor of radiance"),
+        ("# a sky", "COLORCORR=1 2", "sky.hdr: has the header \"COLORCORR=1 2\""),
+        ("# a sky", "EXPOSURE=1e-30", "sky.hdr: has a pixel that is inf: column "),
+    ] {
+        folder.write("sky.hdr", file(from, to, Rows::Flat));
+        let run = folder.run(&["render", "scene.toml"]);
+        assert!(run.code == Some(1) && run.stderr.contains(finding), "{finding}: {run}");
+        assert!(run.stderr.contains("\n  help: "), "{run}");
+    }
+    folder.write("sky.hdr", file("+X 16", "+X 17", Rows::Components));
+    let finding = "sky.hdr: row 0: has 16 pixels instead of 17";
+    let run = folder.run(&["render", "scene.toml"]);
+    assert!(run.stderr.contains(finding), "{run}");
 }
 
 #[test]

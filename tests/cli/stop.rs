@@ -197,6 +197,27 @@ fn a_signal_ends_a_long_preparation_at_once() {
 }
 
 #[test]
+fn a_signal_ends_loading_at_once() {
+    let folder = Folder::empty();
+    // Whoever opens it waits for a writer.
+    make_pipe(&folder, "pipe.toml");
+    for (signal, expected) in [("-INT", 130), ("-TERM", 143)] {
+        let child = program(&folder).args(["render", "pipe.toml"]).spawn().expect("the program starts");
+        let start = Instant::now();
+        while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {
+            sleep(Duration::from_millis(2));
+        }
+        sleep(Duration::from_millis(100));
+        let start = Instant::now();
+        let (code, stdout, stderr) = ended_by(signal, child);
+        assert_eq!((code, stdout.as_str()), (Some(expected), ""), "{stderr}");
+        assert_eq!(stderr, "stopped before the first sample; nothing is written\n");
+        assert!(start.elapsed() < SLOWNESS * Duration::from_secs(2), "took {:?}", start.elapsed());
+        assert_eq!(folder.names(), ["pipe.toml"]);
+    }
+}
+
+#[test]
 fn the_exit_code_says_which_signal_it_was() {
     for (signal, expected) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let folder = Folder::with_scene();

@@ -12,8 +12,8 @@ pub struct Environment {
     /// Radiance from all directions [W/(m^2 sr)], >= 0. An environment has either a radiance or an image.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radiance: Option<Spectrum>,
-    /// An OpenEXR image with channels R, G and B, relative to this file, whose pixels are radiances [W/(m^2 sr)] by
-    /// longitude and latitude: +y at the top, -z in the middle, +x to the right of it.
+    /// An OpenEXR image with channels R, G and B or a Radiance (.hdr) image, relative to this file, whose pixels are
+    /// radiances [W/(m^2 sr)] by longitude and latitude: +y at the top, -z in the middle, +x to the right of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub image: Option<String>,

@@ -14,6 +14,7 @@ pub mod render;
 pub mod statistics;
 pub mod tolerances;
 pub mod truths;
+pub mod volume_writer;
 pub mod volumes;
 pub mod walks;
 pub mod weighing;
