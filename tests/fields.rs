@@ -1,27 +1,33 @@
 //! Extinction that differs from place to place: flights are tracked and transmittances estimated, and images are as they
 //! must be.
 
+use core::iter;
+
 use bumpalo::Bump;
 use fogbow::frame::Frame;
 use fogbow::render::Workers;
 use fogbow::wavefront::{Source, Wavefront};
+use fogbow_kernels::PathLengths;
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::media::field::reference::FieldTwin;
-use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
+use fogbow_kernels::media::field::{Field, Interpolation, Shape, Voxels};
 use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_testing::agreement::{
-    assert_equal_means, assert_same, assert_stages_agree, assert_whole_paths_agree, means,
+    assert_equal_means, assert_equal_means_in, assert_same, assert_stages_agree, assert_whole_paths_agree, means,
 };
-use fogbow_testing::frames::clouds::{IN_FIELDS, centred, cloud, clouds, leaves, volumes, with_field};
+use fogbow_testing::frames::clouds::{
+    IN_FIELDS, ball, centred, cloud, clouds, leaves, solid, volumes, with_field, with_volumes,
+};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded::wavefront;
 use fogbow_testing::render::{WORKERS, render_here, render_with};
+use fogbow_testing::statistics::z_of_means;
 use glam::DVec3;
 
 /// All that varies.
@@ -156,6 +162,66 @@ fn a_constant_grid_is_fog() {
         // A twentieth, and what so few samples leave open; with four times as many none is off by a twentieth.
         assert!((variance - 1.0).abs() < 0.07, "{active:?}: {variance} of the variance of fog");
     }
+}
+
+/// From beyond 40 mean free paths no light comes back to camera and lamps in 8 segments; what comes back from beyond 1.2
+/// is missed.
+#[test]
+fn a_ball_that_grows_becomes_fog() {
+    let extinction = 1.2;
+    let medium = Medium::homogeneous(extinction, [1.0, 0.98, 0.9], PhaseFunction::henyey_greenstein(0.3));
+    let lamps = vec![
+        Emitter::sphere(DVec3::new(0.2, 0.1, 0.6), 0.15, [10.0, 9.0, 8.0]),
+        Emitter::disk(DVec3::new(-0.3, -0.1, 0.5), DVec3::new(0.2, 0.5, 1.0), 0.2, [5.0, 6.0, 9.0]),
+    ];
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, frames::UNIT_FOV, 0.1, SMALL);
+    let fog = frames::plain(camera, medium, Lights::new(lamps, Selection::Uniform), 8, 3);
+    let fog = Frame { lengths: PathLengths { min: 2, max: 8 }, ..fog };
+    let truth = means(&Frame { seed: 99, ..frames::with_techniques(&fog, Active::Nee, 4.0) }, 3000);
+    let [small, large] = [1.2, 40.0].map(|mean_free_paths| {
+        let radius = mean_free_paths / f64::from(extinction);
+        with_volumes(&fog, vec![ball(DVec3::ZERO, radius, extinction)], 0.0)
+    });
+    for active in IN_FIELDS {
+        let [small, large] = [&small, &large].map(|frame| means(&frames::with_techniques(frame, active, 4.0), 1500));
+        assert_same(&format!("{active:?}"), large, truth);
+        for (small, truth) in small.into_iter().zip(truth) {
+            let z = z_of_means(small, truth);
+            assert!(z < -8.0, "{active:?}: {small:?} in a small ball, {truth:?} in fog, z = {z}");
+        }
+    }
+}
+
+/// A medium in two volumes, which nest or overlap, is as it is in one; borders between equal media do nothing.
+#[test]
+fn equal_media_are_one() {
+    let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let filled = |shapes: &[&Shape]| {
+        let volumes = shapes.iter().map(|shape| solid((*shape).clone(), 1.6)).collect();
+        let frame = with_volumes(&lights, volumes, 0.0);
+        let albedos: Vec<_> = iter::once([0.1; 3]).chain(shapes.iter().map(|_| [0.9, 0.75, 0.5])).collect();
+        frames::with_medium(&frame, frame.medium.clone().with_albedos(&albedos))
+    };
+    for (place, from) in [("outside", 0.3), ("inside", -0.9)] {
+        let ball = Shape::Sphere { center: DVec3::new(0.1, 0.0, from + 1.3), radius: 1.3 };
+        let within = Shape::block([[-0.4, -0.5, from + 0.8], [0.9, 0.3, from + 1.9]]);
+        let block = |near: f64, far: f64| Shape::block([[-1.1, -0.7, from + near], [0.8, 0.9, from + far]]);
+        let [front, back, both] = [block(0.0, 1.6), block(0.9, 2.4), block(0.0, 2.4)];
+        for (name, several, one) in [
+            ("a box in a ball", filled(&[&within, &ball]), filled(&[&ball])),
+            ("overlapping boxes", filled(&[&front, &back]), filled(&[&both])),
+        ] {
+            assert_equal_means_in(&format!("{name}, {place}"), &several, &one, 1..=3);
+        }
+    }
+}
+
+/// A ball with some of the lights within, some in the fog around it.
+#[test]
+fn a_ball_of_fog_in_fog_is_fog() {
+    let fog = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let in_ball = with_volumes(&fog, vec![ball(DVec3::new(0.1, 0.0, 0.6), 1.3, 1.2)], 1.2);
+    assert_equal_means_in("a ball in fog", &in_ball, &fog, 1..=3);
 }
 
 /// A box with a lamp behind it has the transmittance of its thickness, without noise.

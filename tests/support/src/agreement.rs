@@ -67,9 +67,15 @@ pub fn assert_same(case: &str, found: [(f64, f64); 3], truth: [(f64, f64); 3]) {
 
 /// In a field, every technique has the means of next event estimation, for paths of so many segments each.
 pub fn assert_equal_means(name: &str, base: &Frame, segments: RangeInclusive<u32>) {
+    assert_equal_means_in(name, base, base, segments);
+}
+
+/// In a field, every technique has the means that next event estimation has in `other`, for paths of so many segments
+/// each.
+pub fn assert_equal_means_in(name: &str, base: &Frame, other: &Frame, segments: RangeInclusive<u32>) {
     for segments in segments {
-        let base = frames::with_length(base, segments);
-        let truth = means(&Frame { seed: 99, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 3000);
+        let [base, other] = [base, other].map(|frame| frames::with_length(frame, segments));
+        let truth = means(&Frame { seed: 99, ..frames::with_techniques(&other, Active::Nee, 4.0) }, 3000);
         for active in IN_FIELDS {
             let seed = 100 * active as u32 + segments;
             let frame = Frame { seed, ..frames::with_techniques(&base, active, 4.0) };

@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+"""The same scene in Mitsuba 3, with the same numbers: mean and standard error of the image and of its quadrants.
+
+Usage: in_mitsuba.py [SAMPLES [IMAGE.exr]]  (from any folder; 4096 samples per pixel at 64 x 64 if nothing is asked for)
+
+IMAGE.exr is one that fogbow made, of the same size, to compare with:
+
+    fogbow render scenes/wax --size 64x64 --samples 4096 -o IMAGE.exr
+
+Needs mitsuba and numpy."""
+
+import json
+import math
+import pathlib
+import sys
+import time
+import tomllib
+
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant("llvm_ad_rgb")
+HERE = pathlib.Path(__file__).resolve().parent
+SIZE, BATCH = 64, 64
+SCENE = tomllib.loads((HERE / "scene.toml").read_text())
+# Mitsuba moves rays off surfaces by 9e-5 (1 + largest coordinate), and so into the wax, whose mean free path is 0.006.
+# They skip least of it where the unit is small and the candle about 0.
+UNIT, ORIGIN = 100.0, np.array([0.0, 0.5, 0.0])
+
+
+def place(position):
+    return [float(x) for x in UNIT * (np.array(position) - ORIGIN)]
+
+
+def rgb(value):
+    return {"type": "rgb", "value": [float(x) for x in value]}
+
+
+def wax():
+    """The medium, whose extinction differs between channels. Mitsuba takes values of up to 1, and a factor."""
+    volume = SCENE["volume"][0]
+    scattering, absorption = np.full(3, float(volume["scattering"])), np.array(volume["absorption"], dtype=float)
+    extinction = scattering + absorption
+    return {
+        "type": "homogeneous",
+        "albedo": rgb(scattering / extinction),
+        "sigma_t": rgb(extinction / extinction.max()),
+        "scale": float(extinction.max() / UNIT),
+        "phase": {"type": "hg", "g": volume["phase"]["g"]},
+    }
+
+
+def model():
+    """The objects of the geometry file by name: corners, triangles and colour."""
+    file = (HERE / SCENE["geometry"]).read_bytes()
+    end = 20 + int.from_bytes(file[12:16], "little")
+    gltf, binary = json.loads(file[20:end]), file[end + 8:]
+
+    def triples(index, kind, numbers_each):
+        accessor = gltf["accessors"][index]
+        start = gltf["bufferViews"][accessor["bufferView"]]["byteOffset"]
+        return np.frombuffer(binary, kind, numbers_each * accessor["count"], start).reshape(-1, 3)
+
+    for node in gltf["nodes"]:
+        [primitive] = gltf["meshes"][node["mesh"]]["primitives"]
+        material = gltf["materials"][primitive["material"]]
+        corners = triples(primitive["attributes"]["POSITION"], np.float32, 3)
+        triangles = triples(primitive["indices"], np.uint16, 1).astype(np.uint32)
+        yield node["name"], corners, triangles, material["pbrMetallicRoughness"]["baseColorFactor"][:3]
+
+
+def surfaces():
+    """What reflects is diffuse and has a black back; the bounds of the wax are no surface."""
+    for name, corners, triangles, colour in model():
+        properties = mi.Properties()
+        if name == SCENE["volume"][0]["shape"]["name"]:
+            properties["bsdf"], properties["interior"] = mi.load_dict({"type": "null"}), mi.load_dict(wax())
+        else:
+            properties["bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": rgb(colour)})
+        mesh = mi.Mesh(name, len(corners), len(triangles), properties)
+        values = mi.traverse(mesh)
+        values["vertex_positions"], values["faces"] = np.float32(UNIT * (corners - ORIGIN)).ravel(), triangles.ravel()
+        values.update()
+        yield name.replace(".", " "), mesh
+
+
+def lights():
+    """They are black where they do not shine."""
+    t = mi.ScalarTransform4f
+    for i, light in enumerate(SCENE["light"]):
+        body = {
+            "bsdf": {"type": "diffuse", "reflectance": rgb([0, 0, 0])},
+            "emitter": {"type": "area", "radiance": rgb(light["radiance"])},
+        }
+        at, radius = light["center"], UNIT * light["radius"]
+        if light["type"] == "sphere":
+            yield f"light{i}", body | {"type": "sphere", "center": place(at), "radius": radius}
+        else:
+            ahead = np.add(at, light["normal"])
+            to_world = t().look_at(place(at), place(ahead), [0, 1, 0]) @ t().scale(radius)
+            yield f"light{i}", body | {"type": "disk", "to_world": to_world}
+
+
+def scene():
+    camera = SCENE["camera"]
+    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+    return mi.load_dict({
+        "type": "scene",
+        "integrator": {"type": "volpathmis", "max_depth": -1, "rr_depth": 20},
+        "sensor": {
+            "type": "perspective", "near_clip": 0.1 * UNIT, "far_clip": 100 * UNIT,
+            "fov": float(camera["vertical_fov_deg"]), "fov_axis": "y",
+            "to_world": mi.ScalarTransform4f().look_at(place(camera["position"]), place(camera["look_at"]), [0, 1, 0]),
+            "film": film | {"component_format": "float32"}, "sampler": {"type": "independent"},
+        },
+        **dict(surfaces()),
+        **dict(lights()),
+    })
+
+
+def parts():
+    """The image and its quadrants: rows and columns."""
+    half = SIZE // 2
+    low, high = slice(half), slice(half, None)
+    yield "image", slice(None), slice(None)
+    for name, rows in [("upper", low), ("lower", high)]:
+        yield name + " left", rows, low
+        yield name + " right", rows, high
+
+
+def read(path):
+    """Means and standard errors of the pixels of an image that fogbow made."""
+    image = mi.Bitmap(path)
+    channels = {field.name: np.array(image, dtype=np.float64)[..., i] for i, field in enumerate(image.struct_())}
+    return [np.stack([channels[prefix + c] for c in "RGB"], -1) for prefix in ("", "SE.")]
+
+
+def of_part(image, rows, columns):
+    """Means and standard errors of a part of an image, from those of its pixels."""
+    mean, error = (layer[rows, columns] for layer in image)
+    return mean.mean((0, 1)), np.sqrt((error**2).sum((0, 1))) / error[..., 0].size
+
+
+def line(name, means, errors):
+    print(f"{name:22}", *(f"{m:.5f} +- {e:.5f}" for m, e in zip(means, errors)), sep="  ")
+
+
+def main():
+    samples = int(sys.argv[1]) if len(sys.argv) > 1 else 4096
+    built = scene()
+    mi.render(built, spp=BATCH, seed=99999).numpy()
+    start = time.time()
+    images = [mi.render(built, spp=BATCH, seed=seed).numpy() for seed in range(max(2, samples // BATCH))]
+    rate = len(images) * BATCH * SIZE**2 / (time.time() - start)
+    images = np.stack(images).astype(np.float64)[..., :3]
+    image = [images.mean(0), images.std(0, ddof=1) / math.sqrt(len(images))]
+    print(f"{len(images) * BATCH} samples per pixel, {rate / 1e3:.0f} k samples/s; red, green, blue")
+    other = read(sys.argv[2]) if len(sys.argv) > 2 else None
+    for name, *part in parts():
+        mean, error = of_part(image, *part)
+        line(name, mean, error)
+        if other:
+            other_mean, other_error = of_part(other, *part)
+            line("  in " + pathlib.Path(sys.argv[2]).name, other_mean, other_error)
+            z = (other_mean - mean) / np.hypot(other_error, error)
+            print(f"{'  standard errors apart':22}", *(f"{x:+18.2f}" for x in z), sep="  ")
+
+
+if __name__ == "__main__":
+    main()
