@@ -106,8 +106,12 @@ pub fn medium(
     }
     // The highest priority first, and of equal ones the last.
     placed.sort_by_key(|(priority, index, _)| core::cmp::Reverse((*priority, *index)));
-    let albedos: Vec<[f32; 3]> =
-        [around.albedo].into_iter().chain(placed.iter().map(|(_, index, _)| volumes[*index].medium.albedo)).collect();
+    // Vacuum has no albedo: that of others spares asking who is there.
+    let albedo = |medium: &Medium| if extinction(&medium) == 0.0 { densest.albedo } else { medium.albedo };
+    let albedos: Vec<[f32; 3]> = [albedo(&around)]
+        .into_iter()
+        .chain(placed.iter().map(|(_, index, _)| albedo(&volumes[*index].medium)))
+        .collect();
     let (bounds, sources) = placed.into_iter().map(|(.., (bounds, source))| (bounds, source)).unzip();
     let field = Field::new(bounds, around.largest_extinction()).coloured(common.hues);
     let glow = glows.then(|| Glow::of_field(&field, around.glow.map_or([0.0; 3], |glow| glow.around()), sources));

@@ -108,10 +108,15 @@ pub fn sphere(levels: u32) -> Mesh {
     }
     let edge = places[0].distance(places[1]) * 1.01;
     let near = |a: usize, b: usize| places[a].distance(places[b]) < edge;
+    let outward = |[a, b, c]: [usize; 3]| {
+        let normal = (places[b] - places[a]).cross(places[c] - places[a]);
+        if normal.dot(places[a]) > 0.0 { [a, b, c] } else { [a, c, b] }
+    };
     let mut corners = Vec::new();
     for a in 0..12 {
         for b in a + 1..12 {
-            corners.extend((b + 1..12).filter(|c| near(a, b) && near(b, *c) && near(a, *c)).map(|c| [a, b, c]));
+            let third = (b + 1..12).filter(|c| near(a, b) && near(b, *c) && near(a, *c));
+            corners.extend(third.map(|c| outward([a, b, c])));
         }
     }
     for _ in 0..levels {

@@ -149,6 +149,14 @@ impl Field {
         self.around
     }
 
+    /// The extinction of a field that is one cell of it, in vacuum [1/m].
+    #[inline(always)]
+    fn block_extinction(&self) -> Option<f32> {
+        let cell = self.cells.at([0; 3]);
+        let lone = self.cells.dims == [1; 3] && cell.spread == 0.0 && cell.most == cell.mean;
+        (lone && self.around == 0.0).then_some(cell.mean)
+    }
+
     /// Length of the shortest edge of a cell `[m]`, about.
     pub fn cell_edge(&self) -> f64 {
         1.0 / self.to_cells.steepest()

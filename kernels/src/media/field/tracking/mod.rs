@@ -14,6 +14,7 @@
 //! the largest extinction: `T'_c = e^{-k_c int mu_c} prod (1 - k_c (mu(x) - mu_c) / mu_r)`. Each candidate has
 //! two numbers of the ray's [stream](crate::random::Stream), in the order in which they are met.
 
+mod block;
 mod quest;
 pub mod reference;
 pub mod simd;

@@ -12,12 +12,13 @@
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
-//! 5. In a cell of one extinction, density need not be asked.
+//! 5. In a cell of one extinction, density need not be asked. A field that is one such cell needs no walk at all
+//!    ([`block`]).
 
 use wide::{f32x8, i32x8, u32x8};
 
-use super::RaysX8;
 use super::quest::{Flight, Quest, Transmittance};
+use super::{RaysX8, block};
 use crate::lanes::{self, LANES};
 use crate::media::field::Field;
 use crate::media::field::axis::within;
@@ -31,6 +32,9 @@ const FEW: u32 = 3;
 /// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves all there is. The
 /// hue of a ray is that of its flight.
 pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, f32)) {
+    if let Some(extinction) = field.block_extinction() {
+        return rays.for_each(|batch| block::flights(field, extinction, &batch, &mut end));
+    }
     track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
         end(row, if ended.collided { ended.t } else { f32::INFINITY });
     });
@@ -43,6 +47,9 @@ pub fn transmittances<const N: usize>(
     segments: impl Iterator<Item = RaysX8<N>>,
     mut end: impl FnMut(usize, [f32; N], f32),
 ) {
+    if let Some(extinction) = field.block_extinction() {
+        return segments.for_each(|batch| block::transmittances(field, extinction, &batch, &mut end));
+    }
     track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
 }
 
@@ -153,10 +160,7 @@ impl<const N: usize> Lanes<N> {
             return;
         }
         for (to, from) in lanes::each(!self.live & lanes::ALL).zip(lanes::each(waiting.live)) {
-            let (row, from_row) = (self.columns(), waiting.columns());
-            for (column, source) in row.into_iter().zip(from_row) {
-                column[to] = source[from];
-            }
+            self.put(to, waiting, from);
             self.live |= 1 << to;
             waiting.live &= !(1 << from);
         }
@@ -280,16 +284,38 @@ impl<const N: usize> Lanes<N> {
         self.through = 0;
     }
 
-    /// All that a ray is, number by number.
+    /// Puts the ray in lane `from` of `other` in lane `to`.
     #[inline(always)]
-    fn columns(&mut self) -> impl Iterator<Item = &mut [u32; LANES]> {
-        let vectors = [&mut self.origin, &mut self.direction, &mut self.next, &mut self.delta];
-        let axes = vectors.into_iter().flat_map(|v| [&mut v.x, &mut v.y, &mut v.z]);
-        let numbers = [&mut self.t, &mut self.exit, &mut self.scale, &mut self.budget, &mut self.known];
-        let reals = axes.chain(numbers).chain(&mut self.results).chain(&mut self.hues).map(bytemuck::cast_mut);
-        let places = self.stride.iter_mut().chain([&mut self.cell]).map(bytemuck::cast_mut);
-        let words = self.stream.iter_mut().chain([&mut self.candidates, &mut self.row]).map(bytemuck::cast_mut);
-        reals.chain(places).chain(words)
+    fn put(&mut self, to: usize, other: &Self, from: usize) {
+        let vectors = [
+            (&mut self.origin, &other.origin),
+            (&mut self.direction, &other.direction),
+            (&mut self.next, &other.next),
+            (&mut self.delta, &other.delta),
+        ];
+        for (vector, source) in vectors {
+            put(&mut vector.x, to, &source.x, from);
+            put(&mut vector.y, to, &source.y, from);
+            put(&mut vector.z, to, &source.z, from);
+        }
+        put(&mut self.t, to, &other.t, from);
+        put(&mut self.exit, to, &other.exit, from);
+        put(&mut self.scale, to, &other.scale, from);
+        put(&mut self.budget, to, &other.budget, from);
+        put(&mut self.known, to, &other.known, from);
+        put(&mut self.cell, to, &other.cell, from);
+        put(&mut self.candidates, to, &other.candidates, from);
+        put(&mut self.row, to, &other.row, from);
+        for hue in 0..N {
+            put(&mut self.results[hue], to, &other.results[hue], from);
+            put(&mut self.hues[hue], to, &other.hues[hue], from);
+        }
+        for axis in 0..3 {
+            put(&mut self.stride[axis], to, &other.stride[axis], from);
+        }
+        for word in 0..4 {
+            put(&mut self.stream[word], to, &other.stream[word], from);
+        }
     }
 
     /// The two numbers of the next candidate of every ray.
@@ -364,6 +390,13 @@ impl<const N: usize> Lanes<N> {
             self.cell += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
         }
     }
+}
+
+/// Puts lane `from` of `source` in lane `to`.
+#[inline(always)]
+fn put<T: bytemuck::Pod>(column: &mut T, to: usize, source: &T, from: usize) {
+    let (column, source): (&mut [u32; LANES], &[u32; LANES]) = (bytemuck::cast_mut(column), bytemuck::cast_ref(source));
+    column[to] = source[from];
 }
 
 #[inline(always)]
