@@ -67,8 +67,8 @@ pub trait AxisX8: Copy {
     /// Optical depth.
     fn depth(&self) -> f32x8;
 
-    /// Optical depth of its part up to a distance `along` it `[m]`.
-    fn depth_until(&self, along: f32x8) -> f32x8;
+    /// Optical depths of its part up to a distance `along` it `[m]`, and of all of it.
+    fn depths(&self, along: f32x8) -> [f32x8; 2];
 
     /// Extinction at a distance `along` it [1/m].
     fn extinction(&self, along: f32x8) -> f32x8;

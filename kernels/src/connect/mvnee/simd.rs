@@ -86,13 +86,13 @@ fn sum<M: MediumX8>(
             product *= factor(width_squared, projection.offset_squared, vertex.spread);
             after += projection.segment_squared;
         }
-        let [log_seeds, depth] = density.finish(distance);
+        let [log_seeds, depth, whole] = density.finish(distance);
         let mut log = start.depth - arrival.skipped - depth;
         let mut possible = axial.possible;
         if M::VARIES {
             log += log_seeds - arrival.medium.log_extinction_along(a - 1, start.log_extinction);
             let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
-            possible &= line.depth().simd_le(most);
+            possible &= whole.simd_le(most);
         }
         let detour = exp(log);
         let mut ratio = scale * start.attempt * detour * product;
@@ -144,15 +144,16 @@ impl<A: AxisX8> SeedDensity<A> {
         }
     }
 
-    /// ln of the product of the extinctions, and the optical depth that the flights pass up to the end of the axis, at
-    /// `distance` `[m]`.
+    /// ln of the product of the extinctions, the optical depth that the flights pass up to the end of the axis, at
+    /// `distance` `[m]`, and that of the axis.
     #[inline(always)]
-    fn finish(&self, distance: f32x8) -> [f32x8; 2] {
+    fn finish(&self, distance: f32x8) -> [f32x8; 3] {
         if A::VARIES && self.seeds == Seeds::Fast && self.count > 0 {
-            let beyond = exp(self.log_first) * (distance - self.first);
-            return [self.log, self.axis.depth_until(self.first) + beyond];
+            let [until, whole] = self.axis.depths(self.first);
+            return [self.log, until + exp(self.log_first) * (distance - self.first), whole];
         }
-        [self.log, self.axis.depth()]
+        let whole = self.axis.depth();
+        [self.log, whole, whole]
     }
 }
 

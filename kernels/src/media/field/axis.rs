@@ -89,17 +89,26 @@ impl<'a> FieldAxis<'a> {
         inside.select(self.field.mean_at(self.way.mul_add(middle, self.start)), f32x8::splat(self.field.around))
     }
 
-    /// Sum over all strata of the mean times how much of the stratum, at most all of it, counts.
+    /// Sums over all strata of the mean, and of what `term` makes of it.
     #[inline(always)]
-    fn sum(&self, share: impl Fn(f32x8) -> f32x8) -> f32x8 {
+    fn sums(&self, term: impl Fn(f32x8, f32x8) -> f32x8) -> [f32x8; 2] {
         let most = self.strata.to_array().into_iter().fold(0.0, f32::max) as u32;
-        let mut sum = f32x8::ZERO;
+        let mut sums = [f32x8::ZERO; 2];
         for i in 0..most {
             let index = f32x8::splat(i as f32);
             let counts = index.simd_lt(self.strata);
-            sum += counts.select(self.mean(index) * share(index), f32x8::ZERO);
+            let mean = counts.select(self.mean(index), f32x8::ZERO);
+            sums = [sums[0] + mean, sums[1] + term(index, mean)];
         }
-        sum
+        sums
+    }
+
+    /// The optical depth of all of it, where the means add up to `sum`.
+    #[inline(always)]
+    fn whole(&self, sum: f32x8) -> f32x8 {
+        let around = f32x8::splat(self.field.around) * (f32x8::ONE - self.stride * self.strata);
+        let depth = sum.mul_add(self.stride, around) * self.length * self.hue;
+        depth.fast_max(f32x8::splat(LEAST_DEPTH))
     }
 
     /// Where the strata end, as a share of the length.
@@ -114,20 +123,19 @@ impl AxisX8 for FieldAxis<'_> {
 
     #[inline(never)]
     fn depth(&self) -> f32x8 {
-        let around = f32x8::splat(self.field.around) * (f32x8::ONE - self.stride * self.strata);
-        let depth = self.sum(|_| f32x8::ONE).mul_add(self.stride, around) * self.length * self.hue;
-        depth.fast_max(f32x8::splat(LEAST_DEPTH))
+        let [sum, _] = self.sums(|_, mean| mean);
+        self.whole(sum)
     }
 
     #[inline(never)]
-    fn depth_until(&self, along: f32x8) -> f32x8 {
+    fn depths(&self, along: f32x8) -> [f32x8; 2] {
         let place = along / self.length;
         let passed = (place - self.enter) / self.stride;
-        let sum = self.sum(|index| (passed - index).fast_max(f32x8::ZERO).fast_min(f32x8::ONE)) * self.stride;
+        let [whole, part] = self.sums(|index, mean| mean * (passed - index).fast_max(f32x8::ZERO).fast_min(f32x8::ONE));
         let outside = place.fast_min(self.enter) + (place - self.exit()).fast_max(f32x8::ZERO);
-        let empty = self.strata.simd_eq(f32x8::ZERO);
-        let around = f32x8::splat(self.field.around);
-        empty.select(around * place, around.mul_add(outside, sum)) * self.length * self.hue
+        let outside = self.strata.simd_eq(f32x8::ZERO).select(place, outside);
+        let until = part.mul_add(self.stride, f32x8::splat(self.field.around) * outside) * self.length * self.hue;
+        [until, self.whole(whole)]
     }
 
     #[inline(always)]
@@ -164,8 +172,8 @@ impl Field {
     /// Mean extinction of the cells that points, in cells, are in [1/m].
     #[inline(always)]
     fn mean_at(&self, at: Vec3x8) -> f32x8 {
-        let all = self.cells.all();
-        f32x8::new(self.cells_at(at).to_array().map(|cell| all[cell as usize].mean))
+        let means = self.cells.means();
+        f32x8::new(self.cells_at(at).to_array().map(|cell| means[cell as usize]))
     }
 }
 

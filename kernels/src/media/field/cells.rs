@@ -52,6 +52,8 @@ pub struct Cells {
     /// x runs fastest, then y; with a layer of cells all around of what is outside, so that a ray that has just left the
     /// box, but for rounding, is still in one.
     cells: Vec<Cell>,
+    /// Their means once more, which are asked for most.
+    means: Vec<f32>,
     /// Which volumes may be in them, bit by bit; empty where there is only one.
     volumes: Vec<u32>,
     /// Largest extinction anywhere [1/m].
@@ -64,14 +66,15 @@ impl Cells {
     pub fn new(dims: [u32; 3], outside: Cell, several: bool, survey: impl Fn([u32; 3]) -> (Cell, u32) + Sync) -> Self {
         let count = dims.iter().map(|dim| *dim as usize + 2).product();
         let volumes = vec![0; if several { count } else { 0 }];
-        let mut found = Self { dims, cells: vec![outside; count], volumes, most: outside.most };
+        let (cells, means) = (vec![outside; count], vec![outside.mean; count]);
+        let mut found = Self { dims, cells, means, volumes, most: outside.most };
         let places = (0..dims[2]).flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])));
         let places: Vec<[u32; 3]> = places.collect();
         let surveyed: Vec<(Cell, u32)> = places.par_iter().map(|place| survey(*place)).collect();
         for (place, (cell, volumes)) in places.into_iter().zip(surveyed) {
             found.most = found.most.max(cell.most);
             let index = found.index(place);
-            found.cells[index] = cell;
+            (found.cells[index], found.means[index]) = (cell, cell.mean);
             if several {
                 found.volumes[index] = volumes;
             }
@@ -123,6 +126,12 @@ impl Cells {
         &self.cells
     }
 
+    /// Means of all of them.
+    #[inline(always)]
+    pub fn means(&self) -> &[f32] {
+        &self.means
+    }
+
     /// The volumes that may be in all of them; empty where there is only one.
     #[inline(always)]
     pub fn volumes(&self) -> &[u32] {
@@ -131,9 +140,10 @@ impl Cells {
 
     /// The same with all majorants multiplied by `factor` >= 1, and means by `mean`: what no image may depend on.
     pub fn distorted(mut self, factor: f32, mean: f32) -> Self {
-        for cell in &mut self.cells {
+        for (cell, kept) in self.cells.iter_mut().zip(&mut self.means) {
             let least = cell.mean - cell.spread;
             cell.mean *= mean;
+            *kept = cell.mean;
             cell.most *= factor;
             cell.spread = (cell.most - cell.mean).abs().max((cell.mean - least).abs()) * factor;
         }
@@ -143,7 +153,8 @@ impl Cells {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.cells.as_slice()) + size_of_val(self.volumes.as_slice())
+        let means = size_of_val(self.means.as_slice());
+        size_of_val(self.cells.as_slice()) + means + size_of_val(self.volumes.as_slice())
     }
 }
 

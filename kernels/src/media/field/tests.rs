@@ -276,7 +276,7 @@ fn places_on_an_axis_have_the_depth_that_leads_there() {
                 let as_reached = axis.reached().to_array()[0] == axis.extinction(along).to_array()[0];
                 let wrong = [
                     far(f32x8::splat(place as f32), truth),
-                    far(axis.depth_until(along), depth_until(&strata, place)),
+                    far(axis.depths(along)[0], depth_until(&strata, place)),
                     far(axis.extinction(along), extinction_along(&strata, place)),
                     !as_reached,
                 ];

@@ -151,12 +151,12 @@ impl AxisX8 for HomogeneousAxis {
 
     #[inline(always)]
     fn depth(&self) -> f32x8 {
-        self.depth_until(self.length)
+        self.medium.extinction * self.length
     }
 
     #[inline(always)]
-    fn depth_until(&self, along: f32x8) -> f32x8 {
-        self.medium.extinction * along
+    fn depths(&self, along: f32x8) -> [f32x8; 2] {
+        [self.medium.extinction * along, self.depth()]
     }
 
     #[inline(always)]
