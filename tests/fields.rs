@@ -122,8 +122,8 @@ fn images_do_not_depend_on_threads_or_lanes() {
 }
 
 #[test]
-fn all_techniques_have_the_same_means_at_every_length() {
-    clouds(SMALL).iter().for_each(|(name, cloud)| assert_equal_means(name, cloud, 1..=6));
+fn all_techniques_have_the_same_means_at_short_lengths() {
+    clouds(SMALL).iter().for_each(|(name, cloud)| assert_equal_means(name, cloud, 1..=4));
     volumes(SMALL).iter().for_each(|(name, several)| assert_equal_means(name, several, 1..=3));
 }
 

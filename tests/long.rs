@@ -476,4 +476,7 @@ fn all_techniques_have_the_same_means_in_volumes_at_longer_lengths() {
     for (name, frame) in frames::clouds::volumes([16, 16]) {
         assert_equal_means(name, &frame, 4..=8);
     }
+    for (name, frame) in frames::clouds::clouds([16, 16]) {
+        assert_equal_means(name, &frame, 5..=8);
+    }
 }

@@ -196,7 +196,7 @@ impl Wavefront<'_> {
 
     /// What flights leave out of other channels goes to the throughput, where nobody knows how much.
     pub fn flight_hue(&mut self) {
-        let Some(field) = self.frame.medium.field() else { return };
+        let Some(field) = self.frame.medium.field().filter(|field| !field.is_known()) else { return };
         let size = self.stats.lane_rows(&self.live);
         self.stats.run(Stage::FlightHue, size, || {
             let columns = flight_hue::Columns {

@@ -1,6 +1,7 @@
 //! The stages that make candidates of lights that were met, and contributions of candidates.
 
 use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::media::field::Field;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::Threshold;
@@ -94,7 +95,8 @@ impl Wavefront<'_> {
 
     /// What comes through of candidates with light points of `purpose`, where nobody knows how much.
     pub fn transmittance(&mut self, source: Source, bucket: Bucket, purpose: Purpose) {
-        let Some(field) = self.frame.medium.field().filter(|_| bucket.len > 0) else { return };
+        let unknown = |field: &&Field| bucket.len > 0 && !field.is_known();
+        let Some(field) = self.frame.medium.field().filter(unknown) else { return };
         // Grey light that a walk met has come through.
         let flown = source == Source::LightHits;
         if flown && field.is_grey() {

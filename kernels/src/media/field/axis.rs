@@ -20,7 +20,7 @@ use crate::vec3x8::Vec3x8;
 /// Most strata of a segment.
 pub const MOST_STRATA: f32 = 64.0;
 
-/// By how many cells the box is larger in which strata are. From one face of the grid itself to the other their middles
+/// By how many cells that box is larger at the lower faces. From one face of the grid itself to the other their middles
 /// would fall on borders of cells, where which cell they are in is a matter of rounding.
 pub const BELOW: f32 = 0.271_828;
 /// The same at the upper faces.
@@ -62,11 +62,13 @@ impl<'a> FieldAxis<'a> {
     pub fn new(field: &'a Field, hue: f32x8, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self {
         let (start, end) = (field.in_cells(from), field.in_cells(to));
         let way = end - start;
-        let [enter, exit] = within(start, way, [-BELOW; 3], field.cells.dims.map(|dim| dim as f32 + ABOVE), f32x8::ONE);
+        let [below, above] = field.margins();
+        let [enter, exit] = within(start, way, [-below; 3], field.cells.dims.map(|dim| dim as f32 + above), f32x8::ONE);
         let part = (exit - enter).fast_max(f32x8::ZERO);
         let crossed = way.length_squared().sqrt() * part;
         let inside = part.simd_gt(f32x8::ZERO);
-        let strata = crossed.ceil().fast_max(f32x8::ONE).fast_min(f32x8::splat(MOST_STRATA));
+        let most = if field.is_known() { 1.0 } else { MOST_STRATA };
+        let strata = crossed.ceil().fast_max(f32x8::ONE).fast_min(f32x8::splat(most));
         Self {
             field,
             hue,
@@ -84,6 +86,9 @@ impl<'a> FieldAxis<'a> {
     /// Mean extinction in stratum `index`, where the hue is 1 [1/m].
     #[inline(always)]
     fn mean(&self, index: f32x8) -> f32x8 {
+        if let Some(extinction) = self.field.block {
+            return index.simd_eq(f32x8::ZERO).select(self.strata * f32x8::splat(extinction), f32x8::ZERO);
+        }
         let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
         let inside = index.simd_ge(f32x8::ZERO) & index.simd_lt(self.strata);
         inside.select(self.field.mean_at(self.way.mul_add(middle, self.start)), f32x8::splat(self.field.around))
@@ -169,6 +174,12 @@ impl AxisX8 for FieldAxis<'_> {
 }
 
 impl Field {
+    /// By how many cells the box in which strata are is larger than that of all cells, below and above: nothing where
+    /// there is one cell and one stratum.
+    pub fn margins(&self) -> [f32; 2] {
+        if self.is_known() { [0.0; 2] } else { [BELOW, ABOVE] }
+    }
+
     /// Mean extinction of the cells that points, in cells, are in [1/m].
     #[inline(always)]
     fn mean_at(&self, at: Vec3x8) -> f32x8 {

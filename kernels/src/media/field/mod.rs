@@ -15,6 +15,8 @@
 //!        n = the cells it is long, rounded up, at most 64
 //! ```
 //!
+//! One extinction in a box in vacuum is known: its tau~ is its optical depth, and nothing is estimated.
+//!
 //! **Why images are right whatever tau~ is.** With T the transmittance of what a connection adds and T' any unbiased
 //! estimate of it, a candidate counts
 //!
@@ -75,6 +77,8 @@ pub struct Field {
     to_cells: Map,
     /// Extinction per channel, over that of the channel in which it is largest.
     hues: [f32; CHANNELS],
+    /// Where all of it is one cell of one extinction in vacuum, that extinction [1/m].
+    block: Option<f32>,
 }
 
 impl Field {
@@ -106,7 +110,8 @@ impl Field {
         let to_cells = Map::new(&lattice.to_cells);
         let volumes = lattice.place(volumes);
         let cells = lattice.survey(&volumes, around);
-        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS] }
+        let block = block_extinction(&cells, around);
+        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS], block }
     }
 
     /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
@@ -115,7 +120,8 @@ impl Field {
         let volumes: Vec<Volume> = self.volumes.into_iter().map(|placed| placed.volume).collect();
         let lattice = Lattice::other(&volumes, self.around, log_side);
         let field = Self::in_cells_of(volumes, self.around, lattice);
-        Self { cells: field.cells.distorted(factor, mean), hues: self.hues, ..field }
+        let cells = field.cells.distorted(factor, mean);
+        Self { block: block_extinction(&cells, self.around), cells, hues: self.hues, ..field }
     }
 
     /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
@@ -149,12 +155,9 @@ impl Field {
         self.around
     }
 
-    /// The extinction of a field that is one cell of it, in vacuum [1/m].
-    #[inline(always)]
-    fn block_extinction(&self) -> Option<f32> {
-        let cell = self.cells.at([0; 3]);
-        let lone = self.cells.dims == [1; 3] && cell.spread == 0.0 && cell.most == cell.mean;
-        (lone && self.around == 0.0).then_some(cell.mean)
+    /// Whether the optical depth of every segment is known: one extinction in a box in vacuum.
+    pub fn is_known(&self) -> bool {
+        self.block.is_some()
     }
 
     /// Length of the shortest edge of a cell `[m]`, about.
@@ -228,6 +231,13 @@ impl Field {
     pub fn who(&self, at: Vec3x8) -> u32x8 {
         self.at(self.in_cells(at)).1
     }
+}
+
+/// The extinction of cells that are but one, which is even, in vacuum [1/m].
+fn block_extinction(cells: &Cells, around: f32) -> Option<f32> {
+    let cell = cells.at([0; 3]);
+    let even = cell.spread == 0.0 && cell.most == cell.mean;
+    (cells.dims == [1; 3] && even && around == 0.0).then_some(cell.mean)
 }
 
 #[cfg(test)]

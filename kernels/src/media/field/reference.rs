@@ -13,7 +13,7 @@
 use glam::DVec3;
 
 use super::Field;
-use super::axis::{ABOVE, BELOW, MOST_STRATA};
+use super::axis::MOST_STRATA;
 use crate::media::reference::{Medium, Stratum, depth_until};
 use crate::phase::reference::Phase;
 
@@ -76,10 +76,11 @@ impl Field {
     fn strata_between(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
         let (start, way, around) = (self.cells_of(from), self.cells_along(to - from), f64::from(self.around));
         let piece = |share: f64, extinction: f64| Stratum { length: share * from.distance(to), extinction };
-        let Some((enter, exit)) = self.part_within(start, way, [BELOW, ABOVE].map(f64::from), 1.0) else {
+        let Some((enter, exit)) = self.part_within(start, way, self.margins().map(f64::from), 1.0) else {
             return vec![piece(1.0, around)];
         };
-        let count = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_STRATA));
+        let most = if self.is_known() { 1.0 } else { f64::from(MOST_STRATA) };
+        let count = (way.length() * (exit - enter)).ceil().clamp(1.0, most);
         let mean_at = |i: u32| {
             let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / count) * way;
             let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims[axis]));

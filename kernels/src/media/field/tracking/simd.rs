@@ -32,7 +32,7 @@ const FEW: u32 = 3;
 /// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves all there is. The
 /// hue of a ray is that of its flight.
 pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, f32)) {
-    if let Some(extinction) = field.block_extinction() {
+    if let Some(extinction) = field.block {
         return rays.for_each(|batch| block::flights(field, extinction, &batch, &mut end));
     }
     track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
@@ -47,7 +47,7 @@ pub fn transmittances<const N: usize>(
     segments: impl Iterator<Item = RaysX8<N>>,
     mut end: impl FnMut(usize, [f32; N], f32),
 ) {
-    if let Some(extinction) = field.block_extinction() {
+    if let Some(extinction) = field.block {
         return segments.for_each(|batch| block::transmittances(field, extinction, &batch, &mut end));
     }
     track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
