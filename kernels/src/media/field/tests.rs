@@ -57,6 +57,7 @@ fn grids() -> Vec<Field> {
         Field::new(several.clone(), 0.0),
         Field::new(several, 0.6),
         Field::new(vec![ball([0.1, 0.0, 0.2], 0.6, 3.0)], 0.3),
+        Field::block([[-0.6, -0.5, -0.4], [0.5, 0.7, 0.3]], 2.5),
     ]
 }
 
@@ -129,15 +130,14 @@ fn depths_are_the_same_both_ways_and_near_the_integral() {
             let [from, to] = [2, 3].map(|i| real(point(1000 * i + round)));
             let [there, back] = [twin(grid).optical_depth(from, to), twin(grid).optical_depth(to, from)];
             assert!((there - back).abs() < 1e-9 * (1.0 + there), "{there} {back}");
-            let integral = integral(grid, from, to);
+            let integral = integral(grid, from, to, 2000);
             assert!((there - integral).abs() < 0.3 + 0.3 * integral, "{there} for {integral}");
         }
     }
 }
 
 /// The optical depth of a segment, by a fine midpoint rule.
-fn integral(grid: &Field, from: DVec3, to: DVec3) -> f64 {
-    let steps = 2000;
+fn integral(grid: &Field, from: DVec3, to: DVec3, steps: i32) -> f64 {
     let at = |i: i32| twin(grid).extinction(from + (f64::from(i) + 0.5) / f64::from(steps) * (to - from));
     (0..steps).map(at).sum::<f64>() / f64::from(steps) * from.distance(to)
 }
@@ -202,7 +202,7 @@ fn transmittances_are_those_of_the_twin() {
 fn flights_and_transmittances_have_the_means_of_the_integral() {
     for (number, grid) in grids().iter().enumerate() {
         let (from, to) = (DVec3::new(-0.9, -0.3, -0.2), DVec3::new(0.8, 0.3, 0.25));
-        let (expected, samples) = ((-integral(grid, from, to)).exp(), 40_000_u32);
+        let (expected, samples) = ((-integral(grid, from, to, 50_000)).exp(), 40_000_u32);
         let direction = (to - from).normalize();
         let (mut passed, mut sum, mut squares) = (0.0, 0.0, 0.0);
         for i in 0..samples {
@@ -218,7 +218,7 @@ fn flights_and_transmittances_have_the_means_of_the_integral() {
         let (share, mean) = (passed / n, sum / n);
         let error = (expected * (1.0 - expected) / n).sqrt();
         assert!((share - expected).abs() < 4.5 * error, "grid {number}: {share} of flights pass, not {expected}");
-        let error = ((squares / n - mean * mean) / n).sqrt();
+        let error = ((squares / n - mean * mean).max(0.0) / n).sqrt();
         assert!((mean - expected).abs() < 4.5 * error + 1e-5, "grid {number}: {mean} +- {error}, not {expected}");
         // Known about where it is, the transmittance is worth more than a yes or no.
         assert!(error < 0.7 * (expected * (1.0 - expected) / n).sqrt(), "grid {number}: {error}");
