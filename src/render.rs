@@ -93,9 +93,40 @@ impl Renderer {
         samples: Range<u32>,
         monitor: &Monitor,
     ) -> Stats {
+        let firsts: Vec<_> =
+            (0..film.tile_count()).map(|tile| samples.start.wrapping_sub(film.tile(tile).samples())).collect();
+        let passes = samples.end.saturating_sub(samples.start).div_ceil(SAMPLES_PER_BLOCK);
+        let numbers = Numbers { first: |tile: usize| firsts[tile], end: samples.end, passes };
+        self.render_blocks(empty, frame, pipeline, film, numbers, monitor)
+    }
+
+    /// Goes on with a film whose pixels have the first of `samples`, some perhaps more than others, until they have all
+    /// of them, or the monitor says stop.
+    pub fn go_on(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Stats {
+        let left = samples.len() as u32 - film.fewest_samples().min(samples.len() as u32);
+        let passes = left.div_ceil(SAMPLES_PER_BLOCK);
+        let numbers = Numbers { first: |_| samples.start, end: samples.end, passes };
+        self.render_blocks(Stats::new(self.workers.detailed_stats), frame, pipeline, film, numbers, monitor)
+    }
+
+    fn render_blocks(
+        &self,
+        empty: Stats,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        numbers: Numbers<impl Fn(usize) -> u32 + Sync>,
+        monitor: &Monitor,
+    ) -> Stats {
         let total = Mutex::new(empty.clone());
-        let passes = (samples.end.saturating_sub(samples.start)).div_ceil(SAMPLES_PER_BLOCK);
-        let blocks = u64::from(passes) * film.tile_count() as u64;
+        let blocks = u64::from(numbers.passes) * film.tile_count() as u64;
         let next = AtomicU64::new(0);
         self.pool.broadcast(|_| {
             let arena = Bump::new();
@@ -107,15 +138,32 @@ impl Renderer {
                 if index >= blocks {
                     break;
                 }
-                let (pass, tile) = (index / film.tile_count() as u64, index % film.tile_count() as u64);
-                let start = samples.start + pass as u32 * SAMPLES_PER_BLOCK;
-                let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                let tile = (index % film.tile_count() as u64) as usize;
+                let first = (numbers.first)(tile);
+                let mut tile = film.tile(tile);
+                // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
+                let start = first.wrapping_add(tile.samples());
+                let block = start..numbers.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                if block.is_empty() {
+                    continue;
+                }
                 let before = wavefront.stats.samples;
-                wavefront.render(block, &mut film.tile(tile as usize));
+                wavefront.render(block, &mut tile);
+                drop(tile);
                 monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
             }
             total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&wavefront.stats);
         });
         total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
+}
+
+/// Which samples blocks take.
+struct Numbers<F> {
+    /// Number of the first sample that a tile had.
+    first: F,
+    /// Number after the last sample.
+    end: u32,
+    /// Blocks of the tile that lacks most.
+    passes: u32,
 }
