@@ -58,12 +58,46 @@ impl LayerForm {
         Self { name: (*name).into(), channels: *channels, exponent: unit.exponent(), squares: *squares }
     }
 
+    /// The layers of `forms`, if these are those of a film: radiance and what follows it.
+    pub fn layers(forms: &[Self]) -> Option<Vec<Layer>> {
+        let layers: Option<Vec<_>> = forms.iter().map(Self::layer).collect();
+        let places = forms.iter().map(|form| known().iter().position(|layer| layer.name == form.name));
+        let is_film = places.clone().next() == Some(Some(RADIANCE)) && places.is_sorted_by(|a, b| a < b);
+        layers.filter(|_| is_film)
+    }
+
     /// The layer, if there is such a one.
-    pub fn layer(&self) -> Option<Layer> {
+    fn layer(&self) -> Option<Layer> {
         let layer = known().into_iter().find(|layer| layer.name == self.name)?;
         let fits = (1..=layer.channels).contains(&self.channels) && layer.squares == self.squares;
         // Those of f32.
         let fits = fits && (-126..=129).contains(&self.exponent);
         fits.then(|| Layer { channels: self.channels, unit: Unit::for_exponent(self.exponent), ..layer })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_are_read_as_they_were_written_and_others_are_refused() {
+        let [radiance] = known();
+        let grey = Layer { channels: 1, unit: Unit::for_largest(300.0), ..radiance };
+        for layer in [radiance, grey] {
+            assert_eq!(LayerForm::layers(&[LayerForm::of(&layer)]), Some(vec![layer]));
+        }
+        let form = LayerForm::of(&radiance);
+        for wrong in [
+            vec![],
+            vec![form.clone(), form.clone()],
+            vec![LayerForm { channels: 0, ..form.clone() }],
+            vec![LayerForm { channels: 4, ..form.clone() }],
+            vec![LayerForm { squares: false, ..form.clone() }],
+            vec![LayerForm { exponent: i32::MAX, ..form.clone() }],
+            vec![LayerForm { name: "depth".into(), ..form }],
+        ] {
+            assert_eq!(LayerForm::layers(&wrong), None, "{wrong:?}");
+        }
     }
 }

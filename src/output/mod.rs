@@ -74,7 +74,11 @@ fn own_prefix(path: &Path) -> String {
 /// # Errors
 /// As [`write`].
 pub fn rewrite(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
-    write_as(path, &own_prefix(path), || false, fill)
+    write_as(path, &own_prefix(path), || false, fill)?;
+    // Not before the folder is on the disk, too, does a power cut leave the new file and not the one before. Where a
+    // folder cannot be opened or synced, that is left to the system.
+    let _ = File::open(place::folder(path)).and_then(|folder| folder.sync_all());
+    Ok(())
 }
 
 /// Removes temporary files that were to take the place of `path` when the program that wrote them was killed.

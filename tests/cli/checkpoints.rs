@@ -175,6 +175,9 @@ mod on_signals {
         assert!(stderr.contains("--resume goes on from a.exr.checkpoint"), "{stderr}");
         assert!(plane(&folder.image("a.exr"), "N")[0] >= 1.0);
         assert_eq!(folder.names(), ["a.exr", "a.exr.checkpoint", "scene.toml"]);
+        folder.done(&["merge", "a.exr", "-o", "b.exr"]);
+        assert_same_bits(&folder, "a.exr", "b.exr");
+        fs::remove_file(folder.path("b.exr")).expect("an image");
         // The time before counts, and is over.
         folder.done(&flags("a.exr", &["--time", "1ms", "--resume"]));
         assert_eq!(folder.names(), ["a.exr", "scene.toml"]);

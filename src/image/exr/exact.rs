@@ -114,8 +114,7 @@ pub fn about(path: &Path) -> Result<About> {
     if sums.layout != LAYOUT {
         return Err(useless("has exact sums in the layout of another version of fogbow"));
     }
-    let layers: Option<Vec<_>> = sums.layers.iter().map(LayerForm::layer).collect();
-    let layers = layers.filter(|layers| layers.len() == 1);
+    let layers = LayerForm::layers(&sums.layers);
     let layers = layers.ok_or_else(|| useless("has exact sums of layers that are unknown"))?;
     let window = first.shared_attributes.display_window.size;
     let position = first.own_attributes.layer_position;
