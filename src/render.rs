@@ -2,9 +2,10 @@
 
 use core::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bumpalo::Bump;
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::Pipeline;
 
 use crate::film::Film;
@@ -33,12 +34,24 @@ pub struct Monitor {
     pub stop: Arc<AtomicBool>,
     /// Camera paths finished so far.
     pub samples: AtomicU64,
+    /// Their contributions that were not finite.
+    dropped: Mutex<Dropped>,
 }
 
 impl Monitor {
     /// One that stops when this one does, and counts for itself.
     pub fn uncounted(&self) -> Self {
-        Self { stop: Arc::clone(&self.stop), samples: AtomicU64::new(0) }
+        Self { stop: Arc::clone(&self.stop), ..Self::default() }
+    }
+
+    /// Contributions so far that were not finite, and so were dropped.
+    pub fn dropped(&self) -> Dropped {
+        *self.dropped.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes that contributions were dropped.
+    pub fn note_dropped(&self, dropped: Dropped) {
+        self.dropped.lock().unwrap_or_else(PoisonError::into_inner).merge(&dropped);
     }
 
     /// Whether it says stop.
@@ -147,14 +160,18 @@ impl Renderer {
                 if block.is_empty() {
                     continue;
                 }
-                let before = wavefront.stats.samples;
+                let (before, dropped) = (wavefront.stats.samples, wavefront.stats.dropped.count);
                 wavefront.render(block, &mut tile);
                 drop(tile);
                 monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
+                let Dropped { count, first } = wavefront.stats.dropped;
+                if count > dropped {
+                    monitor.note_dropped(Dropped { count: count - dropped, first });
+                }
             }
-            total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&wavefront.stats);
+            total.lock().unwrap_or_else(PoisonError::into_inner).merge(&wavefront.stats);
         });
-        total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+        total.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

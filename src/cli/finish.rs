@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use fogbow_kernels::accumulate::Dropped;
+
 use super::checkpoints::{self, Plan};
 use super::progress::Reporter;
 use super::signals::Signals;
@@ -65,7 +67,7 @@ pub fn finish(
             reporter.warn("the image is black: no path reached a light");
         }
     }
-    refuse_drops(session, outcome, reporter)?;
+    refuse_drops(session, reporter)?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }
 
@@ -133,17 +135,16 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
     )
 }
 
-fn refuse_drops(session: &Session, outcome: &Outcome, reporter: &Reporter) -> Result<()> {
-    let Outcome { stats, .. } = outcome;
-    let Some((pixel, sample)) = stats.dropped.first else { return Ok(()) };
+fn refuse_drops(session: &Session, reporter: &Reporter) -> Result<()> {
+    let Dropped { count, first } = session.dropped();
+    let Some((pixel, sample)) = first else { return Ok(()) };
     let width = session.scene.frame.camera.width;
     let finding = format!(
-        "non-finite contributions were dropped: {}, one of them in sample {sample} of pixel ({}, {})",
-        stats.dropped.count,
+        "non-finite contributions were dropped: {count}, one of them in sample {sample} of pixel ({}, {})",
         pixel % width,
         pixel / width
     );
-    if stats.dropped.count as f64 > TOLERATED_DROPS * stats.samples as f64 {
+    if count as f64 > TOLERATED_DROPS * session.film.samples() as f64 {
         let remedy = "do not trust the image that was written, and please report the scene";
         return Err(Error::failure(&session.scene.name, finding, remedy));
     }

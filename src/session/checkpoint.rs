@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use fogbow_kernels::accumulate::Dropped;
 use serde::{Deserialize, Serialize};
 
 use super::identity::{self, Difference, Entry, PILOTED};
@@ -50,6 +51,9 @@ struct About {
     until: u32,
     /// Time that it has taken so far.
     seconds: f64,
+    /// Contributions that were not finite: how many, and pixel and sample of the first.
+    dropped: u64,
+    first_dropped: Option<(u32, u32)>,
 }
 
 /// A checkpoint that was found whole.
@@ -161,12 +165,15 @@ impl Session {
     pub fn write_checkpoint(&self, path: &Path) -> Result<()> {
         let layers = self.film.layers();
         let tiles = (0..self.film.tile_count()).map(|index| self.film.tile(index).region().pixels());
+        let Dropped { count: dropped, first: first_dropped } = self.dropped();
         let about = About {
             identity: self.own_identity(),
             layers: layers.iter().map(LayerForm::of).collect(),
             tiles: tiles.map(|pixels| Tile::bytes(layers, pixels)).collect(),
             until: self.until.load(Ordering::Relaxed),
             seconds: self.elapsed().as_secs_f64(),
+            dropped,
+            first_dropped,
         };
         let header = serde_json::to_vec(&about).expect("numbers and names");
         output::rewrite(path, |file| {
@@ -219,6 +226,7 @@ impl Session {
         }
         let time = Duration::try_from_secs_f64(about.seconds).unwrap_or_default();
         self.earlier = Earlier { time, samples: self.film.samples() };
+        self.monitor.note_dropped(Dropped { count: about.dropped, first: about.first_dropped });
         *self.until.get_mut() = about.until;
         Ok(())
     }

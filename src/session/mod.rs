@@ -10,6 +10,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::AtomicU32;
 use std::time::{Duration, Instant};
 
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::{self, Pipeline, Stage};
 
 use crate::error::{Error, Result};
@@ -162,6 +163,11 @@ impl Session {
     /// Worker threads.
     pub fn threads(&self) -> usize {
         self.renderer.threads()
+    }
+
+    /// Contributions that were not finite, and so were dropped, those before it was resumed included.
+    pub fn dropped(&self) -> Dropped {
+        self.monitor.dropped()
     }
 
     /// What stops a running round when it is set.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::survival::Survival;
@@ -186,11 +187,7 @@ fn connections(stats: &Stats) -> Value {
 
 fn dropped(report: &Report<'_>) -> Value {
     let width = report.session.scene.frame.camera.width;
-    let first = report
-        .outcome
-        .stats
-        .dropped
-        .first
-        .map(|(pixel, sample)| json!({ "x": pixel % width, "y": pixel / width, "sample": sample }));
-    json!({ "count": report.outcome.stats.dropped.count, "first": first })
+    let Dropped { count, first } = report.session.dropped();
+    let first = first.map(|(pixel, sample)| json!({ "x": pixel % width, "y": pixel / width, "sample": sample }));
+    json!({ "count": count, "first": first })
 }

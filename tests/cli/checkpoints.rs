@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use fogbow::kernels::accumulate::Dropped;
 use fogbow::session::checkpoint::Checkpoint;
 use fogbow::session::{Session, Settings};
 use fogbow::{Scene, Target};
@@ -28,6 +29,10 @@ fn pixels(session: &Session) -> Vec<fogbow::film::Pixel> {
 #[test]
 fn a_session_goes_on_from_a_checkpoint_to_the_same_bits() {
     let (folder, whole) = session(5);
+    let dropped = Dropped { count: 3, first: Some((7, 4)) };
+    whole.monitor().note_dropped(dropped);
+    let elapsed = whole.elapsed();
+    whole.write_checkpoint(&folder.path("c")).expect("written");
     whole.run(Target::Samples(9), || false, |_| {});
     let (other, mut resumed) = (session(9).1, session(0).1);
     assert_eq!(pixels(&whole), pixels(&other), "it goes on");
@@ -35,6 +40,8 @@ fn a_session_goes_on_from_a_checkpoint_to_the_same_bits() {
     resumed.resume(&mut checkpoint).expect("the same render");
     resumed.run(Target::Samples(9), || false, |_| {});
     assert_eq!(pixels(&whole), pixels(&resumed));
+    assert_eq!(resumed.dropped(), dropped);
+    assert!(resumed.elapsed() >= elapsed, "time goes on, too");
 }
 
 #[test]
