@@ -61,6 +61,7 @@ pub mod frame;
 pub mod gltf;
 pub mod image;
 mod library;
+pub mod merge;
 pub mod metering;
 pub mod output;
 pub mod pilot;

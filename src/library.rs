@@ -1,5 +1,6 @@
 //! The quickest way from a scene to its pixels, for programs.
 
+use core::ops::Range;
 use std::path::{Path, PathBuf};
 
 use toml::Value;
@@ -65,7 +66,21 @@ impl Scene {
     /// # Errors
     /// If there is not enough memory for the image.
     pub fn render(&self, target: Target) -> Result<Rendered> {
-        let mut session = Session::new(self.loaded.clone(), Settings::default())?;
+        self.render_with(Settings::default(), target)
+    }
+
+    /// Renders these samples of every pixel, on all processors: a part of an image. [`crate::merge`] puts the EXR
+    /// images of parts together.
+    ///
+    /// # Errors
+    /// If there is not enough memory for the image.
+    pub fn render_part(&self, samples: Range<u32>) -> Result<Rendered> {
+        let settings = Settings { first_sample: samples.start, ..Settings::default() };
+        self.render_with(settings, Target::Samples(samples.len() as u32))
+    }
+
+    fn render_with(&self, settings: Settings, target: Target) -> Result<Rendered> {
+        let mut session = Session::new(self.loaded.clone(), settings)?;
         session.prepare(true, |_| {});
         let outcome = session.run(target, || false, |_| {});
         Ok(Rendered { session, outcome })

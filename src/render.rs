@@ -2,9 +2,10 @@
 
 use core::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bumpalo::Bump;
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::Pipeline;
 
 use crate::film::Film;
@@ -33,12 +34,24 @@ pub struct Monitor {
     pub stop: Arc<AtomicBool>,
     /// Camera paths finished so far.
     pub samples: AtomicU64,
+    /// Their contributions that were not finite.
+    dropped: Mutex<Dropped>,
 }
 
 impl Monitor {
     /// One that stops when this one does, and counts for itself.
     pub fn uncounted(&self) -> Self {
-        Self { stop: Arc::clone(&self.stop), samples: AtomicU64::new(0) }
+        Self { stop: Arc::clone(&self.stop), ..Self::default() }
+    }
+
+    /// Contributions so far that were not finite, and so were dropped.
+    pub fn dropped(&self) -> Dropped {
+        *self.dropped.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes that contributions were dropped.
+    pub fn note_dropped(&self, dropped: Dropped) {
+        self.dropped.lock().unwrap_or_else(PoisonError::into_inner).merge(&dropped);
     }
 
     /// Whether it says stop.
@@ -93,9 +106,40 @@ impl Renderer {
         samples: Range<u32>,
         monitor: &Monitor,
     ) -> Stats {
+        let firsts: Vec<_> =
+            (0..film.tile_count()).map(|tile| samples.start.wrapping_sub(film.tile(tile).samples())).collect();
+        let passes = samples.end.saturating_sub(samples.start).div_ceil(SAMPLES_PER_BLOCK);
+        let numbers = Numbers { first: |tile: usize| firsts[tile], end: samples.end, passes };
+        self.render_blocks(empty, frame, pipeline, film, numbers, monitor)
+    }
+
+    /// Goes on with a film whose pixels have the first of `samples`, some perhaps more than others, until they have all
+    /// of them, or the monitor says stop.
+    pub fn go_on(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Stats {
+        let left = samples.len() as u32 - film.fewest_samples().min(samples.len() as u32);
+        let passes = left.div_ceil(SAMPLES_PER_BLOCK);
+        let numbers = Numbers { first: |_| samples.start, end: samples.end, passes };
+        self.render_blocks(Stats::new(self.workers.detailed_stats), frame, pipeline, film, numbers, monitor)
+    }
+
+    fn render_blocks(
+        &self,
+        empty: Stats,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        numbers: Numbers<impl Fn(usize) -> u32 + Sync>,
+        monitor: &Monitor,
+    ) -> Stats {
         let total = Mutex::new(empty.clone());
-        let passes = (samples.end.saturating_sub(samples.start)).div_ceil(SAMPLES_PER_BLOCK);
-        let blocks = u64::from(passes) * film.tile_count() as u64;
+        let blocks = u64::from(numbers.passes) * film.tile_count() as u64;
         let next = AtomicU64::new(0);
         self.pool.broadcast(|_| {
             let arena = Bump::new();
@@ -107,15 +151,36 @@ impl Renderer {
                 if index >= blocks {
                     break;
                 }
-                let (pass, tile) = (index / film.tile_count() as u64, index % film.tile_count() as u64);
-                let start = samples.start + pass as u32 * SAMPLES_PER_BLOCK;
-                let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
-                let before = wavefront.stats.samples;
-                wavefront.render(block, &mut film.tile(tile as usize));
+                let tile = (index % film.tile_count() as u64) as usize;
+                let first = (numbers.first)(tile);
+                let mut tile = film.tile(tile);
+                // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
+                let start = first.wrapping_add(tile.samples());
+                let block = start..numbers.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                if block.is_empty() {
+                    continue;
+                }
+                let (before, dropped) = (wavefront.stats.samples, wavefront.stats.dropped.count);
+                wavefront.render(block, &mut tile);
+                drop(tile);
                 monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
+                let Dropped { count, first } = wavefront.stats.dropped;
+                if count > dropped {
+                    monitor.note_dropped(Dropped { count: count - dropped, first });
+                }
             }
-            total.lock().unwrap_or_else(std::sync::PoisonError::into_inner).merge(&wavefront.stats);
+            total.lock().unwrap_or_else(PoisonError::into_inner).merge(&wavefront.stats);
         });
-        total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+        total.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Which samples blocks take.
+struct Numbers<F> {
+    /// Number of the first sample that a tile had.
+    first: F,
+    /// Number after the last sample.
+    end: u32,
+    /// Blocks of the tile that lacks most.
+    passes: u32,
 }

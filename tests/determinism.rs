@@ -1,6 +1,6 @@
 //! The same bits whatever the threads, the wavefront, the tiles and the split of the samples.
 
-use fogbow::film::{Film, Pixel, TILE_SIZE};
+use fogbow::film::{Film, Pixel, Region, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
 use fogbow::render::{Monitor, Renderer, Workers};
@@ -93,6 +93,33 @@ fn a_split_of_the_samples_merges_to_the_same_bits_in_any_order() {
 }
 
 #[test]
+fn a_render_that_is_stopped_again_and_again_goes_on_to_the_same_bits() {
+    let region = Region { x0: 3, y0: 4, x1: 14, y1: 9 };
+    let frame = frames::three_lights(0.6, Selection::IntensityDistance, SIZE);
+    // More workers than tiles.
+    let renderer = Renderer::new(Workers { threads: 5, ..WORKERS }).expect("threads start");
+    let whole = Film::new(&frame, region, TILE_SIZE);
+    renderer.render(&frame, &SIMD, &whole, 7..2007, &Monitor::default());
+    for tile in [TILE_SIZE, 4] {
+        let (film, mut stops) = (Film::new(&frame, region, tile), 0);
+        while film.fewest_samples() < 2000 {
+            let monitor = Monitor::default();
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(std::time::Duration::from_millis(10));
+                    monitor.stop.store(true, std::sync::atomic::Ordering::Relaxed);
+                });
+                renderer.go_on(&frame, &SIMD, &film, 7..2007, &monitor);
+            });
+            stops += 1;
+        }
+        assert!(stops > 2, "{stops}");
+        assert_eq!(pixels(&whole), pixels(&film), "tiles of {tile}");
+        assert_eq!(film.coverage(7).to_string(), "3,4,14,9:7..2007");
+    }
+}
+
+#[test]
 fn every_sample_can_be_replayed_alone() {
     let frame = frames::fog_facing(0.0, 0.9, SIZE);
     let sum: Vec<f64> = pixels(&render(&frame, SIZE, 0..4).0).iter().map(|pixel| 4.0 * pixel.mean[0]).collect();
@@ -106,7 +133,6 @@ fn every_sample_can_be_replayed_alone() {
 
 #[test]
 fn a_window_of_the_image_has_the_pixels_of_the_whole() {
-    use fogbow::film::Region;
     let frame = frames::three_lights(0.6, Selection::Intensity, SIZE);
     let whole = render(&frame, SIZE, 0..5).0;
     let window = Film::new(&frame, Region { x0: 33, y0: 7, x1: 68, y1: 40 }, TILE_SIZE);

@@ -27,6 +27,22 @@ fn a_render_of_the_library_is_that_of_the_program() {
 }
 
 #[test]
+fn parts_of_a_render_merge_to_the_whole() {
+    let mut scene = Scene::load(FOG).expect("a scene");
+    scene.set("film.size", vec![24, 16]).expect("a size");
+    let folder = tempfile::tempdir().expect("a folder");
+    let paths: Vec<_> = ["a.exr", "b.exr"].map(|name| folder.path().join(name)).into();
+    for (samples, path) in [0..3, 3..8].into_iter().zip(&paths) {
+        let part = scene.render_part(samples).expect("a part");
+        part.write(path).expect("written");
+        assert!(!part.pixels().eq(scene.render(Target::Samples(8)).expect("an image").pixels()));
+    }
+    let merged = fogbow::merge::exact(&paths).expect("parts of one render");
+    assert!(merged.film.pixels().eq(scene.render(Target::Samples(8)).expect("an image").pixels()));
+    assert!(merged.warnings.is_empty(), "{:?}", merged.warnings);
+}
+
+#[test]
 fn what_is_known_before_a_render_is_told_before_it() {
     let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-fog")).expect("a scene");
     let is_slow = fogbow::cpu::advice().is_some();

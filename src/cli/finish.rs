@@ -3,6 +3,9 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use fogbow_kernels::accumulate::Dropped;
+
+use super::checkpoints::{self, Plan};
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::tell;
@@ -14,37 +17,72 @@ use crate::session::{Outcome, Session};
 /// Contributions that may be dropped for not being finite, as a share of the samples.
 const TOLERATED_DROPS: f64 = 1e-6;
 
+/// Exit code of a render that is to be gone on with: that of a temporary failure in `sysexits.h`.
+const TO_BE_RESUMED: u8 = 75;
+
+/// A render that has ended.
+#[derive(Clone, Copy)]
+pub struct Ending<'a> {
+    pub session: &'a Session,
+    pub outcome: &'a Outcome,
+    pub signals: &'a Signals,
+    pub plan: &'a Plan,
+    /// Whether a checkpoint of all samples was written.
+    pub is_kept: bool,
+}
+
 /// Writes what there is and says so; the exit code is that of the signal that ended it, if one did.
 pub fn finish(
-    session: &Session,
-    outcome: &Outcome,
-    signals: &Signals,
+    ending: &Ending<'_>,
     outputs: &[ImageOutput],
     stats: Option<&Path>,
     reporter: &Reporter,
 ) -> Result<ExitCode> {
-    let stopped = signals.exit_code();
-    if stopped.is_some() && outcome.stats.samples == 0 {
-        return Ok(nothing(signals, reporter));
+    let Ending { session, outcome, signals, plan, is_kept } = *ending;
+    let (stopped, samples) = (signals.exit_code(), session.film.samples());
+    if stopped.is_some() && samples == 0 {
+        return Ok(nothing(signals, plan.is_asked_for(), reporter));
+    }
+    if is_kept && signals.ended_by_others() {
+        reporter.line(format!("stopped after {samples} samples; --resume goes on from {}", checkpoint(plan)));
+        return Ok(ExitCode::from(TO_BE_RESUMED));
     }
     if stopped.is_some() {
-        reporter.line(format!("stopped after {} samples; writing the results so far", outcome.stats.samples));
+        reporter.line(format!("stopped after {samples} samples; writing the results so far"));
     }
     let errors = write(session, outcome, signals, outputs, stats);
     if !errors.is_empty() {
+        if plan.is_asked_for() && !is_kept && checkpoints::write(plan, session, reporter) {
+            reporter.line(format!("the samples are kept in {}", checkpoint(plan)));
+        }
         return Ok(tell_all(&errors, signals));
     }
     reporter.line(summary(session, outcome, outputs));
-    if stopped.is_none() && session.film.mean().0 == [0.0; 3] {
-        reporter.warn("the image is black: no path reached a light");
+    if is_kept {
+        reporter.line(format!("--resume goes on from {}, --overwrite-checkpoint starts anew", checkpoint(plan)));
     }
-    refuse_drops(session, outcome, reporter)?;
+    if stopped.is_none() {
+        plan.remove(reporter);
+        if session.film.mean().0 == [0.0; 3] {
+            reporter.warn("the image is black: no path reached a light");
+        }
+    }
+    refuse_drops(session, reporter)?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }
 
-/// The end of a render without samples, because of a signal: an image of before is worth more than a black one.
-pub fn nothing(signals: &Signals, reporter: &Reporter) -> ExitCode {
+/// Where the checkpoint is.
+fn checkpoint(plan: &Plan) -> String {
+    plan.path().map_or_else(String::new, |path| path.display().to_string())
+}
+
+/// The end of a render without samples, because of a signal: an image of before is worth more than a black one. Whether
+/// it is to be gone on with, as far as there is anything, is for those to say who started it.
+pub fn nothing(signals: &Signals, is_to_be_resumed: bool, reporter: &Reporter) -> ExitCode {
     reporter.line("stopped before the first sample; nothing is written");
+    if is_to_be_resumed && signals.ended_by_others() {
+        return ExitCode::from(TO_BE_RESUMED);
+    }
     signals.exit_code().map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
@@ -71,7 +109,7 @@ fn tell_all(errors: &[Error], signals: &Signals) -> ExitCode {
 
 /// What was rendered, in one line.
 fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> String {
-    let (samples, seconds) = (outcome.stats.samples as f64, outcome.elapsed.as_secs_f64());
+    let (samples, seconds) = (session.film.samples() as f64, outcome.elapsed.as_secs_f64());
     let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
     let per_pixel = match samples / session.film.region().pixels() as f64 {
         1.0 => "1 sample per pixel".into(),
@@ -92,22 +130,21 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
         names.join(", "),
         session.report(outcome).techniques(),
         duration(seconds),
-        rate(samples / outcome.sampling.as_secs_f64()),
+        rate(outcome.stats.samples as f64 / outcome.sampling.as_secs_f64()),
         means.join(" | "),
     )
 }
 
-fn refuse_drops(session: &Session, outcome: &Outcome, reporter: &Reporter) -> Result<()> {
-    let Outcome { stats, .. } = outcome;
-    let Some((pixel, sample)) = stats.dropped.first else { return Ok(()) };
+fn refuse_drops(session: &Session, reporter: &Reporter) -> Result<()> {
+    let Dropped { count, first } = session.dropped();
+    let Some((pixel, sample)) = first else { return Ok(()) };
     let width = session.scene.frame.camera.width;
     let finding = format!(
-        "non-finite contributions were dropped: {}, one of them in sample {sample} of pixel ({}, {})",
-        stats.dropped.count,
+        "non-finite contributions were dropped: {count}, one of them in sample {sample} of pixel ({}, {})",
         pixel % width,
         pixel / width
     );
-    if stats.dropped.count as f64 > TOLERATED_DROPS * stats.samples as f64 {
+    if count as f64 > TOLERATED_DROPS * session.film.samples() as f64 {
         let remedy = "do not trust the image that was written, and please report the scene";
         return Err(Error::failure(&session.scene.name, finding, remedy));
     }

@@ -1,11 +1,13 @@
 //! The command line.
 
 mod bar;
+mod checkpoints;
 mod compare;
 mod destinations;
 mod finish;
 mod info;
 mod loading;
+mod merge;
 mod presets;
 mod progress;
 mod render;
@@ -26,7 +28,7 @@ use crate::scene::document::Override;
 use crate::scene::schema::MOST_SAMPLES;
 use crate::session::Reference;
 use crate::warning::Warning;
-use values::ImageOutput;
+use values::{Checkpoints, ImageOutput, SampleRange};
 
 /// Renders light in fog, clouds, smoke, milk and wax, among lamps, fires and diffuse surfaces, under sun and sky.
 #[derive(Debug, Parser)]
@@ -45,6 +47,8 @@ enum Command {
     Render(Box<RenderArgs>),
     /// Compare two EXR images: how much they differ, and whether noise explains it.
     Compare(CompareArgs),
+    /// Put together EXR images that are parts of one render: other samples, or other pixels.
+    Merge(MergeArgs),
     /// Describe a scene and what it costs to render, an image and its header, or a volume and its grids.
     Info(InfoArgs),
     /// List the media that a scene can name as its preset, with their coefficients and sources.
@@ -74,8 +78,15 @@ Surfaces come from glTF files. They reflect diffusely, with the base colour of t
 transparency and normal maps are not rendered yet; a warning names the materials that use them. The back of a surface
 is black unless its material is doubleSided.
 
-Exit codes: 0 success, 1 failure, 2 wrong command line. Ctrl-C, SIGTERM or SIGHUP ends a render early: fogbow writes the
-image so far, nothing if it has no samples yet, and exits with 130, 143 or 129.";
+A checkpoint is a file beside the first output, with .checkpoint after its name. It holds the exact sums so far, and is
+removed once the render is done and its results are written. It is refused if it is damaged or of another scene, seed,
+setting or crop. If there is one, a render that is neither told to --resume nor to --overwrite-checkpoint ends with an
+error, unless checkpoints are off. SIGUSR1 has one written at once.
+
+Exit codes: 0 success, 1 failure, 2 wrong command line, 75 interrupted, to be resumed. Where there are checkpoints,
+SIGTERM or SIGHUP has a last one written, and fogbow exits with 75; run the same command with --resume to go on. Without
+checkpoints fogbow writes the image so far, nothing if it has no samples yet, and exits with 143 or 129. Ctrl-C has the
+image so far written, too, and leaves a checkpoint where there are any; the exit code is 130.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_RENDERING)]
@@ -107,6 +118,11 @@ struct RenderArgs {
     /// pixels' relative standard errors, leaving out the noisiest 1 % of the pixels.
     #[arg(long, value_name = "FRACTION", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
+    /// Render samples A to B of every pixel, not including B. Parts of the same render, made anywhere, are put together
+    /// with fogbow merge.
+    #[arg(long, value_name = "A..B", group = "target", allow_hyphen_values = true)]
+    #[arg(value_parser = values::sample_range)]
+    sample_range: Option<SampleRange>,
     /// Size of the image in pixels, for example 1920x1080.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true, value_parser = values::size)]
     size: Option<[u32; 2]>,
@@ -135,6 +151,18 @@ struct RenderArgs {
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
+    /// Write a checkpoint this often, for example 60s or 5min, or off. Default: every 60 s if the render is expected to
+    /// take more than 2 minutes.
+    #[arg(long, value_name = "DURATION|off", allow_hyphen_values = true, value_parser = values::checkpoints)]
+    checkpoint: Option<Checkpoints>,
+    /// Go on from the checkpoint, if there is one, to the same bits as if the render had not been interrupted. There
+    /// may be more --samples than before; --time includes the time before. Without a checkpoint the render starts from
+    /// the beginning, so that scripts can always give this flag.
+    #[arg(long)]
+    resume: bool,
+    /// Start from the beginning even if there is a checkpoint, which is replaced.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite_checkpoint: bool,
     /// List every place that a warning is about, not only the first few.
     #[arg(short, long)]
     verbose: bool,
@@ -156,6 +184,32 @@ struct CompareArgs {
     /// ends in .png, a pipe, or png:PATH. If it is standard output, the comparison is on standard error.
     #[arg(long, value_name = "DIFF.png", value_parser = values::difference())]
     png: Option<PathBuf>,
+}
+
+/// What the help page of merge says beyond flags.
+const ABOUT_MERGING: &str = "\
+EXR images of fogbow hold exact sums of their samples. Parts made with --sample-range or --crop, in any order, on any
+machines, make the very image of one render. Parts of other scenes or settings, and samples that two parts have, are
+refused; a warning says which samples no part has. What was merged can be merged again.";
+
+#[derive(Debug, Args)]
+#[command(after_help = ABOUT_MERGING)]
+struct MergeArgs {
+    /// The parts: EXR images.
+    #[arg(required = true, value_name = "PART.exr")]
+    parts: Vec<PathBuf>,
+    /// Where to write the image: a name that ends in .exr or .png, or exr:PATH or png:PATH for any other name. May be
+    /// repeated.
+    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", required = true, value_parser = values::image())]
+    output: Vec<ImageOutput>,
+    /// Exposure of PNG images in stops, or auto, which makes the log-average luminance of the merged image middle grey.
+    /// Default: what the scene of the parts says.
+    #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
+    exposure: Option<toml::Value>,
+    /// Merge images without exact sums, of equal size, by the mean of their pixels: weighted by the number of samples
+    /// (channel N) if there is such a channel, alike otherwise. Nothing else is checked.
+    #[arg(long)]
+    weighted: bool,
 }
 
 #[derive(Debug, Args)]
@@ -187,6 +241,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         _ if cli.help_scene => render::help_scene(),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Compare(args)) => compare::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Merge(args)) => merge::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Presets(args)) => presets::run(&args).map(|()| ExitCode::SUCCESS),
         None => unreachable!("without arguments the parser prints help"),

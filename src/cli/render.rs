@@ -2,13 +2,15 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::thread;
 
+use super::checkpoints::{Keeper, Plan};
 use super::destinations::{self, Destination};
-use super::finish::{finish, nothing};
+use super::finish::{Ending, finish, nothing};
 use super::loading;
 use super::progress::Reporter;
 use super::signals::Signals;
-use super::values::ImageOutput;
+use super::values::{Checkpoints, ImageOutput};
 use super::{Progress, RenderArgs, say, warning_text};
 use crate::cpu;
 use crate::error::{Error, Result};
@@ -26,47 +28,74 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
     let Some(scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
-        return Ok(nothing(&signals, &reporter));
+        return Ok(nothing(&signals, args.resume || is_kept(args), &reporter));
     };
     reporter.begin(&scene.name);
     cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene);
-    check_destinations(args, &scene, &outputs)?;
+    let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
+    let target = target(args, &scene, first_sample);
+    let plan = Plan::new(args, &outputs, target)?;
+    check_destinations(args, &scene, &outputs, plan.path())?;
     let has_png = outputs.iter().any(|image| image.format == Format::Png);
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
     }
-    let target = match (args.time, args.noise) {
-        (Some(time), _) => Target::Time(time),
-        (_, Some(noise)) => Target::Noise(noise),
-        _ => Target::Samples(scene.scene.render.samples),
-    };
     let mut session = Session::new(
         scene,
         Settings {
             region: Some(region),
+            first_sample,
             threads: args.threads.unwrap_or(0) as usize,
             detailed_stats: args.stats.is_some(),
             reference: args.reference.unwrap_or_default(),
         },
     )?;
+    let checkpoint = plan.existing(&session, &reporter)?;
     signals.set(&session.monitor().stop)?;
     session.prepare(has_png, |state| reporter.update(state));
     let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
     left_out.iter().for_each(|left_out| reporter.warn(left_out));
+    if let Some(mut checkpoint) = checkpoint.filter(|_| !signals.came()) {
+        session.resume(&mut checkpoint)?;
+        plan.check_samples(&session)?;
+        reporter.line(format!("going on after {} samples", session.film.samples()));
+    }
     let mut last = State::default();
-    let outcome = session.run(
-        target,
-        || signals.came(),
-        |state| {
+    let (outcome, is_kept) = thread::scope(|scope| {
+        let mut keeper = Keeper::start(scope, &session, &plan);
+        let look = |state| {
             last = state;
             reporter.update(state);
-        },
-    );
-    reporter.finish(if signals.came() { last } else { last.done() });
-    finish(&session, &outcome, &signals, &outputs, args.stats.as_deref(), &reporter)
+            keeper.look(&state, &signals, &reporter);
+        };
+        let outcome = session.run(target, || signals.came(), look);
+        reporter.finish(if signals.came() { last } else { last.done() });
+        (outcome, keeper.end(&session, &last, signals.came(), &reporter))
+    });
+    let ending = Ending { session: &session, outcome: &outcome, signals: &signals, plan: &plan, is_kept };
+    finish(&ending, &outputs, args.stats.as_deref(), &reporter)
+}
+
+/// Whether checkpoints are asked for.
+fn is_kept(args: &RenderArgs) -> bool {
+    matches!(args.checkpoint, Some(Checkpoints::Every(_)))
+}
+
+/// When the render is done.
+fn target(args: &RenderArgs, scene: &LoadedScene, first_sample: u32) -> Target {
+    match (args.time, args.noise) {
+        (Some(time), _) => Target::Time(time),
+        (_, Some(noise)) => Target::Noise(noise),
+        _ => Target::Samples(last_sample(args, scene) - first_sample),
+    }
+}
+
+/// The number after the last sample, where no time or noise ends the render.
+fn last_sample(args: &RenderArgs, scene: &LoadedScene) -> u32 {
+    args.sample_range.as_ref().map_or(scene.scene.render.samples, |range| range.end)
 }
 
 /// `--help-scene`
@@ -97,8 +126,11 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         .max_segments
         .as_ref()
         .map(|value| change("render.max_segments", value.clone(), format!("--max-segments {}", word(value))));
+    let range = args.sample_range.as_ref().map(|range| {
+        change("render.samples", i64::from(range.end).into(), format!("--sample-range {}..{}", range.start, range.end))
+    });
     let numbers = [number("render.samples", "samples", args.samples), number("render.seed", "seed", args.seed)];
-    let flags = [technique, mesc, segments, size, exposure].into_iter().chain(numbers).flatten();
+    let flags = [technique, mesc, segments, size, exposure, range].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
 }
 
@@ -127,10 +159,16 @@ fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Vec<ImageOutput> {
 }
 
 /// Fails if a result cannot go where it is to go.
-fn check_destinations(args: &RenderArgs, scene: &LoadedScene, outputs: &[ImageOutput]) -> Result<()> {
+fn check_destinations(
+    args: &RenderArgs,
+    scene: &LoadedScene,
+    outputs: &[ImageOutput],
+    checkpoint: Option<&Path>,
+) -> Result<()> {
     let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
     let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
-    let all: Vec<_> = images.chain(stats).collect();
+    let checkpoint = checkpoint.map(|path| Destination { flag: "checkpoint", path });
+    let all: Vec<_> = images.chain(stats).chain(checkpoint).collect();
     destinations::check(&all, &scene.files)?;
     let taken = |destination: &&Destination<'_>| output::is_standard_output(destination.path);
     match all.iter().find(taken).filter(|_| args.progress == Progress::Openjd) {

@@ -1,5 +1,5 @@
 //! Signals that end a render: it writes what there is, and its exit code says which it was. A second one ends it at
-//! once.
+//! once. SIGUSR1 asks for a checkpoint.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -21,6 +21,7 @@ const ENDED_BY_SIGNAL: i32 = 128;
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
     received: Arc<AtomicUsize>,
+    checkpoint: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -29,7 +30,22 @@ impl Signals {
     pub fn watch() -> Result<Self> {
         let signals = Self::default();
         each(|signal| signals.watch_for(signal))?;
+        #[cfg(unix)]
+        if !is_ignored(signal_hook::consts::SIGUSR1) {
+            // Without it there are still checkpoints now and then.
+            let _ = flag::register(signal_hook::consts::SIGUSR1, Arc::clone(&signals.checkpoint));
+        }
         Ok(signals)
+    }
+
+    /// Whether a signal asked for a checkpoint since this was last asked.
+    pub fn asks_for_checkpoint(&self) -> bool {
+        self.checkpoint.swap(false, Ordering::Relaxed)
+    }
+
+    /// Whether somebody or something other than Ctrl-C ended the render, as those do who start it again later.
+    pub fn ended_by_others(&self) -> bool {
+        self.came() && self.received.load(Ordering::Relaxed) != SIGINT as usize
     }
 
     fn watch_for(&self, signal: i32) -> std::io::Result<()> {

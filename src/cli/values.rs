@@ -10,7 +10,7 @@ use fogbow_kernels::pipeline::Stage;
 use crate::error::{Error, Result};
 use crate::image::Format;
 use crate::output;
-use crate::scene::schema::MOST_SEGMENTS;
+use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
 use crate::session::Reference;
 
 /// An image to write.
@@ -104,12 +104,37 @@ pub fn noise(text: &str) -> Result<f64> {
 
 /// `--time`
 pub fn time(text: &str) -> Result<Duration> {
-    let finding = match humantime::parse_duration(text) {
-        Ok(time) => return Ok(time),
-        Err(humantime::DurationError::NumberOverflow) => "is too long or too short",
-        Err(_) => "is not a duration",
-    };
-    refuse("--time", text, finding, "give numbers with units, for example 90s, 5min or 1h30m")
+    duration(text)
+        .or_else(|finding| refuse("--time", text, finding, "give numbers with units, for example 90s, 5min or 1h30m"))
+}
+
+/// A duration, or what is wrong with it.
+fn duration(text: &str) -> core::result::Result<Duration, &'static str> {
+    humantime::parse_duration(text).map_err(|error| match error {
+        humantime::DurationError::NumberOverflow => "is too long or too short",
+        _ => "is not a duration",
+    })
+}
+
+/// When checkpoints are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Checkpoints {
+    /// Never.
+    Off,
+    /// So often.
+    Every(Duration),
+}
+
+/// `--checkpoint`
+pub fn checkpoints(text: &str) -> Result<Checkpoints> {
+    if text == "off" {
+        return Ok(Checkpoints::Off);
+    }
+    let interval =
+        duration(text).and_then(|interval| if interval.is_zero() { Err("is no time") } else { Ok(interval) });
+    interval.map(Checkpoints::Every).or_else(|finding| {
+        refuse("--checkpoint", text, finding, "give the time between checkpoints, for example 60s or 5min, or off")
+    })
 }
 
 /// `--mesc`
@@ -166,6 +191,21 @@ fn whole_number_or(
         };
         refuse(flag, text, finding, &format!("give a whole number from {} to {}{else_}", range.start(), range.end()))
     }
+}
+
+/// Numbers of samples, from the first to before the last.
+pub type SampleRange = core::ops::Range<u32>;
+
+/// `--sample-range`
+pub fn sample_range(text: &str) -> Result<SampleRange> {
+    let numbers = text.split_once("..").and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
+    let finding = match numbers {
+        None => "is not a range of samples".into(),
+        Some(range) if range.is_empty() => "is empty".into(),
+        Some(range) if range.end > MOST_SAMPLES => format!("reaches beyond {MOST_SAMPLES}"),
+        Some(range) => return Ok(range),
+    };
+    refuse("--sample-range", text, finding, "give A..B, not including B, for example 0..64")
 }
 
 /// `--size`

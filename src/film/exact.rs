@@ -16,6 +16,8 @@
 /// The unit of a layer's sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
+    /// The power of two above the largest value that is expected.
+    exponent: i32,
     /// Units of the sum per unit of the values, a power of two.
     values: f64,
     /// Units of the root of the sum of squares per unit of the values, a power of two.
@@ -27,7 +29,17 @@ impl Unit {
     pub fn for_largest(largest: f32) -> Self {
         // largest < 2^exponent, from the bits: the same on every machine.
         let exponent = if largest > 0.0 { (largest.to_bits() >> 23) as i32 - 126 } else { 0 };
-        Self { values: 2.0_f64.powi(48 - exponent), roots: 2.0_f64.powi(40 - exponent) }
+        Self::for_exponent(exponent)
+    }
+
+    /// The unit for values below two to the power of `exponent`.
+    pub fn for_exponent(exponent: i32) -> Self {
+        Self { exponent, values: 2.0_f64.powi(48 - exponent), roots: 2.0_f64.powi(40 - exponent) }
+    }
+
+    /// The power of two above the largest value that is expected.
+    pub fn exponent(self) -> i32 {
+        self.exponent
     }
 }
 
@@ -39,6 +51,19 @@ const U64_END: f64 = 18_446_744_073_709_551_616.0;
 pub struct ExactSum([u32; 3]);
 
 impl ExactSum {
+    /// Number of its limbs.
+    pub const LIMBS: usize = 3;
+
+    /// The sum of these limbs, the least significant first.
+    pub fn from_limbs(limbs: [u32; Self::LIMBS]) -> Self {
+        Self(limbs)
+    }
+
+    /// Its limbs, the least significant first.
+    pub fn limbs(self) -> [u32; Self::LIMBS] {
+        self.0
+    }
+
     /// Adds one sample, finite and >= 0.
     #[inline]
     pub fn add(&mut self, unit: Unit, value: f32) {
@@ -77,6 +102,19 @@ impl ExactSum {
 pub struct ExactSquares([u32; 4]);
 
 impl ExactSquares {
+    /// Number of its limbs.
+    pub const LIMBS: usize = 4;
+
+    /// The sum of these limbs, the least significant first.
+    pub fn from_limbs(limbs: [u32; Self::LIMBS]) -> Self {
+        Self(limbs)
+    }
+
+    /// Its limbs, the least significant first.
+    pub fn limbs(self) -> [u32; Self::LIMBS] {
+        self.0
+    }
+
     /// Adds the square of one sample, which is finite and >= 0.
     #[inline]
     pub fn add(&mut self, unit: Unit, value: f32) {

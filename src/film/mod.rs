@@ -1,5 +1,6 @@
 //! The film: per pixel and layer, exact sums of the samples' values and, for standard errors, of their squares.
 
+mod coverage;
 mod exact;
 mod layer;
 mod noise;
@@ -12,8 +13,10 @@ use std::collections::TryReserveError;
 use std::sync::{Mutex, MutexGuard};
 
 use crate::frame::Frame;
+pub use coverage::{Coverage, Gap, Part};
 pub use exact::{ExactSquares, ExactSum, Unit};
-pub use layer::{Layer, RADIANCE, layers};
+pub use layer::{Layer, LayerForm, RADIANCE, layers};
+pub use sums::Exact;
 use sums::Sums;
 pub use tile::{Region, Tile};
 
@@ -147,19 +150,50 @@ impl Film {
         self.region.rows().flat_map(move |y| self.region.columns().map(move |x| self.pixel(x, y)))
     }
 
+    /// The sums of pixel (x, y) of the whole image in `channel`, one that is kept, of the layer with index `layer`.
+    ///
+    /// # Panics
+    /// If the film does not cover the pixel, or has no such channel.
+    pub fn exact(&self, layer: usize, channel: usize, x: u32, y: u32) -> Exact {
+        self.tile_at(x, y).exact(layer, channel, x, y)
+    }
+
+    /// Adds to these sums those of other samples, which [`Self::count`] is still to count.
+    ///
+    /// # Panics
+    /// If the film does not cover the pixel, or has no such channel.
+    pub fn add_exact(&self, layer: usize, channel: usize, x: u32, y: u32, exact: &Exact) {
+        self.tile_at(x, y).add_exact(layer, channel, x, y, exact);
+    }
+
+    /// Notes that all pixels within `region` have had `samples` more samples.
+    pub fn count(&self, region: Region, samples: u32) {
+        self.each_tile().for_each(|mut tile| tile.count_within(region, samples));
+    }
+
+    fn each_tile(&self) -> impl Iterator<Item = MutexGuard<'_, Tile>> {
+        (0..self.tiles.len()).map(|index| self.tile(index))
+    }
+
     /// Samples of all pixels together.
     pub fn samples(&self) -> u64 {
-        (0..self.tiles.len())
-            .map(|index| {
-                let tile = self.tile(index);
-                u64::from(tile.samples()) * tile.region().pixels()
-            })
-            .sum()
+        self.each_tile().map(|tile| tile.all_samples()).sum()
     }
 
     /// Samples of the pixel that has most.
     pub fn most_samples(&self) -> u32 {
-        (0..self.tiles.len()).map(|index| self.tile(index).samples()).max().unwrap_or(0)
+        self.each_tile().map(|tile| tile.most_samples()).max().unwrap_or(0)
+    }
+
+    /// Samples that every pixel has.
+    pub fn fewest_samples(&self) -> u32 {
+        self.each_tile().map(|tile| tile.samples()).min().unwrap_or(0)
+    }
+
+    /// Which samples it has, those of every pixel beginning with number `first`.
+    pub fn coverage(&self, first: u32) -> Coverage {
+        let part = |tile: MutexGuard<'_, Tile>| Part { region: tile.region(), samples: first..first + tile.samples() };
+        Coverage::of(self.each_tile().map(part).collect())
     }
 
     /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them;

@@ -4,6 +4,15 @@ use std::collections::TryReserveError;
 
 use super::{Estimate, ExactSquares, ExactSum, Layer};
 
+/// The sums of one channel of a pixel; no squares where the layer keeps none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exact {
+    /// Sum of the samples' values.
+    pub sum: ExactSum,
+    /// Sum of their squares.
+    pub squares: ExactSquares,
+}
+
 /// Sums of all channels of a layer, pixel by pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sums {
@@ -51,6 +60,40 @@ impl Sums {
         self.squares.iter_mut().zip(&other.squares).for_each(|(sum, other)| sum.merge(other));
     }
 
+    /// The sums of `channel`, one that is kept, of the pixel at `place`.
+    pub fn exact(&self, place: usize, channel: usize) -> Exact {
+        let index = place * self.layer.channels + channel;
+        Exact { sum: self.values[index], squares: self.squares.get(index).copied().unwrap_or_default() }
+    }
+
+    /// Adds the sums of other samples to those of `channel` of the pixel at `place`.
+    pub fn add_exact(&mut self, place: usize, channel: usize, exact: &Exact) {
+        let index = place * self.layer.channels + channel;
+        self.values[index].merge(&exact.sum);
+        if let Some(squares) = self.squares.get_mut(index) {
+            squares.merge(&exact.squares);
+        }
+    }
+
+    /// Appends all sums to `bytes`: limbs, little-endian.
+    pub fn write(&self, bytes: &mut Vec<u8>) {
+        self.values.iter().for_each(|sum| bytes.extend(sum.limbs().map(u32::to_le_bytes).as_flattened()));
+        self.squares.iter().for_each(|squares| bytes.extend(squares.limbs().map(u32::to_le_bytes).as_flattened()));
+    }
+
+    /// Takes what [`Self::write`] wrote for the same layer and as many pixels from the front of `bytes`, in the place
+    /// of what is there; none if there is not enough.
+    #[must_use]
+    pub fn read(&mut self, bytes: &mut &[u8]) -> Option<()> {
+        for sum in &mut self.values {
+            *sum = ExactSum::from_limbs(limbs(bytes)?);
+        }
+        for squares in &mut self.squares {
+            *squares = ExactSquares::from_limbs(limbs(bytes)?);
+        }
+        Some(())
+    }
+
     /// What is known of `channel` of the pixel at `place` after so many samples; channels after the last are like the
     /// last.
     pub fn estimate(&self, place: usize, channel: usize, samples: u32) -> Estimate {
@@ -61,6 +104,16 @@ impl Sums {
         let standard_error = squares.map(|squares| squares.standard_error(unit, mean, samples.into()));
         Estimate { mean, standard_error: standard_error.unwrap_or(f64::INFINITY) }
     }
+}
+
+/// Numbers from the front of `bytes`.
+fn limbs<const N: usize>(bytes: &mut &[u8]) -> Option<[u32; N]> {
+    let mut limbs = [0; N];
+    for limb in &mut limbs {
+        let (first, rest) = bytes.split_first_chunk()?;
+        (*limb, *bytes) = (u32::from_le_bytes(*first), rest);
+    }
+    Some(limbs)
 }
 
 /// So many zeros.

@@ -4,7 +4,7 @@ use core::ops::Range;
 use std::collections::TryReserveError;
 
 use super::sums::Sums;
-use super::{Estimate, Layer, Pixel, RADIANCE};
+use super::{Estimate, Exact, Layer, Pixel, RADIANCE};
 
 /// A rectangle of pixels: columns `x0 .. x1`, rows `y0 .. y1` of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,19 @@ impl Region {
         u64::from(self.width()) * u64::from(self.height())
     }
 
+    /// The pixels of both; none if there are none.
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        let (x0, y0) = (self.x0.max(other.x0), self.y0.max(other.y0));
+        let (x1, y1) = (self.x1.min(other.x1), self.y1.min(other.y1));
+        (x0 < x1 && y0 < y1).then_some(Self { x0, y0, x1, y1 })
+    }
+
+    /// The smallest rectangle that covers both.
+    pub fn hull(self, other: Self) -> Self {
+        let (x0, y0) = (self.x0.min(other.x0), self.y0.min(other.y0));
+        Self { x0, y0, x1: self.x1.max(other.x1), y1: self.y1.max(other.y1) }
+    }
+
     /// Place of pixel (x, y) in the region, row-major.
     pub fn place(self, x: u32, y: u32) -> usize {
         (y - self.y0) as usize * self.width() as usize + (x - self.x0) as usize
@@ -75,11 +88,14 @@ impl Region {
     }
 }
 
-/// The sums of the pixels of one tile; all have the same number of samples.
+/// The sums of the pixels of one tile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
     region: Region,
+    /// Samples of every pixel.
     samples: u32,
+    /// Further samples of single pixels, as merged parts of an image have them; empty if there are none.
+    more: Vec<u32>,
     layers: Vec<Sums>,
 }
 
@@ -102,7 +118,7 @@ impl Tile {
         for layer in layers {
             sums.push(Sums::try_new(*layer, region.pixels() as usize)?);
         }
-        Ok(Self { region, samples: 0, layers: sums })
+        Ok(Self { region, samples: 0, more: Vec::new(), layers: sums })
     }
 
     /// The pixels it covers.
@@ -110,9 +126,25 @@ impl Tile {
         self.region
     }
 
-    /// Samples of each pixel.
+    /// Samples that every pixel has.
     pub fn samples(&self) -> u32 {
         self.samples
+    }
+
+    /// Samples of the pixel at `place`.
+    fn samples_at(&self, place: usize) -> u32 {
+        self.samples + self.more.get(place).copied().unwrap_or(0)
+    }
+
+    /// Samples of the pixel that has most.
+    pub fn most_samples(&self) -> u32 {
+        self.samples + self.more.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Samples of all pixels together.
+    pub fn all_samples(&self) -> u64 {
+        let more = self.more.iter().copied().map(u64::from).sum::<u64>();
+        u64::from(self.samples) * self.region.pixels() + more
     }
 
     /// Adds one sample to the pixel at `place`: for each layer, in the order of the film, the values of its channels,
@@ -131,15 +163,67 @@ impl Tile {
         self.samples += samples;
     }
 
+    /// Notes that the pixels within `region` have had `samples` more samples.
+    pub fn count_within(&mut self, region: Region, samples: u32) {
+        let Some(part) = self.region.intersection(region) else { return };
+        if part == self.region {
+            return self.count(samples);
+        }
+        self.more.resize(self.region.pixels() as usize, 0);
+        for (y, x) in part.rows().flat_map(|y| part.columns().map(move |x| (y, x))) {
+            self.more[self.region.place(x, y)] += samples;
+        }
+    }
+
     /// Adds the samples of another tile of the same layers and region.
     pub fn merge(&mut self, other: &Self) {
         self.samples += other.samples;
+        if !other.more.is_empty() {
+            self.more.resize(other.more.len(), 0);
+            self.more.iter_mut().zip(&other.more).for_each(|(more, other)| *more += other);
+        }
         self.layers.iter_mut().zip(&other.layers).for_each(|(sums, other)| sums.merge(other));
     }
 
     /// What is known of pixel (x, y) of the whole image in `channel` of the layer with index `layer`.
     pub fn estimate(&self, layer: usize, channel: usize, x: u32, y: u32) -> Estimate {
-        self.layers[layer].estimate(self.region.place(x, y), channel, self.samples)
+        let place = self.region.place(x, y);
+        self.layers[layer].estimate(place, channel, self.samples_at(place))
+    }
+
+    /// The sums of pixel (x, y) of the whole image in `channel`, one that is kept, of the layer with index `layer`.
+    pub fn exact(&self, layer: usize, channel: usize, x: u32, y: u32) -> Exact {
+        self.layers[layer].exact(self.region.place(x, y), channel)
+    }
+
+    /// Adds to these sums those of other samples, which are still to be counted.
+    pub fn add_exact(&mut self, layer: usize, channel: usize, x: u32, y: u32, exact: &Exact) {
+        self.layers[layer].add_exact(self.region.place(x, y), channel, exact);
+    }
+
+    /// Appends the number of samples and all sums to `bytes`.
+    ///
+    /// # Panics
+    /// If not all pixels have as many samples.
+    pub fn write(&self, bytes: &mut Vec<u8>) {
+        assert!(self.more.is_empty(), "a render gives all pixels of a tile as many samples");
+        bytes.extend(self.samples.to_le_bytes());
+        self.layers.iter().for_each(|sums| sums.write(bytes));
+    }
+
+    /// Takes what [`Self::write`] wrote for the same layers and region from `bytes`, in the place of what is there;
+    /// none if it is too short or too long.
+    #[must_use]
+    pub fn read(&mut self, mut bytes: &[u8]) -> Option<()> {
+        let samples = bytes.split_off(..size_of::<u32>())?;
+        self.samples = u32::from_le_bytes(samples.try_into().ok()?);
+        self.layers.iter_mut().try_for_each(|sums| sums.read(&mut bytes))?;
+        bytes.is_empty().then_some(())
+    }
+
+    /// Bytes that [`Self::write`] appends for a tile of so many pixels.
+    pub fn bytes(layers: &[Layer], pixels: u64) -> u64 {
+        size_of::<u32>() as u64 + pixels * layers.iter().map(Sums::bytes).sum::<usize>() as u64
     }
 
     /// The radiance of pixel (x, y) of the whole image.
@@ -148,7 +232,7 @@ impl Tile {
         Pixel {
             mean: rgb.map(|channel| channel.mean),
             standard_error: rgb.map(|channel| channel.standard_error),
-            samples: self.samples.into(),
+            samples: self.samples_at(self.region.place(x, y)).into(),
         }
     }
 }

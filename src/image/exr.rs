@@ -1,6 +1,7 @@
 //! Scene-linear images: R G B mean radiance, SE.R SE.G SE.B its standard error, likewise for other layers of the film,
-//! and N samples.
+//! and N samples. Channels `exact.*` and the header entry `fogbow.sums` hold the film's sums bit by bit.
 
+pub mod exact;
 mod planes;
 
 use std::fs::File;
@@ -10,8 +11,8 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannels, AttributeValue, Encoding, FlatSamples, ImageAttributes, IntegerBounds, Layer, LayerAttributes,
-    ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, ImageAttributes, IntegerBounds, Layer,
+    LayerAttributes, ReadChannels, ReadLayers, Text, Vec2, WritableImage, read,
 };
 
 use super::{Image, LARGEST_IMAGE};
@@ -21,8 +22,8 @@ use crate::film::Film;
 /// Prefix of our own header entries.
 pub const PREFIX: &str = "fogbow.";
 
-/// Writes the film, which may cover part of an image of `size` pixels, with `header` entries (name without prefix,
-/// text).
+/// Writes the film and its exact sums; it may cover part of an image of `size` pixels. `header` are entries (name
+/// without prefix, text).
 ///
 /// Pixels are computed as they are written: no copy of the film is made.
 ///
@@ -40,12 +41,30 @@ pub fn write_film(
     attributes.software_name = Some(Text::from(concat!("fogbow ", env!("CARGO_PKG_VERSION"))));
     let utf8 = |text: &str| Text::from_slice_unchecked(text.as_bytes());
     let entry = |(name, text): &(String, String)| (utf8(&format!("{PREFIX}{name}")), AttributeValue::Text(utf8(text)));
-    attributes.other = header.iter().map(entry).collect();
+    let sums = ("sums".to_string(), exact::entry(film, header));
+    attributes.other = header.iter().chain([&sums]).map(entry).collect();
     let extent = Vec2(region.width() as usize, region.height() as usize);
     let layer = Layer::new(extent, attributes, Encoding::SMALL_FAST_LOSSLESS, planes::of(film));
     let window = IntegerBounds::new((0, 0), (size[0] as usize, size[1] as usize));
     let image = exr::image::Image::empty(ImageAttributes::new(window)).with_layer(layer);
     image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
+}
+
+/// Writes `image`, all planes as f32, with its header entries (name with prefix, text).
+///
+/// # Errors
+/// What the writer says.
+pub fn write_image(writer: impl Write + Seek, image: &Image) -> core::result::Result<(), String> {
+    let utf8 = |text: &str| Text::from_slice_unchecked(text.as_bytes());
+    let entry = |(name, text): &(String, String)| (utf8(name), AttributeValue::Text(utf8(text)));
+    let software_name = Some(Text::from(concat!("fogbow ", env!("CARGO_PKG_VERSION"))));
+    let other = image.header.iter().map(entry).collect();
+    let attributes = LayerAttributes { software_name, other, ..Default::default() };
+    let channel =
+        |(name, values): &(String, Vec<f32>)| AnyChannel::new(name.as_str(), FlatSamples::F32(values.clone()));
+    let channels = AnyChannels::sort(image.channels.iter().map(channel).collect());
+    let layer = Layer::new((image.width, image.height), attributes, Encoding::SMALL_FAST_LOSSLESS, channels);
+    exr::image::Image::from_layer(layer).write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
 }
 
 /// What every EXR file begins with.
@@ -80,11 +99,8 @@ fn check_size(path: &Path) -> Result<()> {
     Err(Error::failure(path.display(), finding, "give a smaller image"))
 }
 
-/// Reads every f32, f16 or u32 plane of the first layer of `path`.
-///
-/// # Errors
-/// If the file cannot be read, is not a whole EXR image, or has more than 2^27 pixels.
-pub fn read_image(path: &Path) -> Result<Image> {
+/// The first layer of the image at `path`.
+fn read_layer(path: &Path) -> Result<Layer<AnyChannels<FlatSamples>>> {
     check_size(path)?;
     let image = read()
         .no_deep_data()
@@ -94,21 +110,37 @@ pub fn read_image(path: &Path) -> Result<Image> {
         .all_attributes()
         .from_file(path)
         .map_err(|error| fault(path, error))?;
-    let layer = image.layer_data;
+    Ok(image.layer_data)
+}
+
+/// What attributes say, as text.
+fn entries(attributes: &LayerAttributes) -> Vec<(String, String)> {
     let text = |value: &AttributeValue| match value {
         AttributeValue::Text(text) => String::from_utf8_lossy(text.as_slice()).into_owned(),
         other => format!("{other:?}"),
     };
-    let mut header: Vec<_> =
-        layer.attributes.other.iter().map(|(name, value)| (name.to_string(), text(value))).collect();
-    header.extend(layer.attributes.software_name.iter().map(|name| ("software".to_string(), name.to_string())));
+    let mut header: Vec<_> = attributes.other.iter().map(|(name, value)| (name.to_string(), text(value))).collect();
+    header.extend(attributes.software_name.iter().map(|name| ("software".to_string(), name.to_string())));
     header.sort();
+    header
+}
+
+/// Reads every f32, f16 or u32 plane of the first layer of `path`, but for those with exact sums.
+///
+/// # Errors
+/// If the file cannot be read, is not a whole EXR image, or has more than 2^27 pixels.
+pub fn read_image(path: &Path) -> Result<Image> {
+    let layer = read_layer(path)?;
+    let mut header = entries(&layer.attributes);
+    header.retain(|(name, _)| *name != exact::name());
     let AnyChannels { list } = layer.channel_data;
     let plane = |samples: FlatSamples| match samples {
         FlatSamples::F32(values) => values,
         FlatSamples::F16(values) => values.into_iter().map(exr::prelude::f16::to_f32).collect(),
         FlatSamples::U32(values) => values.into_iter().map(|value| value as f32).collect(),
     };
-    let channels = list.into_iter().map(|channel| (channel.name.to_string(), plane(channel.sample_data))).collect();
+    let channels = list.into_iter().map(|channel| (channel.name.to_string(), channel.sample_data));
+    let channels = channels.filter(|(name, _)| !name.starts_with(planes::EXACT));
+    let channels = channels.map(|(name, samples)| (name, plane(samples))).collect();
     Ok(Image { width: layer.size.width(), height: layer.size.height(), channels, header })
 }

@@ -24,7 +24,7 @@ impl<S: Write + Seek> Sink for S {}
 /// If it is a folder, a disk or read-only, or the folder that it is to be in does not exist or cannot be written.
 pub fn check(path: &Path) -> Result<()> {
     match place::of(path)? {
-        Place::Regular(file) => temporary(path, &file).map(drop),
+        Place::Regular(file) => temporary(path, &file, PREFIX).map(drop),
         Place::Stream(_) | Place::Standard(_) => Ok(()),
     }
 }
@@ -55,6 +55,50 @@ pub fn write(
     interrupted: impl Fn() -> bool,
     fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>,
 ) -> Result<()> {
+    write_as(path, PREFIX, interrupted, fill)
+}
+
+/// What names of temporary files begin and end with.
+const PREFIX: &str = ".fogbow-";
+const SUFFIX: &str = ".part";
+
+/// What the names of temporary files begin with that are to take the place of `path` alone.
+fn own_prefix(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    format!("{PREFIX}{}-", &blake3::hash(name.as_encoded_bytes()).to_hex()[..16])
+}
+
+/// The same as [`write`] for what is written again and again, by a program that may be killed meanwhile: what that
+/// leaves is found by [`remove_leftovers`].
+///
+/// # Errors
+/// As [`write`].
+pub fn rewrite(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
+    write_as(path, &own_prefix(path), || false, fill)?;
+    // Not before the folder is on the disk, too, does a power cut leave the new file and not the one before. Where a
+    // folder cannot be opened or synced, that is left to the system.
+    let _ = File::open(place::folder(path)).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// Removes temporary files that were to take the place of `path` when the program that wrote them was killed.
+pub fn remove_leftovers(path: &Path) {
+    let prefix = own_prefix(path);
+    for entry in place::folder(path).read_dir().into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        if name.to_str().is_some_and(|name| name.starts_with(&prefix) && name.ends_with(SUFFIX)) {
+            // One that stays does no harm.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn write_as(
+    path: &Path,
+    prefix: &str,
+    interrupted: impl Fn() -> bool,
+    fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>,
+) -> Result<()> {
     let place = place::of(path)?;
     let Place::Regular(file) = place else {
         let mut bytes = Cursor::new(Vec::new());
@@ -62,7 +106,7 @@ pub fn write(
         let written = stream(&place, bytes.get_ref(), interrupted).map_err(|error| failed(path, error))?;
         return if written { Ok(()) } else { Err(unread(path)) };
     };
-    let mut temporary = temporary(path, &file)?;
+    let mut temporary = temporary(path, &file, prefix)?;
     let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
     fill(&mut buffer).map_err(|error| failed(path, error))?;
     buffer.flush().map_err(|error| failed(path, error))?;
@@ -99,10 +143,10 @@ fn stream(place: &Place, bytes: &[u8], interrupted: impl Fn() -> bool) -> io::Re
 }
 
 /// A new file beside `file`, to take its place; `path` is what the user calls that.
-fn temporary(path: &Path, file: &Path) -> Result<tempfile::NamedTempFile> {
+fn temporary(path: &Path, file: &Path, prefix: &str) -> Result<tempfile::NamedTempFile> {
     let folder = place::folder(file);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".fogbow-").suffix(".part");
+    builder.prefix(prefix).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

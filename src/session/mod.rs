@@ -1,11 +1,16 @@
 //! A render from its scene to the images it leaves: what is decided first, rounds of samples, and what is told of them.
 
+pub mod checkpoint;
+pub mod identity;
 mod report;
 mod rounds;
 
 use std::path::Path;
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicU32;
 use std::time::{Duration, Instant};
 
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::{self, Pipeline, Stage};
 
 use crate::error::{Error, Result};
@@ -61,6 +66,8 @@ impl Reference {
 pub struct Settings {
     /// The part of the image to render; all of it if absent.
     pub region: Option<Region>,
+    /// Number of the first sample of every pixel: sample numbers are what random numbers depend on.
+    pub first_sample: u32,
     /// Worker threads; 0 for one per processor.
     pub threads: usize,
     /// Whether to time stages and count the fate of connections.
@@ -81,6 +88,20 @@ pub struct Session {
     /// When it began, the pilot included.
     start: Instant,
     monitor: Monitor,
+    /// What earlier runs did of it.
+    earlier: Earlier,
+    /// Samples of every pixel after which the noise is to be looked at next; 0 if it is not.
+    until: AtomicU32,
+    /// The hash of the scene, once it is known.
+    hash: OnceLock<String>,
+}
+
+/// What was done of a render before it was resumed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Earlier {
+    time: Duration,
+    /// Samples of all pixels together.
+    samples: u64,
 }
 
 /// What was decided before the first sample.
@@ -99,7 +120,7 @@ pub struct Preparation {
 pub struct Outcome {
     /// Counters.
     pub stats: Stats,
-    /// Time since the session began.
+    /// Time since the session began, and that of the runs before it was resumed.
     pub elapsed: Duration,
     /// Time since the first sample was begun; what came before is preparation.
     pub sampling: Duration,
@@ -130,12 +151,23 @@ impl Session {
             Error::failure(place, finding, "render a smaller image with --size, or part of it with --crop")
         })?;
         let (preparation, start, monitor) = (Preparation::default(), Instant::now(), Monitor::default());
-        Ok(Self { scene, film, renderer, settings, preparation, start, monitor })
+        let (earlier, until, hash) = (Earlier::default(), AtomicU32::new(0), OnceLock::new());
+        Ok(Self { scene, film, renderer, settings, preparation, start, monitor, earlier, until, hash })
+    }
+
+    /// Time that it has taken so far, that of the runs before it was resumed included.
+    pub fn elapsed(&self) -> Duration {
+        self.earlier.time.saturating_add(self.start.elapsed())
     }
 
     /// Worker threads.
     pub fn threads(&self) -> usize {
         self.renderer.threads()
+    }
+
+    /// Contributions that were not finite, and so were dropped, those before it was resumed included.
+    pub fn dropped(&self) -> Dropped {
+        self.monitor.dropped()
     }
 
     /// What stops a running round when it is set.

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::connect::Technique;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::survival::Survival;
 use serde_json::{Value, json};
 
+use super::identity::Entry;
 use super::{Outcome, Session};
 use crate::error::Result;
 use crate::figures::{starts, survival};
@@ -14,6 +16,36 @@ use crate::output;
 use crate::pilot::Trial;
 use crate::stats::{ConnectionStats, Stats};
 use crate::truncation::{Share, Truncation};
+
+impl Session {
+    /// What its samples depend on, as entries of headers.
+    pub fn identity(&self) -> Vec<Entry> {
+        let Self { scene, film, settings, .. } = self;
+        let (region, frame) = (film.region(), &scene.frame);
+        let entries = [
+            ("version", env!("CARGO_PKG_VERSION").to_string()),
+            ("scene", scene.name.clone()),
+            ("scene_hash", self.hash.get_or_init(|| scene.hash()).clone()),
+            ("settings", scene.to_toml()),
+            ("technique", self.techniques()),
+            ("starts", starts(frame.walk.starts)),
+            ("survival", survival(&frame.walk.survival)),
+            ("aimed", frame.aimed.to_string()),
+            ("roulette", frame.roulette.to_string()),
+            ("reference", settings.reference.name().to_string()),
+            ("seed", frame.seed.to_string()),
+            ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
+            ("cpu_features", crate::cpu::built_for().join(" ")),
+        ];
+        entries.into_iter().map(|(name, text)| (name.to_string(), text)).collect()
+    }
+
+    /// Names of the active techniques, `path` if there is no other.
+    fn techniques(&self) -> String {
+        let active: Vec<_> = self.scene.frame.techniques.rows().map(|(technique, _)| technique.name()).collect();
+        if active.is_empty() { "path".into() } else { active.join(",") }
+    }
+}
 
 /// A finished render.
 #[derive(Clone, Copy)]
@@ -25,37 +57,25 @@ pub struct Report<'a> {
 impl Report<'_> {
     /// Names of the active techniques, `path` if there is no other.
     pub fn techniques(&self) -> String {
-        let active: Vec<_> =
-            self.session.scene.frame.techniques.rows().map(|(technique, _)| technique.name()).collect();
-        if active.is_empty() { "path".into() } else { active.join(",") }
+        self.session.techniques()
     }
 
     /// Entries of an image's header.
     pub fn header(&self) -> Vec<(String, String)> {
-        let Session { scene, film, settings, .. } = self.session;
-        let (region, frame, Outcome { stats, elapsed, .. }) = (film.region(), &scene.frame, self.outcome);
+        let Session { film, settings, .. } = self.session;
+        let (first, elapsed) = (settings.first_sample, self.outcome.elapsed);
         let entries = [
-            ("version", env!("CARGO_PKG_VERSION").to_string()),
-            ("scene", scene.name.clone()),
-            ("scene_hash", scene.hash()),
-            ("settings", scene.to_toml()),
-            ("technique", self.techniques()),
-            ("starts", starts(frame.walk.starts)),
-            ("survival", survival(&frame.walk.survival)),
-            ("aimed", frame.aimed.to_string()),
-            ("roulette", frame.roulette.to_string()),
-            ("reference", settings.reference.name().to_string()),
             ("left_out", self.left_out()),
-            ("seed", frame.seed.to_string()),
             // The last ones perhaps not of every pixel.
-            ("sample_range", format!("0..{}", film.most_samples())),
-            ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
-            ("samples", stats.samples.to_string()),
+            ("sample_range", format!("{first}..{}", first + film.most_samples())),
+            // All of them.
+            ("coverage", film.coverage(first).to_string()),
+            ("samples", film.samples().to_string()),
             ("seconds", format!("{:.3}", elapsed.as_secs_f64())),
             ("threads", self.session.threads().to_string()),
-            ("cpu_features", crate::cpu::built_for().join(" ")),
         ];
-        entries.into_iter().map(|(name, text)| (name.to_string(), text)).collect()
+        let entries = entries.into_iter().map(|(name, text)| (name.to_string(), text));
+        self.session.identity().into_iter().chain(entries).collect()
     }
 
     /// What the limit on the length of paths leaves out, for the header.
@@ -107,7 +127,7 @@ impl Report<'_> {
             "threads": self.session.threads(),
             "seconds": seconds,
             "seconds_of_preparation": seconds - sampling,
-            "samples": stats.samples,
+            "samples": film.samples(),
             "samples_per_second": stats.samples as f64 / sampling,
             "segments": stats.segments,
             "segments_per_second": stats.segments as f64 / sampling,
@@ -167,11 +187,7 @@ fn connections(stats: &Stats) -> Value {
 
 fn dropped(report: &Report<'_>) -> Value {
     let width = report.session.scene.frame.camera.width;
-    let first = report
-        .outcome
-        .stats
-        .dropped
-        .first
-        .map(|(pixel, sample)| json!({ "x": pixel % width, "y": pixel / width, "sample": sample }));
-    json!({ "count": report.outcome.stats.dropped.count, "first": first })
+    let Dropped { count, first } = report.session.dropped();
+    let first = first.map(|(pixel, sample)| json!({ "x": pixel % width, "y": pixel / width, "sample": sample }));
+    json!({ "count": count, "first": first })
 }

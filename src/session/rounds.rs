@@ -28,7 +28,7 @@ const AGREEMENT: f64 = 0.1;
 /// When a render is done.
 #[derive(Clone, Copy, Debug)]
 pub enum Target {
-    /// After this many samples per pixel.
+    /// After this many samples per pixel, beginning with the first sample of the session's settings.
     Samples(u32),
     /// After this much time.
     Time(Duration),
@@ -45,6 +45,8 @@ pub struct State {
     pub fraction: f64,
     /// Camera paths so far.
     pub samples: u64,
+    /// Those of them that were there when the render was resumed.
+    pub earlier: u64,
     /// Time since the start.
     pub elapsed: Duration,
     /// Time since the first sample was begun.
@@ -61,13 +63,13 @@ impl State {
 
     /// Camera paths per second so far.
     pub fn rate(&self) -> f64 {
-        self.samples as f64 / self.sampling.as_secs_f64().max(1e-9)
+        (self.samples - self.earlier) as f64 / self.sampling.as_secs_f64().max(1e-9)
     }
 }
 
 /// What to render before the next look at the target.
 struct Round {
-    /// Sample numbers.
+    /// Samples of every pixel, counted from the first.
     samples: Range<u32>,
     /// Samples per pixel after which the target will be met, as far as that is known.
     expected: Option<f64>,
@@ -77,14 +79,16 @@ impl Session {
     /// Renders until the target is met, or `interrupted` says so while its monitor's `stop` is set; tells `look` now
     /// and then how far it is.
     pub fn run(&self, target: Target, interrupted: impl Fn() -> bool, mut look: impl FnMut(State)) -> Outcome {
-        let (mut stats, mut done) = (Stats::new(false), 0);
+        let (mut stats, mut done) = (Stats::new(false), self.film.fewest_samples());
         let (mut estimates, fraction) = (Estimates::default(), Cell::new(0.0));
         let begin = Instant::now();
         while !interrupted() {
             let Some(round) = self.next_round(target, done) else { break };
+            let is_looked_at = matches!(target, Target::Noise(_));
+            self.until.store(if is_looked_at { round.samples.end } else { 0 }, Ordering::Relaxed);
             // The first sample of every pixel is taken whatever the time.
             let deadline = match target {
-                Target::Time(time) if done > 0 => self.start.checked_add(time),
+                Target::Time(time) if done > 0 => self.start.checked_add(time.saturating_sub(self.earlier.time)),
                 _ => None,
             };
             let pixels = self.film.region().pixels() as f64;
@@ -98,7 +102,7 @@ impl Session {
             stats.merge(&self.render(round.samples, deadline, || look(watch.state())));
             look(watch.state()); // a short round had no time for it
         }
-        Outcome { stats, elapsed: self.start.elapsed(), sampling: begin.elapsed() }
+        Outcome { stats, elapsed: self.elapsed(), sampling: begin.elapsed() }
     }
 
     /// Prepares, telling `look` now and then that it does.
@@ -107,7 +111,7 @@ impl Session {
         mut look: impl FnMut(State),
         prepare: impl FnOnce() -> T + Send,
     ) -> T {
-        let state = || State { preparing: true, elapsed: self.start.elapsed(), ..State::default() };
+        let state = || State { preparing: true, elapsed: self.elapsed(), ..State::default() };
         watched(prepare, TICK, || {
             look(state());
             TICK
@@ -119,7 +123,9 @@ impl Session {
         let monitor = &self.monitor;
         let pipeline = self.settings.reference.pipeline();
         let left = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
-        let round = || self.renderer.render(&self.scene.frame, &pipeline, &self.film, samples, monitor);
+        let first = self.settings.first_sample;
+        let samples = first..first.saturating_add(samples.end);
+        let round = || self.renderer.go_on(&self.scene.frame, &pipeline, &self.film, samples, monitor);
         watched(round, deadline.map_or(TICK, left).min(TICK), || {
             look();
             if deadline.is_some_and(|deadline| left(deadline).is_zero()) {
@@ -138,8 +144,12 @@ impl Session {
         match target {
             _ if done >= MOST_SAMPLES => None,
             Target::Samples(samples) => until(samples, Some(f64::from(samples))),
-            Target::Time(time) if done > 0 && self.start.elapsed() >= time => None,
+            Target::Time(time) if done > 0 && self.elapsed() >= time => None,
             Target::Time(_) => until((2 * u64::from(done)).clamp(1, u64::from(done) + 64) as u32, None),
+            // A resumed render first ends the round that it was in, so that it looks at the noise of the same samples.
+            Target::Noise(_) if self.until.load(Ordering::Relaxed) > done => {
+                until(self.until.load(Ordering::Relaxed), None)
+            }
             Target::Noise(_) if done == 0 => until(16, None),
             Target::Noise(noise) => {
                 let share = self.film.relative_noise() / noise;
@@ -200,26 +210,31 @@ struct Watch<'a> {
 
 impl Watch<'_> {
     fn state(&self) -> State {
-        let Session { monitor, start, .. } = self.session;
-        let (samples, elapsed) = (monitor.samples.load(Ordering::Relaxed), start.elapsed());
+        let Session { monitor, earlier, .. } = self.session;
+        let earlier = earlier.samples;
+        let (samples, elapsed) = (earlier + monitor.samples.load(Ordering::Relaxed), self.session.elapsed());
         let fraction = match self.target {
             Target::Time(time) => elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9),
             Target::Samples(_) | Target::Noise(_) => self.expected.map_or(0.0, |expected| samples as f64 / expected),
         };
         let seconds_left = match self.target {
             Target::Time(time) => Some(time.saturating_sub(elapsed).as_secs_f64()),
-            Target::Samples(_) | Target::Noise(_) => self.seconds_left(fraction),
+            Target::Samples(_) | Target::Noise(_) => {
+                let before = self.expected.map_or(0.0, |expected| earlier as f64 / expected);
+                self.seconds_left(before, fraction)
+            }
         };
         self.fraction.set(self.fraction.get().max(fraction.min(1.0)));
         let (fraction, sampling) = (self.fraction.get(), self.begin.elapsed());
-        State { preparing: false, fraction, samples, elapsed, sampling, seconds_left }
+        State { preparing: false, fraction, samples, earlier, elapsed, sampling, seconds_left }
     }
 
-    /// Time left at the rate so far `[s]`; none as long as that says little.
-    fn seconds_left(&self, fraction: f64) -> Option<f64> {
-        let since = self.begin.elapsed();
-        let is_known = since >= SURE_AFTER || (since >= LIKELY_AFTER && fraction >= LIKELY_FRACTION);
-        (is_known && fraction > 0.0).then(|| since.as_secs_f64() * (1.0 - fraction).max(0.0) / fraction)
+    /// Time left at the rate so far `[s]`, where a share of the work was done `before`; none as long as that says
+    /// little.
+    fn seconds_left(&self, before: f64, fraction: f64) -> Option<f64> {
+        let (since, done) = (self.begin.elapsed(), fraction - before);
+        let is_known = since >= SURE_AFTER || (since >= LIKELY_AFTER && done >= LIKELY_FRACTION);
+        (is_known && done > 0.0).then(|| since.as_secs_f64() * (1.0 - fraction).max(0.0) / done)
     }
 }
 

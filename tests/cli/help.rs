@@ -45,6 +45,7 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         "--mesc",
         "--max-segments",
         "--samples",
+        "--sample-range",
         "--time",
         "--noise",
         "--size",
@@ -54,6 +55,9 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         "--reference",
         "--stats",
         "--progress",
+        "--checkpoint",
+        "--resume",
+        "--overwrite-checkpoint",
         "--set",
         "--help-scene",
     ];
@@ -65,7 +69,7 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         run.stdout.starts_with("Renders light in fog, clouds, smoke, milk and wax"),
         "no more than it can do\n{run}"
     );
-    for command in ["render", "compare", "info", "presets"] {
+    for command in ["render", "compare", "merge", "info", "presets"] {
         assert!(run.stdout.contains(&format!("\n  {command} ")), "{command} is missing\n{run}");
     }
 }

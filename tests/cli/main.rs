@@ -2,6 +2,7 @@
 
 mod bar;
 mod bare;
+mod checkpoints;
 mod clouds;
 mod compare;
 mod exposure;
@@ -13,6 +14,7 @@ mod images;
 mod info;
 mod lamps;
 mod left_out;
+mod merge;
 mod models;
 mod phases;
 mod presets;

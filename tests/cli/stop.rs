@@ -11,10 +11,10 @@ use super::support::{Folder, header, plane, program};
 /// How much slower a build without optimisation is.
 const SLOWNESS: u32 = if cfg!(debug_assertions) { 20 } else { 1 };
 
-/// Starts a render that would take hours, and returns once it has begun.
+/// Starts a render that would take hours, without checkpoints, and returns once it has begun.
 fn started(folder: &Folder, flags: &[&str]) -> Child {
     let mut command = program(folder);
-    command.args(["render", "scene.toml", "-o", "a.exr", "-o", "a.png"]).args(flags);
+    command.args(["render", "scene.toml", "-o", "a.exr", "-o", "a.png", "--checkpoint", "off"]).args(flags);
     let child = command.spawn().expect("the program starts");
     let start = Instant::now();
     while !catches_interrupts(child.id()) && start.elapsed() < Duration::from_secs(20) {

@@ -207,6 +207,17 @@ pub fn plane<'a>(image: &'a Image, channel: &str) -> &'a [f32] {
     image.channel(channel).unwrap_or_else(|| panic!("no channel {channel}"))
 }
 
+/// Expects the same channels with the same bits in two images.
+#[track_caller]
+pub fn assert_same_bits(folder: &Folder, a: &str, b: &str) {
+    let bits = |values: &Vec<f32>| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    let channels = |name: &str| {
+        let image = folder.image(name);
+        image.channels.iter().map(|(name, values)| (name.clone(), bits(values))).collect::<Vec<_>>()
+    };
+    assert!(channels(a) == channels(b), "{a} and {b} differ");
+}
+
 /// The mean of the plane called `channel`.
 #[track_caller]
 pub fn mean(image: &Image, channel: &str) -> f64 {

@@ -1,0 +1,224 @@
+//! Which samples of which pixels an image has.
+
+use core::cmp::Ordering;
+use core::fmt;
+use core::ops::Range;
+use core::str::FromStr;
+
+use super::Region;
+use crate::scene::schema::MOST_SAMPLES;
+
+/// Parts of the longest list that is read.
+const MOST_PARTS: usize = 4096;
+
+/// Samples of all pixels of a rectangle.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// The pixels.
+    pub region: Region,
+    /// The numbers of their samples.
+    pub samples: Range<u32>,
+}
+
+/// A list of parts, none of which has a sample of another.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Coverage(Vec<Part>);
+
+/// Samples that an image lacks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Gap {
+    /// Their numbers.
+    pub samples: Range<u32>,
+    /// How many pixels lack them.
+    pub pixels: u64,
+}
+
+impl Part {
+    /// What both have; none if that is nothing.
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let region = self.region.intersection(other.region)?;
+        let samples = self.samples.start.max(other.samples.start)..self.samples.end.min(other.samples.end);
+        (!samples.is_empty()).then_some(Self { region, samples })
+    }
+
+    fn columns_key(&self) -> [u32; 6] {
+        let Self { region: Region { x0, y0, x1, y1 }, samples } = self;
+        [*y0, *y1, samples.start, samples.end, *x0, *x1]
+    }
+
+    fn rows_key(&self) -> [u32; 6] {
+        let Self { region: Region { x0, y0, x1, y1 }, samples } = self;
+        [*x0, *x1, samples.start, samples.end, *y0, *y1]
+    }
+
+    fn samples_key(&self) -> [u32; 6] {
+        let Self { region: Region { x0, y0, x1, y1 }, samples } = self;
+        [*y0, *y1, *x0, *x1, samples.start, samples.end]
+    }
+
+    fn hull(&self, other: &Self) -> Self {
+        let samples = self.samples.start.min(other.samples.start)..self.samples.end.max(other.samples.end);
+        Self { region: self.region.hull(other.region), samples }
+    }
+}
+
+impl Coverage {
+    /// The samples of `parts`, which do not overlap: in few parts, the same for any order of them.
+    pub fn of(mut parts: Vec<Part>) -> Self {
+        parts.retain(|part| !part.samples.is_empty());
+        let mut before = usize::MAX;
+        while parts.len() < before {
+            before = parts.len();
+            for key in [Part::columns_key, Part::rows_key, Part::samples_key] {
+                join(&mut parts, key);
+            }
+        }
+        Self(parts)
+    }
+
+    /// The parts.
+    pub fn parts(&self) -> &[Part] {
+        &self.0
+    }
+
+    /// All samples of both, which do not overlap.
+    pub fn with(&self, other: &Self) -> Self {
+        Self::of(self.0.iter().chain(&other.0).cloned().collect())
+    }
+
+    /// Samples that both have, if there are any.
+    pub fn overlap(&self, other: &Self) -> Option<Part> {
+        self.0.iter().find_map(|part| other.0.iter().find_map(|other| part.intersection(other)))
+    }
+
+    /// The smallest part that has all samples; none if there are none.
+    pub fn hull(&self) -> Option<Part> {
+        self.0.iter().cloned().reduce(|hull, part| hull.hull(&part))
+    }
+
+    /// Samples of all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.0.iter().map(|part| part.samples.len() as u64 * part.region.pixels()).sum()
+    }
+
+    /// What is missing to samples from 0 to the last one in all pixels of an image of `size`.
+    pub fn gaps(&self, [width, height]: [u32; 2]) -> Vec<Gap> {
+        let mut ends: Vec<_> = self.0.iter().flat_map(|part| [part.samples.start, part.samples.end]).collect();
+        ends.push(0);
+        ends.sort_unstable();
+        ends.dedup();
+        let mut gaps: Vec<Gap> = Vec::new();
+        for pair in ends.windows(2) {
+            let has = |part: &&Part| part.samples.contains(&pair[0]);
+            let pixels = self.0.iter().filter(has).map(|part| part.region.pixels()).sum::<u64>();
+            let missing = (u64::from(width) * u64::from(height)).saturating_sub(pixels);
+            match gaps.last_mut() {
+                _ if missing == 0 => {}
+                Some(gap) if gap.samples.end == pair[0] && gap.pixels == missing => gap.samples.end = pair[1],
+                _ => gaps.push(Gap { samples: pair[0]..pair[1], pixels: missing }),
+            }
+        }
+        gaps
+    }
+}
+
+/// Sorts by `key` and joins parts that differ in its last two numbers alone, an interval, where these meet.
+fn join(parts: &mut Vec<Part>, key: fn(&Part) -> [u32; 6]) {
+    parts.sort_unstable_by_key(key);
+    parts.dedup_by(|next, last| {
+        let (a, b) = (key(last), key(next));
+        let meet = a[..4].cmp(&b[..4]) == Ordering::Equal && a[5] == b[4];
+        if meet {
+            *last = last.hull(next);
+        }
+        meet
+    });
+}
+
+/// `x0,y0,x1,y1:first..end`, separated by spaces.
+impl fmt::Display for Coverage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, Part { region: Region { x0, y0, x1, y1 }, samples }) in self.0.iter().enumerate() {
+            let space = if index > 0 { " " } else { "" };
+            write!(f, "{space}{x0},{y0},{x1},{y1}:{}..{}", samples.start, samples.end)?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Coverage {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let words: Vec<_> = text.split_whitespace().take(MOST_PARTS + 1).collect();
+        if words.len() > MOST_PARTS {
+            return Err(format!("lists more than {MOST_PARTS} parts"));
+        }
+        let parts: Option<Vec<_>> = words.into_iter().map(part).collect();
+        let parts = parts.ok_or_else(|| "lists its samples in a way that makes no sense".to_string())?;
+        for (index, part) in parts.iter().enumerate() {
+            if parts[..index].iter().any(|other| part.intersection(other).is_some()) {
+                return Err("lists samples twice".into());
+            }
+        }
+        Ok(Self::of(parts))
+    }
+}
+
+fn part(word: &str) -> Option<Part> {
+    let (region, samples) = word.split_once(':')?;
+    let numbers: Option<Vec<u32>> = region.split(',').map(|number| number.parse().ok()).collect();
+    let [x0, y0, x1, y1] = <[u32; 4]>::try_from(numbers?).ok()?;
+    let (start, end) = samples.split_once("..")?;
+    let samples = start.parse().ok()?..end.parse().ok()?;
+    let fits = x0 < x1 && y0 < y1 && !samples.is_empty() && samples.end <= MOST_SAMPLES;
+    fits.then_some(Part { region: Region { x0, y0, x1, y1 }, samples })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coverage(text: &str) -> Coverage {
+        text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+    }
+
+    #[test]
+    fn parts_that_meet_are_one() {
+        for (text, expected) in [
+            ("0,0,8,8:4..6 0,0,8,8:0..4", "0,0,8,8:0..6"),
+            ("0,0,4,4:0..1 4,4,8,8:0..1 0,4,4,8:0..1 4,0,8,4:0..1", "0,0,8,8:0..1"),
+            ("0,0,8,8:0..4 0,0,8,4:4..8", "0,0,8,4:0..8 0,4,8,8:0..4"),
+            ("", ""),
+        ] {
+            let found = coverage(text);
+            assert_eq!(coverage(&found.to_string()), found, "{text}");
+            assert_eq!(found.samples(), coverage(expected).samples(), "{text}");
+            assert!(found.parts().len() <= coverage(expected).parts().len(), "{text}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        for text in ["0,0,8,8", "0,0,8:0..1", "0,0,8,8:1..1", "0,0,0,8:0..1", "0,0,8,8:0..3000000000", "x", "1:2:3"] {
+            assert!(text.parse::<Coverage>().is_err(), "{text}");
+        }
+        assert!("0,0,8,8:0..4 7,7,9,9:3..5".parse::<Coverage>().is_err(), "an overlap");
+        assert!("0,0,1,1:0..1 ".repeat(5000).parse::<Coverage>().is_err(), "endless");
+    }
+
+    #[test]
+    fn overlaps_and_gaps_are_found() {
+        let a = coverage("0,0,8,8:0..4");
+        assert_eq!(a.overlap(&coverage("0,0,8,8:4..8 8,0,9,8:0..4")), None);
+        let both = Part { region: Region { x0: 7, y0: 2, x1: 8, y1: 3 }, samples: 3..4 };
+        assert_eq!(a.overlap(&coverage("0,0,8,8:4..8 7,2,9,3:3..4")), Some(both));
+        assert_eq!(a.gaps([8, 8]), []);
+        let gaps = a.with(&coverage("0,0,8,4:6..8")).gaps([8, 8]);
+        assert_eq!(gaps, [Gap { samples: 4..6, pixels: 64 }, Gap { samples: 6..8, pixels: 32 }]);
+        assert_eq!(
+            coverage("0,0,8,8:2..4").gaps([8, 9]),
+            [Gap { samples: 0..2, pixels: 72 }, Gap { samples: 2..4, pixels: 8 }]
+        );
+    }
+}

@@ -1,0 +1,167 @@
+//! Images that are parts of one render, put together: exactly, by the sums in them, or by weighted means.
+
+mod weighted;
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::film::{Coverage, Film, Region, tile_size};
+use crate::image::exr::{self, exact::About};
+use crate::image::tone::Exposure;
+use crate::output;
+use crate::session::identity::{self, Entry};
+pub use weighted::weighted;
+
+/// Gaps that are named.
+const MOST_NAMED: usize = 4;
+
+/// An image that was merged from parts.
+#[derive(Debug)]
+pub struct Merged {
+    /// Its sums: the same bits as those of one render.
+    pub film: Film,
+    /// Width and height of the whole image.
+    pub size: [u32; 2],
+    /// Entries of its header.
+    pub header: Vec<Entry>,
+    /// What a person should know: samples that are missing.
+    pub warnings: Vec<String>,
+}
+
+impl Merged {
+    /// The exposure that the scene of the parts asks for; none if that is for a light meter to say.
+    pub fn exposure(&self) -> Option<Exposure> {
+        let settings: toml::Table = identity::text(&self.header, "settings")?.parse().ok()?;
+        let stops = settings.get("film")?.get("exposure")?;
+        stops.as_float().or_else(|| stops.as_integer().map(|stops| stops as f64)).map(Exposure)
+    }
+}
+
+/// Adds up the exact sums of the EXR images at `paths`, parts of one render, in any order.
+///
+/// # Errors
+/// If one cannot be read or has no exact sums, if they are not of one render, or have samples in common.
+///
+/// # Panics
+/// If there are no paths.
+pub fn exact(paths: &[PathBuf]) -> Result<Merged> {
+    let parts = paths.iter().map(|path| exr::exact::about(path)).collect::<Result<Vec<_>>>()?;
+    for (index, part) in parts.iter().enumerate().skip(1) {
+        check_same(&paths[0], &parts[0], &paths[index], part)?;
+        for (other, path) in parts[..index].iter().zip(paths) {
+            check_disjoint(path, other, &paths[index], part)?;
+        }
+    }
+    let region = parts.iter().map(|part| part.region).reduce(Region::hull).expect("at least one part");
+    let all = parts.iter().flat_map(|part| part.coverage.parts()).cloned().collect();
+    let (coverage, About { size, layers, .. }) = (Coverage::of(all), &parts[0]);
+    let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
+        let finding = format!("an image of {} pixels does not fit into memory: {error}", region.pixels());
+        Error::failure(paths[0].display(), finding, "merge crops of smaller parts of the image")
+    })?;
+    for (path, about) in paths.iter().zip(&parts) {
+        add(&film, &exr::exact::read_film(path, about)?);
+    }
+    coverage.parts().iter().for_each(|part| film.count(part.region, part.samples.len() as u32));
+    Ok(Merged { film, size: *size, header: header(&parts, region, &coverage), warnings: warnings(&parts, &coverage) })
+}
+
+/// Fails unless the samples of `part` belong to the render of `first`.
+fn check_same(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<()> {
+    let difference = identity::difference(&first.header, &part.header, &[]).map(|difference| difference.to_string());
+    let same_film = first.size == part.size && first.layers == part.layers;
+    let other_film = || (!same_film).then(|| "size or layers differ".to_string());
+    let Some(difference) = difference.or_else(other_film) else { return Ok(()) };
+    let finding = format!("is no part of the render of {}: {difference}", first_path.display());
+    let remedy = "merge parts of one render, which differ in --sample-range or --crop alone";
+    Err(Error::failure(path.display(), finding, remedy))
+}
+
+/// Fails if both have a sample of the same pixel.
+fn check_disjoint(other_path: &Path, other: &About, path: &Path, part: &About) -> Result<()> {
+    let Some(both) = other.coverage.overlap(&part.coverage) else { return Ok(()) };
+    let remedy = "give every part once, with samples or pixels of its own";
+    if output::are_same(other_path, path) {
+        return Err(Error::failure(path.display(), "is given twice", remedy));
+    }
+    let Region { x0, y0, x1, y1 } = both.region;
+    let (start, end) = (both.samples.start, both.samples.end);
+    let where_ = if both.region == Region::whole(part.size[0], part.size[1]) {
+        String::new()
+    } else {
+        format!(" of the pixels {x0},{y0},{x1},{y1}")
+    };
+    let finding = format!("has samples {start}..{end}{where_}, which {} has, too", other_path.display());
+    Err(Error::failure(path.display(), finding, remedy))
+}
+
+/// Adds the sums of `part`, whose samples are still to be counted.
+fn add(film: &Film, part: &Film) {
+    let region = part.region();
+    for (y, x) in region.rows().flat_map(|y| region.columns().map(move |x| (y, x))) {
+        for (layer, settings) in film.layers().iter().enumerate() {
+            for channel in 0..settings.channels {
+                film.add_exact(layer, channel, x, y, &part.exact(layer, channel, x, y));
+            }
+        }
+    }
+}
+
+/// The header of the merged image: that of the part with the last samples, and what is of all of them.
+fn header(parts: &[About], region: Region, coverage: &Coverage) -> Vec<Entry> {
+    let last = |part: &&About| (part.coverage.hull().map(|hull| hull.samples.end), part.coverage.to_string());
+    let mut header = parts.iter().max_by_key(last).expect("at least one part").header.clone();
+    let numbers = |name: &str| {
+        let numbers = parts.iter().map(|part| part.entry(name).and_then(|text| text.parse::<f64>().ok()));
+        numbers.map(|number| number.unwrap_or(1.0)).collect::<Vec<_>>()
+    };
+    let mut seconds = numbers("seconds");
+    seconds.sort_by(f64::total_cmp);
+    let distinct = |name: &str| {
+        let mut texts: Vec<_> = parts.iter().filter_map(|part| part.entry(name)).collect();
+        texts.sort_unstable();
+        texts.dedup();
+        texts.join("; ")
+    };
+    let samples = coverage.hull().map_or(0..0, |hull| hull.samples);
+    let entries = [
+        ("sample_range", format!("{}..{}", samples.start, samples.end)),
+        ("coverage", coverage.to_string()),
+        ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
+        ("samples", coverage.samples().to_string()),
+        ("seconds", format!("{:.3}", seconds.iter().sum::<f64>())),
+        ("parts", numbers("parts").iter().sum::<f64>().to_string()),
+        ("threads", distinct("threads")),
+        ("cpu_features", distinct("cpu_features")),
+    ];
+    header.retain(|(name, _)| entries.iter().all(|(entry, _)| entry != name));
+    header.extend(entries.map(|(name, text)| (name.to_string(), text)));
+    header
+}
+
+/// What a person should know of an image of these parts.
+fn warnings(parts: &[About], coverage: &Coverage) -> Vec<String> {
+    let [width, height] = parts[0].size;
+    let (all, gaps) = (u64::from(width) * u64::from(height), coverage.gaps([width, height]));
+    let named = gaps.iter().take(MOST_NAMED).map(|gap| {
+        let pixels = match gap.pixels {
+            pixels if pixels == all => "all pixels".to_string(),
+            pixels => format!("{pixels} of {all} pixels"),
+        };
+        format!("no part has samples {}..{} of {pixels}", gap.samples.start, gap.samples.end)
+    });
+    let mut warnings: Vec<_> = named.collect();
+    if gaps.len() > MOST_NAMED {
+        warnings.push(format!("and {} more ranges of samples are missing in some pixels", gaps.len() - MOST_NAMED));
+    }
+    if coverage.parts().is_empty() {
+        warnings.push("no part has any samples".into());
+    }
+    if parts.iter().any(|part| part.entry("cpu_features") != parts[0].entry("cpu_features")) {
+        warnings.push(
+            "parts were rendered by builds for different processors, whose samples may differ in their last bits"
+                .into(),
+        );
+    }
+    warnings
+}

@@ -1,0 +1,233 @@
+//! Checkpoints: files from which a render goes on to the same bits, whatever ended it.
+//!
+//! | bytes | |
+//! |---|---|
+//! | 18 | `fogbow checkpoint\n` |
+//! | 4 | version of the layout |
+//! | 4 | length of the header |
+//! | that | the header: JSON |
+//! | the rest but 32 | tile by tile, number of samples of every pixel and all sums of the film |
+//! | 32 | BLAKE3 of all before |
+//!
+//! Numbers are little-endian.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use fogbow_kernels::accumulate::Dropped;
+use serde::{Deserialize, Serialize};
+
+use super::identity::{self, Difference, Entry, PILOTED};
+use super::{Earlier, Session};
+use crate::error::{Error, Result};
+use crate::film::{LayerForm, Tile};
+use crate::output;
+
+/// What every checkpoint begins with.
+const MAGIC: [u8; 18] = *b"fogbow checkpoint\n";
+/// Version of the layout.
+const LAYOUT: u32 = 1;
+/// Bytes before the header.
+const PREFIX: u64 = MAGIC.len() as u64 + 8;
+/// Bytes of the longest header that is read.
+const LONGEST_HEADER: u32 = 1 << 24;
+/// Bytes of the checksum.
+const CHECKSUM: u64 = blake3::OUT_LEN as u64;
+/// Entries that have to be the same besides those that samples depend on.
+const MORE: [&str; 3] = ["first_sample", "region", "cpu_features"];
+
+/// What a checkpoint says of its render.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct About {
+    identity: Vec<Entry>,
+    layers: Vec<LayerForm>,
+    /// Bytes of every tile.
+    tiles: Vec<u64>,
+    /// Samples of every pixel after which the noise is to be looked at next.
+    until: u32,
+    /// Time that it has taken so far.
+    seconds: f64,
+    /// Contributions that were not finite: how many, and pixel and sample of the first.
+    dropped: u64,
+    first_dropped: Option<(u32, u32)>,
+}
+
+/// A checkpoint that was found whole.
+#[derive(Debug)]
+pub struct Checkpoint {
+    path: PathBuf,
+    file: File,
+    about: About,
+    /// Where the tiles begin.
+    tiles: u64,
+}
+
+/// The error that the file at `path` cannot be used.
+fn refuse(path: &Path, finding: impl core::fmt::Display) -> Error {
+    let remedy = "start from the beginning with --overwrite-checkpoint, or remove the file";
+    Error::failure(path.display(), finding, remedy)
+}
+
+impl Checkpoint {
+    /// Opens the checkpoint at `path` and makes sure that it is whole.
+    ///
+    /// # Errors
+    /// If it cannot be read, is torn or damaged, or is no checkpoint of this version.
+    pub fn open(path: &Path) -> Result<Self> {
+        let unreadable = |error: io::Error| {
+            let remedy = "check the path and its permissions";
+            Error::failure(path.display(), format!("cannot be read: {error}"), remedy)
+        };
+        let metadata = path.metadata().map_err(unreadable)?;
+        if !metadata.is_file() {
+            return Err(refuse(path, "is no file"));
+        }
+        let file = File::open(path).map_err(unreadable)?;
+        let (length, refuse) = (metadata.len(), |finding: &str| refuse(path, finding));
+        let torn = |error: io::Error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => refuse("is a truncated checkpoint"),
+            _ => unreadable(error),
+        };
+        let (mut reader, mut hasher) = (BufReader::with_capacity(1 << 16, &file), blake3::Hasher::new());
+        let mut start = [0; PREFIX as usize];
+        reader.read_exact(&mut start).map_err(|error| if length == 0 { refuse("is empty") } else { torn(error) })?;
+        hasher.update(&start);
+        let (magic, numbers) = start.split_at(MAGIC.len());
+        if magic != MAGIC {
+            return Err(refuse("is not a checkpoint"));
+        }
+        let number = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().expect("four bytes"));
+        if number(&numbers[..4]) != LAYOUT {
+            return Err(refuse("is a checkpoint in the layout of another version of fogbow"));
+        }
+        let header = number(&numbers[4..]);
+        if header > LONGEST_HEADER || PREFIX + u64::from(header) + CHECKSUM > length {
+            return Err(refuse("is a truncated or damaged checkpoint"));
+        }
+        let mut text = vec![0; header as usize];
+        reader.read_exact(&mut text).map_err(torn)?;
+        hasher.update(&text);
+        let tiles = PREFIX + u64::from(header);
+        let mut left = length - tiles - CHECKSUM;
+        let mut bytes = vec![0; 1 << 16];
+        while left > 0 {
+            let count = left.min(bytes.len() as u64) as usize;
+            reader.read_exact(&mut bytes[..count]).map_err(torn)?;
+            hasher.update(&bytes[..count]);
+            left -= count as u64;
+        }
+        let mut checksum = [0; CHECKSUM as usize];
+        reader.read_exact(&mut checksum).map_err(torn)?;
+        if *hasher.finalize().as_bytes() != checksum {
+            return Err(refuse("is a truncated or damaged checkpoint: its checksum is not that of its content"));
+        }
+        let about = serde_json::from_slice(&text).map_err(|_| refuse("is a checkpoint of an unknown kind"))?;
+        Ok(Self { path: path.into(), file, about, tiles })
+    }
+
+    /// What differs between its render and that of `session`, as far as that is known before it is prepared.
+    pub fn difference(&self, session: &Session) -> Option<Difference> {
+        let mut identity = session.own_identity();
+        identity.retain(|(name, _)| !PILOTED.contains(&name.as_str()));
+        identity::difference(&self.about.identity, &identity, &MORE)
+    }
+
+    /// Fails if it is not of the render of `session`, as far as that is known before it is prepared.
+    ///
+    /// # Errors
+    /// What differs.
+    pub fn check(&self, session: &Session) -> Result<()> {
+        self.difference(session).map_or(Ok(()), |difference| Err(self.foreign(&difference)))
+    }
+
+    fn foreign(&self, difference: &Difference) -> Error {
+        let finding = format!("is the checkpoint of another render: {difference}");
+        let remedy = "give the flags that it was made with, or start anew with --overwrite-checkpoint";
+        Error::failure(self.path.display(), finding, remedy)
+    }
+}
+
+impl Session {
+    /// What its samples and the shape of its film depend on.
+    fn own_identity(&self) -> Vec<Entry> {
+        let first = ("first_sample".to_string(), self.settings.first_sample.to_string());
+        self.identity().into_iter().chain([first]).collect()
+    }
+
+    /// Writes a checkpoint to `path`, whole or not at all; the render may be running.
+    ///
+    /// # Errors
+    /// If it cannot be written; what was at `path` is then still there.
+    pub fn write_checkpoint(&self, path: &Path) -> Result<()> {
+        let layers = self.film.layers();
+        let tiles = (0..self.film.tile_count()).map(|index| self.film.tile(index).region().pixels());
+        let Dropped { count: dropped, first: first_dropped } = self.dropped();
+        let about = About {
+            identity: self.own_identity(),
+            layers: layers.iter().map(LayerForm::of).collect(),
+            tiles: tiles.map(|pixels| Tile::bytes(layers, pixels)).collect(),
+            until: self.until.load(Ordering::Relaxed),
+            seconds: self.elapsed().as_secs_f64(),
+            dropped,
+            first_dropped,
+        };
+        let header = serde_json::to_vec(&about).expect("numbers and names");
+        output::rewrite(path, |file| {
+            let mut hasher = blake3::Hasher::new();
+            let mut write = |bytes: &[u8]| {
+                hasher.update(bytes);
+                file.write_all(bytes).map_err(|error| error.to_string())
+            };
+            write(&MAGIC)?;
+            write(&LAYOUT.to_le_bytes())?;
+            write(&u32::try_from(header.len()).map_err(|error| error.to_string())?.to_le_bytes())?;
+            write(&header)?;
+            let mut bytes = Vec::new();
+            for index in 0..self.film.tile_count() {
+                bytes.clear();
+                // Workers wait for this tile while it is copied, not while it is written.
+                self.film.tile(index).write(&mut bytes);
+                write(&bytes)?;
+            }
+            let checksum = hasher.finalize();
+            file.write_all(checksum.as_bytes()).map_err(|error| error.to_string())
+        })
+    }
+
+    /// Goes on from `checkpoint`: from now on this session has its samples. To be called once it is prepared, and
+    /// before it runs.
+    ///
+    /// # Errors
+    /// If it is not of this render, or cannot be read again.
+    pub fn resume(&mut self, checkpoint: &mut Checkpoint) -> Result<()> {
+        let difference = identity::difference(&checkpoint.about.identity, &self.own_identity(), &MORE);
+        if let Some(difference) = difference {
+            return Err(checkpoint.foreign(&difference));
+        }
+        let Checkpoint { path, file, about, tiles } = checkpoint;
+        let layers = self.film.layers();
+        let pixels = (0..self.film.tile_count()).map(|index| self.film.tile(index).region().pixels());
+        let lengths: Vec<_> = pixels.map(|pixels| Tile::bytes(layers, pixels)).collect();
+        let forms: Vec<_> = layers.iter().map(LayerForm::of).collect();
+        if about.tiles != lengths || about.layers != forms {
+            return Err(refuse(path, "is a checkpoint with a film of another shape"));
+        }
+        let unreadable = |error: io::Error| refuse(path, format!("cannot be read: {error}"));
+        file.seek(SeekFrom::Start(*tiles)).map_err(unreadable)?;
+        let (mut reader, mut bytes) = (BufReader::with_capacity(1 << 16, &*file), Vec::new());
+        for (index, length) in lengths.into_iter().enumerate() {
+            bytes.resize(length as usize, 0);
+            reader.read_exact(&mut bytes).map_err(unreadable)?;
+            self.film.tile(index).read(&bytes).ok_or_else(|| refuse(path, "is a damaged checkpoint"))?;
+        }
+        let time = Duration::try_from_secs_f64(about.seconds).unwrap_or_default();
+        self.earlier = Earlier { time, samples: self.film.samples() };
+        self.monitor.note_dropped(Dropped { count: about.dropped, first: about.first_dropped });
+        *self.until.get_mut() = about.until;
+        Ok(())
+    }
+}

@@ -1,0 +1,125 @@
+//! Whether two renders take the same samples: what samples depend on, as entries of headers.
+
+use core::fmt;
+
+use toml::Value;
+
+/// An entry of a header: name and text.
+pub type Entry = (String, String);
+
+/// Entries of which the pilot decides.
+pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
+
+/// Entries that have to be the same, those that say most first.
+const DECISIVE: [&str; 8] =
+    ["version", "reference", "technique", "starts", "survival", "aimed", "roulette", "scene_hash"];
+
+/// Keys of a scene on which no sample depends.
+const IRRELEVANT: [&str; 2] = ["render.samples", "film.exposure"];
+
+/// Something that is not the same in two renders.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// What it is: a key of the scene, or an entry of the header.
+    pub what: String,
+    /// What it is in the one and in the other, if that can be told in a few words.
+    pub values: Option<[String; 2]>,
+}
+
+/// `medium.phase.g is 0.5 there and 0.6 here`, of the other and of this one.
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.values {
+            Some([there, here]) => write!(f, "{} is {there} there and {here} here", self.what),
+            None => write!(f, "{}", self.what),
+        }
+    }
+}
+
+/// The text of the entry called `name`.
+pub fn text<'a>(entries: &'a [Entry], name: &str) -> Option<&'a str> {
+    entries.iter().find(|(entry, _)| entry == name).map(|(_, text)| text.as_str())
+}
+
+/// What differs between the samples of two renders, given the headers of the one that is `there` and of the one that is
+/// `here`; none if they take the same samples. Entries called `more` are compared, too, and those that `here` lacks are
+/// not.
+pub fn difference(there: &[Entry], here: &[Entry], more: &[&str]) -> Option<Difference> {
+    if text(there, "scene_hash") != text(here, "scene_hash")
+        && let Some(difference) = key(there, here)
+    {
+        return Some(difference);
+    }
+    let differs = |name: &&str| text(here, name).is_some_and(|here| text(there, name) != Some(here));
+    let what = DECISIVE.iter().chain(more).copied().find(differs)?;
+    if what == "scene_hash" {
+        return Some(Difference { what: "the content of a file of the scene is another one".into(), values: None });
+    }
+    let value = |entries| quoted(text(entries, what).unwrap_or("unknown"));
+    Some(Difference { what: what.into(), values: Some([value(there), value(here)]) })
+}
+
+/// The first key of the scene that differs.
+fn key(there: &[Entry], here: &[Entry]) -> Option<Difference> {
+    let keys = |entries| {
+        let mut keys = Vec::new();
+        flatten("", &Value::Table(text(entries, "settings")?.parse().ok()?), &mut keys);
+        Some(keys)
+    };
+    let (there, here) = (keys(there)?, keys(here)?);
+    let names = there.iter().chain(&here).map(|(name, _)| name);
+    let value = |keys: &[Entry], name: &str| quoted(text(keys, name).unwrap_or("not set"));
+    let differs = |name: &&String| !IRRELEVANT.contains(&name.as_str()) && text(&there, name) != text(&here, name);
+    let name = names.filter(|name| differs(name)).min()?;
+    Some(Difference { what: name.clone(), values: Some([value(&there, name), value(&here, name)]) })
+}
+
+/// All values of a tree by their keys, as `--set` has them.
+fn flatten(path: &str, value: &Value, keys: &mut Vec<Entry>) {
+    match value {
+        Value::Table(table) => table.iter().for_each(|(name, value)| {
+            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            flatten(&path, value, keys);
+        }),
+        Value::Array(list) if list.iter().any(Value::is_table) => {
+            list.iter().enumerate().for_each(|(index, value)| flatten(&format!("{path}[{index}]"), value, keys));
+        }
+        value => keys.push((path.into(), value.to_string())),
+    }
+}
+
+/// A text in a line: not longer than people read.
+fn quoted(text: &str) -> String {
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(hash: &str, settings: &str, starts: &str) -> Vec<Entry> {
+        [("scene_hash", hash), ("settings", settings), ("starts", starts)].map(|(a, b)| (a.into(), b.into())).into()
+    }
+
+    fn found(there: &[Entry], here: &[Entry]) -> Option<String> {
+        difference(there, here, &[]).map(|difference| difference.to_string())
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let a = entries("1", "[render]\nsamples = 4\n[[light]]\nradius = 1.5", "1");
+        assert_eq!(found(&a, &entries("1", "[render]\nsamples = 8\n[[light]]\nradius = 1.5", "1")), None);
+        let other = entries("2", "[render]\nsamples = 8\n[[light]]\nradius = 2", "1");
+        assert_eq!(found(&a, &other).as_deref(), Some("light[0].radius is 1.5 there and 2 here"));
+        let other = entries("2", "[render]\nsamples = 8\nseed = 2\n[[light]]\nradius = 1.5", "1");
+        assert_eq!(found(&a, &other).as_deref(), Some("render.seed is not set there and 2 here"));
+        let other = entries("2", &a[1].1, "1");
+        assert_eq!(found(&a, &other).as_deref(), Some("the content of a file of the scene is another one"));
+        assert_eq!(found(&a, &entries("1", &a[1].1, "2")).as_deref(), Some("starts is 1 there and 2 here"));
+        assert_eq!(found(&a, &a[..2]), None, "what is not known yet is not compared");
+    }
+}

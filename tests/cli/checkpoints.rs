@@ -1,0 +1,319 @@
+//! Renders that are killed, stopped, and gone on with.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use fogbow::kernels::accumulate::Dropped;
+use fogbow::session::checkpoint::Checkpoint;
+use fogbow::session::{Session, Settings};
+use fogbow::{Scene, Target};
+
+use super::support::Folder;
+
+/// A folder, and the session whose checkpoint of a few samples is `c` there.
+fn session(samples: u32) -> (Folder, Session) {
+    let folder = Folder::with_scene();
+    let scene = Scene::load(folder.path("scene.toml")).expect("a scene");
+    let mut session = Session::new(scene.loaded().clone(), Settings::default()).expect("memory");
+    session.prepare(false, |_| {});
+    session.run(Target::Samples(samples), || false, |_| {});
+    session.write_checkpoint(&folder.path("c")).expect("written");
+    (folder, session)
+}
+
+fn pixels(session: &Session) -> Vec<fogbow::film::Pixel> {
+    session.film.pixels().collect()
+}
+
+#[test]
+fn a_session_goes_on_from_a_checkpoint_to_the_same_bits() {
+    let (folder, whole) = session(5);
+    let dropped = Dropped { count: 3, first: Some((7, 4)) };
+    whole.monitor().note_dropped(dropped);
+    let elapsed = whole.elapsed();
+    whole.write_checkpoint(&folder.path("c")).expect("written");
+    whole.run(Target::Samples(9), || false, |_| {});
+    let (other, mut resumed) = (session(9).1, session(0).1);
+    assert_eq!(pixels(&whole), pixels(&other), "it goes on");
+    let mut checkpoint = Checkpoint::open(&folder.path("c")).expect("a checkpoint");
+    resumed.resume(&mut checkpoint).expect("the same render");
+    resumed.run(Target::Samples(9), || false, |_| {});
+    assert_eq!(pixels(&whole), pixels(&resumed));
+    assert_eq!(resumed.dropped(), dropped);
+    assert!(resumed.elapsed() >= elapsed, "time goes on, too");
+}
+
+#[test]
+fn no_torn_or_damaged_checkpoint_is_taken_for_a_whole_one() {
+    let (folder, _) = session(2);
+    let (whole, path) = (fs::read(folder.path("c")).expect("a file"), folder.path("d"));
+    let refused = |bytes: &[u8], what: &str| {
+        fs::write(&path, bytes).expect("a file");
+        let error = Checkpoint::open(&path).expect_err(what);
+        assert!(error.remedy.contains("--overwrite-checkpoint"), "{what}: {error}");
+    };
+    for length in 0..whole.len() {
+        refused(&whole[..length], &format!("{length} bytes"));
+    }
+    refused(&[&whole[..], b"x"].concat(), "one byte more");
+    for at in 0..whole.len() {
+        let mut flipped = whole.clone();
+        flipped[at] ^= 1 << (at % 8);
+        refused(&flipped, &format!("byte {at}"));
+    }
+    let missing = Checkpoint::open(Path::new("nowhere")).expect_err("nothing there");
+    assert!(missing.finding.starts_with("cannot be read"), "{missing}");
+}
+
+#[cfg(unix)]
+mod on_signals {
+    use std::process::{Child, Command};
+    use std::thread::sleep;
+
+    use super::super::support::{assert_same_bits, header, plane, program};
+    use super::*;
+
+    /// Kills that a render survives.
+    const KILLS: u32 = if cfg!(feature = "long") { 20 } else { 5 };
+    /// Longer than a checkpoint takes, also on a busy machine.
+    const PATIENCE: Duration = Duration::from_secs(60);
+    /// Samples of a render of seconds.
+    const SAMPLES: &str = "400";
+
+    fn flags<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+        let base = ["render", "scene.toml", "-o", output, "--size", "64x64", "--progress", "plain"];
+        [&base[..], more].concat()
+    }
+
+    fn spawn(folder: &Folder, output: &str, more: &[&str]) -> Child {
+        program(folder).args(flags(output, more)).spawn().expect("the program starts")
+    }
+
+    #[track_caller]
+    fn wait_for(what: &str, is_so: impl Fn() -> bool) {
+        let start = Instant::now();
+        while !is_so() {
+            assert!(start.elapsed() < PATIENCE, "{what} takes too long");
+            sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Starts a render and waits for a checkpoint that is new.
+    fn started(folder: &Folder, output: &str, more: &[&str]) -> Child {
+        let path = folder.path(&format!("{output}.checkpoint"));
+        let time = |path: &PathBuf| path.metadata().and_then(|metadata| metadata.modified()).ok();
+        let before = time(&path);
+        let child = spawn(folder, output, more);
+        wait_for("a checkpoint", || time(&path) > before);
+        child
+    }
+
+    /// Ends the child with a signal, and gives its exit code and standard error.
+    fn ended_by(signal: &str, child: Child) -> (Option<i32>, String) {
+        send(signal, &child);
+        let output = child.wait_with_output().expect("a child");
+        (output.status.code(), String::from_utf8(output.stderr).expect("UTF-8"))
+    }
+
+    fn send(signal: &str, child: &Child) {
+        let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
+        assert!(status.success());
+    }
+
+    /// What a render in one go leaves.
+    fn whole(folder: &Folder, more: &[&str]) {
+        folder.done(&flags("whole.exr", &[&["--checkpoint", "off"], more].concat()));
+    }
+
+    #[test]
+    fn a_render_survives_being_killed_again_and_again() {
+        let folder = Folder::with_edited_scene("radiance = 10", "radiance = [10, 4, 1]");
+        whole(&folder, &["--samples", SAMPLES]);
+        let resumed = ["--samples", SAMPLES, "--checkpoint", "15ms", "--resume"];
+        for kill in 0..KILLS {
+            let child = started(&folder, "a.exr", &resumed);
+            sleep(Duration::from_millis(u64::from(7 * kill * kill % 50)));
+            let (code, stderr) = ended_by("-KILL", child);
+            assert_eq!(code, None, "{stderr}");
+            let line = if kill == 0 { "starting with the first sample" } else { "going on after " };
+            assert!(stderr.contains(line), "{kill}: {stderr}");
+        }
+        let run = folder.done(&flags("a.exr", &resumed));
+        assert!(run.stderr.contains("going on after "), "{run}");
+        assert_same_bits(&folder, "a.exr", "whole.exr");
+        assert_eq!(folder.names(), ["a.exr", "scene.toml", "whole.exr"], "nothing is left over");
+        assert_eq!(header(&folder.image("a.exr"), "coverage"), format!("0,0,64,64:0..{SAMPLES}"));
+    }
+
+    #[test]
+    fn who_is_told_to_stop_can_be_resumed_with_more_samples() {
+        let folder = Folder::with_scene();
+        whole(&folder, &["--sample-range", "7..500"]);
+        for signal in ["-TERM", "-HUP"] {
+            let child = started(&folder, "a.exr", &["--sample-range", "7..407", "--checkpoint", "20ms"]);
+            let (code, stderr) = ended_by(signal, child);
+            assert_eq!(code, Some(75), "{stderr}");
+            assert!(stderr.contains("--resume goes on from a.exr.checkpoint"), "{stderr}");
+            assert_eq!(folder.names(), ["a.exr.checkpoint", "scene.toml", "whole.exr"], "no image yet");
+            let run = folder.done(&flags("a.exr", &["--sample-range", "7..500", "--resume"]));
+            assert!(run.stderr.contains("going on after "), "{run}");
+            assert_same_bits(&folder, "a.exr", "whole.exr");
+            fs::remove_file(folder.path("a.exr")).expect("an image");
+        }
+    }
+
+    #[test]
+    fn a_render_until_a_noise_is_resumed_to_the_same_bits() {
+        let folder = Folder::with_scene();
+        whole(&folder, &["--noise", "0.07"]);
+        let child = started(&folder, "a.exr", &["--noise", "0.07", "--checkpoint", "20ms"]);
+        assert_eq!(ended_by("-TERM", child).0, Some(75));
+        folder.done(&flags("a.exr", &["--noise", "0.07", "--resume"]));
+        assert_same_bits(&folder, "a.exr", "whole.exr");
+    }
+
+    #[test]
+    fn ctrl_c_writes_the_image_and_leaves_a_checkpoint() {
+        let folder = Folder::with_scene();
+        let child = started(&folder, "a.exr", &["--time", "1h", "--checkpoint", "20ms"]);
+        let (code, stderr) = ended_by("-INT", child);
+        assert_eq!(code, Some(130), "{stderr}");
+        assert!(stderr.contains("--resume goes on from a.exr.checkpoint"), "{stderr}");
+        assert!(plane(&folder.image("a.exr"), "N")[0] >= 1.0);
+        assert_eq!(folder.names(), ["a.exr", "a.exr.checkpoint", "scene.toml"]);
+        folder.done(&["merge", "a.exr", "-o", "b.exr"]);
+        assert_same_bits(&folder, "a.exr", "b.exr");
+        fs::remove_file(folder.path("b.exr")).expect("an image");
+        // The time before counts, and is over.
+        folder.done(&flags("a.exr", &["--time", "1ms", "--resume"]));
+        assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+    }
+
+    #[test]
+    fn a_checkpoint_is_neither_overwritten_nor_taken_for_that_of_another_render() {
+        let folder = Folder::with_scene();
+        let child = started(&folder, "a.exr", &["--samples", "100000", "--checkpoint", "20ms"]);
+        assert_eq!(ended_by("-TERM", child).0, Some(75));
+        let path = folder.path("a.exr.checkpoint");
+        let checkpoint = fs::read(&path).expect("a checkpoint");
+        let foreign = "a.exr.checkpoint: is the checkpoint of another render: ";
+        for (more, difference) in [
+            (&["--seed", "2"][..], "render.seed is 1 there and 2 here"),
+            (&["--set", "light[0].radius=1"], "light[0].radius is 1.5 there and 1.0 here"),
+            (&["--crop", "0,0,32,64"], "region is 0,0,64,64 there and 0,0,32,64 here"),
+            (&["--sample-range", "1..9"], "first_sample is 0 there and 1 here"),
+            (&["--reference", "scatter"], "reference is none there and scatter here"),
+        ] {
+            for resume in [&["--resume"][..], &[]] {
+                let args = flags("a.exr", &[resume, more].concat());
+                folder.refused(&args, 1, &format!("{foreign}{difference}"));
+            }
+        }
+        let run = folder.refused(&flags("a.exr", &[]), 1, "a.exr.checkpoint: is a checkpoint of this render");
+        assert!(run.stderr.contains("--resume") && run.stderr.contains("--overwrite-checkpoint"), "{run}");
+        folder.refused(&flags("a.exr", &["--resume", "--samples", "1"]), 1, "a.exr.checkpoint: has ");
+        folder.write("a.exr.checkpoint", &checkpoint[..checkpoint.len() / 2]);
+        for more in [&["--resume"][..], &[]] {
+            folder.refused(&flags("a.exr", more), 1, "a.exr.checkpoint: is a truncated or damaged checkpoint");
+        }
+        folder.write("a.exr.checkpoint", &checkpoint);
+        folder.done(&flags("a.exr", &["--checkpoint", "off"]));
+        assert_eq!(fs::read(&path).expect("a checkpoint"), checkpoint, "it is still there");
+        folder.done(&flags("a.exr", &["--overwrite-checkpoint"]));
+        assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+    }
+
+    #[test]
+    fn sigusr1_writes_a_checkpoint_and_the_render_goes_on() {
+        let folder = Folder::with_scene();
+        let child = spawn(&folder, "a.exr", &["--samples", "100000", "--checkpoint", "1h"]);
+        sleep(Duration::from_millis(500));
+        let path = folder.path("a.exr.checkpoint");
+        assert!(!path.exists(), "an hour has not passed");
+        wait_for("the handler", || handles_sigusr1(&child));
+        send("-USR1", &child);
+        wait_for("a checkpoint", || path.exists());
+        sleep(Duration::from_millis(300));
+        let (code, stderr) = ended_by("-TERM", child);
+        assert_eq!(code, Some(75), "{stderr}");
+        assert!(stderr.contains("a.exr.checkpoint: checkpoint written\n"), "{stderr}");
+    }
+
+    fn handles_sigusr1(child: &Child) -> bool {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 9 & 1 == 1)
+    }
+
+    /// A render in the folder `sub` that cannot write checkpoints at first: it says so once, and catches up.
+    fn survives(folder: &Folder, repair: impl Fn()) {
+        let child = spawn(folder, "sub/a.exr", &["--samples", "100000", "--checkpoint", "100ms"]);
+        wait_for("the handler", || handles_sigusr1(&child));
+        let broken = folder.path("sub");
+        sleep(Duration::from_secs(2));
+        repair();
+        wait_for("a checkpoint", || broken.join("a.exr.checkpoint").exists());
+        let (code, stderr) = ended_by("-TERM", child);
+        assert_eq!(code, Some(75), "{stderr}");
+        assert_eq!(
+            stderr.matches("warning: no checkpoint could be written: sub/a.exr.checkpoint: ").count(),
+            1,
+            "{stderr}"
+        );
+        let checkpoint = Checkpoint::open(&broken.join("a.exr.checkpoint"));
+        assert!(checkpoint.is_ok(), "{checkpoint:?}");
+    }
+
+    #[test]
+    fn a_full_disk_does_not_stop_a_render() {
+        let folder = Folder::with_scene();
+        let sub = folder.path("sub");
+        fs::create_dir(&sub).expect("a folder");
+        let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=2m", "tmpfs"]).arg(&sub).output();
+        if !mount.is_ok_and(|output| output.status.success()) {
+            println!("not run: no tmpfs can be mounted here");
+            return;
+        }
+        // All but a page or two.
+        let fill = |bytes: usize| fs::write(sub.join("filler"), vec![1; bytes]).is_ok();
+        assert!(fill((2 << 20) - (16 << 10)), "it has room for that");
+        let outcome = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| {
+            survives(&folder, || fs::remove_file(sub.join("filler")).expect("a file"));
+        }));
+        let unmounted = Command::new("umount").arg(&sub).status();
+        assert!(unmounted.is_ok_and(|status| status.success()));
+        outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    }
+
+    #[test]
+    fn a_place_that_cannot_be_written_is_told_at_the_end() {
+        let folder = Folder::with_scene();
+        fs::create_dir(folder.path("sub")).expect("a folder");
+        let child = spawn(&folder, "sub/a.exr", &["--time", "3s", "--checkpoint", "50ms"]);
+        wait_for("the handler", || handles_sigusr1(&child));
+        wait_for("a checkpoint", || folder.path("sub/a.exr.checkpoint").exists());
+        // What is written meanwhile may be in the way of that.
+        wait_for("the end of the folder", || fs::remove_dir_all(folder.path("sub")).is_ok());
+        let output = child.wait_with_output().expect("a child");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "the image cannot be written either: {stderr}");
+        assert!(stderr.contains("the render goes on; the next try is in 50 ms"), "{stderr}");
+        let end = "warning: sub/a.exr.checkpoint: no checkpoint could be written there to the end\n";
+        assert!(stderr.contains(end), "{stderr}");
+    }
+
+    #[test]
+    fn short_renders_have_no_checkpoints_unless_asked_to() {
+        let folder = Folder::with_scene();
+        for more in [&["--time", "1s"][..], &["--samples", "8"]] {
+            folder.done(&flags("a.exr", more));
+            assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
+        }
+        for (flag, finding) in [("0s", "is no time"), ("often", "is not a duration"), ("60", "is not a duration")] {
+            let place = format!("--checkpoint {flag}: {finding}");
+            folder.refused(&flags("a.exr", &["--checkpoint", flag]), 2, &place);
+        }
+        folder.refused(&flags("png:/dev/null", &["--resume"]), 2, "--resume: there is no place for a checkpoint");
+    }
+}
