@@ -13,7 +13,7 @@
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
 //! 5. In a cell of one extinction, density need not be asked. A field that is one such cell needs no walk at all
-//!    ([`block`]).
+//!    (`block`).
 
 use wide::{f32x8, i32x8, u32x8};
 
