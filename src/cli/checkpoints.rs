@@ -69,6 +69,11 @@ impl Plan {
         self.path.as_deref().filter(|_| is_used)
     }
 
+    /// Whether a checkpoint is there.
+    pub fn has_checkpoint(&self) -> bool {
+        self.path().is_some_and(Path::exists)
+    }
+
     /// Whether checkpoints, or to go on from one, were asked for in so many words.
     pub fn is_asked_for(&self) -> bool {
         self.resume || matches!(self.asked, Some(Checkpoints::Every(_)))

@@ -52,7 +52,8 @@ pub fn finish(
     }
     let errors = write(session, outcome, signals, outputs, stats);
     if !errors.is_empty() {
-        if plan.is_asked_for() && !is_kept && checkpoints::write(plan, session, reporter) {
+        let is_worth_it = plan.is_asked_for() || plan.has_checkpoint();
+        if is_worth_it && !is_kept && checkpoints::write(plan, session, reporter) {
             reporter.line(format!("the samples are kept in {}", checkpoint(plan)));
         }
         return Ok(tell_all(&errors, signals));

@@ -68,11 +68,11 @@ fn own_prefix(path: &Path) -> String {
     format!("{PREFIX}{}-", &blake3::hash(name.as_encoded_bytes()).to_hex()[..16])
 }
 
-/// The same as [`write`] for what is written again and again, by a program that may be killed meanwhile: what that
+/// The same as [`write()`] for what is written again and again, by a program that may be killed meanwhile: what that
 /// leaves is found by [`remove_leftovers`].
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn rewrite(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
     write_as(path, &own_prefix(path), || false, fill)?;
     // Not before the folder is on the disk, too, does a power cut leave the new file and not the one before. Where a

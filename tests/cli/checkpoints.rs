@@ -304,6 +304,24 @@ mod on_signals {
     }
 
     #[test]
+    fn results_that_cannot_be_written_leave_a_checkpoint() {
+        let folder = Folder::with_scene();
+        fs::create_dir(folder.path("gone")).expect("a folder");
+        let more = ["--samples", "100", "-o", "gone/b.exr", "--checkpoint", "20ms"];
+        let child = started(&folder, "a.exr", &more);
+        fs::remove_dir(folder.path("gone")).expect("an empty folder");
+        let output = child.wait_with_output().expect("a child");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains("the samples are kept in a.exr.checkpoint\n"), "{stderr}");
+        fs::create_dir(folder.path("gone")).expect("a folder");
+        let run = folder.done(&flags("a.exr", &[&more[..], &["--resume"]].concat()));
+        assert!(run.stderr.contains("going on after 409600 samples"), "{run}");
+        assert_same_bits(&folder, "a.exr", "gone/b.exr");
+        assert_eq!(folder.names(), ["a.exr", "gone", "scene.toml"]);
+    }
+
+    #[test]
     fn short_renders_have_no_checkpoints_unless_asked_to() {
         let folder = Folder::with_scene();
         for more in [&["--time", "1s"][..], &["--samples", "8"]] {
