@@ -17,7 +17,7 @@ const LEAF: usize = 64 + 1 + 4 * 512;
 /// Leaves by their number in their node, and nodes by theirs.
 type Nodes<'a> = BTreeMap<usize, BTreeMap<usize, &'a Leaf>>;
 
-/// Writes a grid called `density` to `path`: cubic voxels of this edge [m], those of `leaves`, which lie within
+/// Writes a grid called `density` to `path`: cubic voxels of this edge `[m]`, those of `leaves`, which lie within
 /// 0 to 4095, active if they are not 0.
 ///
 /// # Panics
