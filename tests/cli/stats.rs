@@ -48,12 +48,17 @@ fn flights_are_weighed_by_channel_where_extinction_is_coloured() {
 }
 
 #[test]
-fn transmittances_are_estimated_where_extinction_varies() {
+fn transmittances_are_estimated_unless_they_are_known() {
     let fog = "[medium]\nscattering = 0.7\nabsorption = 0.3";
-    let volume = "[[volume]]\nshape = { type = 'box', min = [-1, -1, 1], max = [1, 1, 2] }\nscattering = 2";
-    let statistics = statistics(&Folder::with_edited_scene(fog, volume), &["--samples", "4"]);
-    let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
-    assert!(calls(Stage::Passage) >= 1.0 && calls(Stage::Transmittance) >= 1.0, "{statistics:#}");
+    let ball = "{ type = 'sphere', center = [0, 0, 2], radius = 1 }";
+    let block = "{ type = 'box', min = [-1, -1, 1], max = [1, 1, 2] }";
+    for (shape, is_estimated) in [(ball, true), (block, false)] {
+        let volume = format!("[[volume]]\nshape = {shape}\nscattering = 2");
+        let statistics = statistics(&Folder::with_edited_scene(fog, &volume), &["--samples", "4"]);
+        let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
+        assert!(calls(Stage::Passage) >= 1.0, "{statistics:#}");
+        assert_eq!(calls(Stage::Transmittance) >= 1.0, is_estimated, "{shape}: {statistics:#}");
+    }
 }
 
 #[test]
