@@ -472,11 +472,11 @@ fn light_diffuses_from_a_point_in_endless_fog() {
 
 /// Paths through several volumes, a coloured ball and a coloured cloud that are longer than the short suite has time for.
 #[test]
-fn all_techniques_have_the_same_means_in_volumes_at_longer_lengths() {
+fn all_techniques_have_the_same_means_in_volumes_at_all_lengths() {
     for (name, frame) in frames::clouds::volumes([16, 16]) {
-        assert_equal_means(name, &frame, 4..=8);
+        assert_equal_means(name, &frame, 1..=8);
     }
     for (name, frame) in frames::clouds::clouds([16, 16]) {
-        assert_equal_means(name, &frame, 5..=8);
+        assert_equal_means(name, &frame, 1..=8);
     }
 }
