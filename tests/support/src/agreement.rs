@@ -75,11 +75,11 @@ pub fn assert_equal_means(name: &str, base: &Frame, segments: RangeInclusive<u32
 pub fn assert_equal_means_in(name: &str, base: &Frame, other: &Frame, segments: RangeInclusive<u32>) {
     for segments in segments {
         let [base, other] = [base, other].map(|frame| frames::with_length(frame, segments));
-        let truth = means(&Frame { seed: 99, ..frames::with_techniques(&other, Active::Nee, 4.0) }, 3000);
+        let truth = means(&Frame { seed: 99, ..frames::with_techniques(&other, Active::Nee, 4.0) }, 1400);
         for active in IN_FIELDS {
             let seed = 100 * active as u32 + segments;
             let frame = Frame { seed, ..frames::with_techniques(&base, active, 4.0) };
-            assert_same(&format!("{name}, {active:?}, {segments} segments"), means(&frame, 1500), truth);
+            assert_same(&format!("{name}, {active:?}, {segments} segments"), means(&frame, 700), truth);
         }
     }
 }
