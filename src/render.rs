@@ -27,6 +27,48 @@ pub struct Workers {
     pub detailed_stats: bool,
 }
 
+/// Numbers of samples of every pixel of a film.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// All of these, whatever else there is already.
+    All(Range<u32>),
+    /// Of these the ones that are missing: pixels have the first of them, some perhaps more than others.
+    Missing(Range<u32>),
+}
+
+/// Which samples blocks take.
+struct Blocks {
+    /// Number of the sample with which every tile began: it has as many as follow.
+    firsts: Vec<u32>,
+    /// Number after the last sample.
+    end: u32,
+    /// Blocks of the tile that lacks most.
+    passes: u32,
+}
+
+impl From<Range<u32>> for Samples {
+    fn from(samples: Range<u32>) -> Self {
+        Self::All(samples)
+    }
+}
+
+impl Samples {
+    fn blocks(self, film: &Film) -> Blocks {
+        let tiles = 0..film.tile_count();
+        let (firsts, left, end) = match self {
+            Self::All(samples) => {
+                let firsts = tiles.map(|tile| samples.start.wrapping_sub(film.tile(tile).samples())).collect();
+                (firsts, samples.len() as u32, samples.end)
+            }
+            Self::Missing(samples) => {
+                let left = (samples.len() as u32).saturating_sub(film.fewest_samples());
+                (vec![samples.start; tiles.len()], left, samples.end)
+            }
+        };
+        Blocks { firsts, end, passes: left.div_ceil(SAMPLES_PER_BLOCK) }
+    }
+}
+
 /// How a caller watches and stops a running render.
 #[derive(Debug, Default)]
 pub struct Monitor {
@@ -81,7 +123,7 @@ impl Renderer {
         self.pool.current_num_threads()
     }
 
-    /// Takes the sample numbers `samples` of every pixel of `film`, or as many as fit before the monitor says stop.
+    /// Takes `samples` of every pixel of `film`, or as many as fit before the monitor says stop.
     ///
     /// Blocks are handed out pass by pass, so that an image that was stopped is evenly covered to within one block.
     /// The sums are exact: who takes which block, and when, leaves no trace.
@@ -90,7 +132,7 @@ impl Renderer {
         frame: &Frame,
         pipeline: &Pipeline,
         film: &Film,
-        samples: Range<u32>,
+        samples: impl Into<Samples>,
         monitor: &Monitor,
     ) -> Stats {
         self.render_counting(Stats::new(self.workers.detailed_stats), frame, pipeline, film, samples, monitor)
@@ -103,43 +145,12 @@ impl Renderer {
         frame: &Frame,
         pipeline: &Pipeline,
         film: &Film,
-        samples: Range<u32>,
+        samples: impl Into<Samples>,
         monitor: &Monitor,
     ) -> Stats {
-        let firsts: Vec<_> =
-            (0..film.tile_count()).map(|tile| samples.start.wrapping_sub(film.tile(tile).samples())).collect();
-        let passes = samples.end.saturating_sub(samples.start).div_ceil(SAMPLES_PER_BLOCK);
-        let numbers = Numbers { first: |tile: usize| firsts[tile], end: samples.end, passes };
-        self.render_blocks(empty, frame, pipeline, film, numbers, monitor)
-    }
-
-    /// Goes on with a film whose pixels have the first of `samples`, some perhaps more than others, until they have all
-    /// of them, or the monitor says stop.
-    pub fn go_on(
-        &self,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        film: &Film,
-        samples: Range<u32>,
-        monitor: &Monitor,
-    ) -> Stats {
-        let left = samples.len() as u32 - film.fewest_samples().min(samples.len() as u32);
-        let passes = left.div_ceil(SAMPLES_PER_BLOCK);
-        let numbers = Numbers { first: |_| samples.start, end: samples.end, passes };
-        self.render_blocks(Stats::new(self.workers.detailed_stats), frame, pipeline, film, numbers, monitor)
-    }
-
-    fn render_blocks(
-        &self,
-        empty: Stats,
-        frame: &Frame,
-        pipeline: &Pipeline,
-        film: &Film,
-        numbers: Numbers<impl Fn(usize) -> u32 + Sync>,
-        monitor: &Monitor,
-    ) -> Stats {
+        let Blocks { firsts, end, passes } = samples.into().blocks(film);
         let total = Mutex::new(empty.clone());
-        let blocks = u64::from(numbers.passes) * film.tile_count() as u64;
+        let blocks = u64::from(passes) * film.tile_count() as u64;
         let next = AtomicU64::new(0);
         self.pool.broadcast(|_| {
             let arena = Bump::new();
@@ -152,11 +163,10 @@ impl Renderer {
                     break;
                 }
                 let tile = (index % film.tile_count() as u64) as usize;
-                let first = (numbers.first)(tile);
-                let mut tile = film.tile(tile);
+                let (first, mut tile) = (firsts[tile], film.tile(tile));
                 // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
                 let start = first.wrapping_add(tile.samples());
-                let block = start..numbers.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                let block = start..end.min(start.saturating_add(SAMPLES_PER_BLOCK));
                 if block.is_empty() {
                     continue;
                 }
@@ -173,14 +183,4 @@ impl Renderer {
         });
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// Which samples blocks take.
-struct Numbers<F> {
-    /// Number of the first sample that a tile had.
-    first: F,
-    /// Number after the last sample.
-    end: u32,
-    /// Blocks of the tile that lacks most.
-    passes: u32,
 }

@@ -3,7 +3,7 @@
 use fogbow::film::{Film, Pixel, Region, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
-use fogbow::render::{Monitor, Renderer, Workers};
+use fogbow::render::{Monitor, Renderer, Samples, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::lights::Selection;
@@ -109,7 +109,7 @@ fn a_render_that_is_stopped_again_and_again_goes_on_to_the_same_bits() {
                     std::thread::sleep(std::time::Duration::from_millis(10));
                     monitor.stop.store(true, std::sync::atomic::Ordering::Relaxed);
                 });
-                renderer.go_on(&frame, &SIMD, &film, 7..2007, &monitor);
+                renderer.render(&frame, &SIMD, &film, Samples::Missing(7..2007), &monitor);
             });
             stops += 1;
         }

@@ -198,8 +198,7 @@ impl Session {
         })
     }
 
-    /// Goes on from `checkpoint`: from now on this session has its samples. To be called once it is prepared, and
-    /// before it runs.
+    /// Takes over the samples of `checkpoint`. To be called between preparing and running.
     ///
     /// # Errors
     /// If it is not of this render, or cannot be read again.

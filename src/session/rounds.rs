@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use super::{Outcome, Session};
+use crate::render::Samples;
 use crate::scene::schema::MOST_SAMPLES;
 use crate::stats::Stats;
 
@@ -124,8 +125,8 @@ impl Session {
         let pipeline = self.settings.reference.pipeline();
         let left = |deadline: Instant| deadline.saturating_duration_since(Instant::now());
         let first = self.settings.first_sample;
-        let samples = first..first.saturating_add(samples.end);
-        let round = || self.renderer.go_on(&self.scene.frame, &pipeline, &self.film, samples, monitor);
+        let samples = Samples::Missing(first..first.saturating_add(samples.end));
+        let round = || self.renderer.render(&self.scene.frame, &pipeline, &self.film, samples, monitor);
         watched(round, deadline.map_or(TICK, left).min(TICK), || {
             look();
             if deadline.is_some_and(|deadline| left(deadline).is_zero()) {
