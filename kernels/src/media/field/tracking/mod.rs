@@ -16,6 +16,7 @@
 
 mod block;
 mod quest;
+mod rays;
 pub mod reference;
 pub mod simd;
 

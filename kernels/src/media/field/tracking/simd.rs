@@ -18,13 +18,11 @@
 use wide::{f32x8, i32x8, u32x8};
 
 use super::quest::{Flight, Quest, Transmittance};
+use super::rays::{Ended, Lanes};
 use super::{RaysX8, block};
-use crate::lanes::{self, LANES};
+use crate::lanes;
 use crate::media::field::Field;
-use crate::media::field::axis::within;
-use crate::random::{Stream, uniform_x8};
 use crate::transcendental::{exp, neg_ln};
-use crate::vec3x8::Vec3x8;
 
 /// So many rays that still cross cells do not keep the others waiting.
 const FEW: u32 = 3;
@@ -53,48 +51,6 @@ pub fn transmittances<const N: usize>(
     track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
 }
 
-/// A ray that is through.
-struct Ended<const N: usize> {
-    t: f32,
-    collided: bool,
-    results: [f32; N],
-    known: f32,
-}
-
-/// Eight rays on their way.
-#[derive(Clone, Copy)]
-struct Lanes<const N: usize> {
-    /// Where the ray is at t = 0, and where it goes, in cells.
-    origin: Vec3x8,
-    direction: Vec3x8,
-    t: f32x8,
-    /// Where it leaves the cells or ends.
-    exit: f32x8,
-    /// Where it enters the next cell along each axis.
-    next: Vec3x8,
-    /// From one cell to the next along each axis.
-    delta: Vec3x8,
-    /// The cell that the ray is in.
-    cell: i32x8,
-    /// From there to the next one along each axis.
-    stride: [i32x8; 3],
-    /// Length of a unit of t `[m]`, times the hue of a flight.
-    scale: f32x8,
-    /// Mean free paths left until the next candidate.
-    budget: f32x8,
-    results: [f32x8; N],
-    hues: [f32x8; N],
-    /// Optical depth of what is known.
-    known: f32x8,
-    stream: [u32x8; 4],
-    candidates: u32x8,
-    row: u32x8,
-    /// Lanes with a ray.
-    live: u32,
-    /// Those of them whose rays have left the cells, or come to their ends.
-    through: u32,
-}
-
 #[inline(always)]
 fn track<const N: usize, Q: Quest<N>>(
     field: &Field,
@@ -120,52 +76,6 @@ fn track<const N: usize, Q: Quest<N>>(
 }
 
 impl<const N: usize> Lanes<N> {
-    fn empty() -> Self {
-        let (zero, none) = (f32x8::ZERO, u32x8::splat(0));
-        Self {
-            origin: Vec3x8::ZERO,
-            direction: Vec3x8::ZERO,
-            t: zero,
-            exit: zero,
-            next: Vec3x8::ZERO,
-            delta: Vec3x8::ZERO,
-            cell: i32x8::splat(0),
-            stride: [i32x8::splat(0); 3],
-            scale: zero,
-            budget: zero,
-            results: [zero; N],
-            hues: [zero; N],
-            known: zero,
-            stream: [none; 4],
-            candidates: none,
-            row: none,
-            live: 0,
-            through: 0,
-        }
-    }
-
-    /// What became of a ray, if those of `through` have not collided.
-    fn ended(&self, lane: usize, through: u32) -> Ended<N> {
-        let of = |v: f32x8| v.to_array()[lane];
-        let collided = through >> lane & 1 == 0;
-        Ended { t: of(self.t), collided, results: self.results.map(of), known: of(self.known) }
-    }
-
-    /// Takes the rays that wait as long as there are vacant lanes.
-    #[inline(always)]
-    fn take(&mut self, waiting: &mut Self) {
-        if self.live == 0 {
-            *self = *waiting;
-            waiting.live = 0;
-            return;
-        }
-        for (to, from) in lanes::each(!self.live & lanes::ALL).zip(lanes::each(waiting.live)) {
-            self.put(to, waiting, from);
-            self.live |= 1 << to;
-            waiting.live &= !(1 << from);
-        }
-    }
-
     /// Goes on with all rays until most have met a candidate or are through, and hands those that end to `end`.
     #[inline(always)]
     fn go_on<Q: Quest<N>>(&mut self, field: &Field, longest: f32, end: &mut impl FnMut(usize, Ended<N>)) {
@@ -173,15 +83,6 @@ impl<const N: usize> Lanes<N> {
         self.leave::<Q>(field, longest);
         self.end(ended, self.through, end);
         self.live &= !ended;
-    }
-
-    /// Hands rays that have ended to `end`.
-    #[inline(always)]
-    fn end(&self, ended: u32, through: u32, end: &mut impl FnMut(usize, Ended<N>)) {
-        let rows = self.row.to_array();
-        for lane in lanes::each(ended) {
-            end(rows[lane] as usize, self.ended(lane, through));
-        }
     }
 
     /// Sets a batch out. Rays that miss the cells, or end before, end at once.
@@ -237,92 +138,6 @@ impl<const N: usize> Lanes<N> {
             let rest = rate * (f32x8::splat(longest) - self.exit);
             self.known = through.select(self.known + rest, self.known);
         }
-    }
-
-    /// Takes a batch to where it enters the cells.
-    #[inline(always)]
-    fn enter<Q: Quest<N>>(&mut self, field: &Field, batch: &RaysX8<N>, longest: f32) {
-        let RaysX8 { first, stream, hues, .. } = *batch;
-        let live = lanes::mask(batch.live);
-        let [origin, direction] = [batch.origin, batch.direction].map(|v| Vec3x8::select(live, v, Vec3x8::ZERO));
-        let mut scale = direction.length_squared().sqrt();
-        if Q::FLIES {
-            scale *= hues[0];
-        }
-        let (origin, direction) = (field.in_cells(origin), field.to_cells.directions(direction));
-        let [enter, exit] =
-            within(origin, direction, [0.0; 3], field.cells.dims.map(|dim| dim as f32), f32x8::splat(longest));
-        let at = direction.mul_add(enter, origin);
-        let mut next = [f32x8::ZERO; 3];
-        let mut delta = [f32x8::ZERO; 3];
-        let mut index = i32x8::splat(0);
-        for axis in 0..3 {
-            let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
-            let (start, step) = (pick(origin), pick(direction));
-            let last = f32x8::splat((field.cells.dims[axis] - 1) as f32);
-            let cell = pick(at).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
-            let forward = step.simd_gt(f32x8::ZERO);
-            let border = f32x8::from_i32x8(cell) + forward.select(f32x8::ONE, f32x8::ZERO);
-            let inverse = f32x8::ONE / step;
-            let moves = !step.simd_eq(f32x8::ZERO);
-            next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
-            delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
-            let stride = i32x8::splat(field.cells.strides()[axis]);
-            index += (cell + i32x8::splat(1)) * stride;
-            self.stride[axis] = choose(forward, stride, -stride);
-        }
-        let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
-        (self.origin, self.direction) = (origin, direction);
-        (self.next, self.delta, self.cell) = (vector(next), vector(delta), index);
-        (self.t, self.exit, self.scale) = (enter, exit, scale);
-        (self.results, self.hues, self.known) = ([f32x8::ONE; N], hues, f32x8::ZERO);
-        (self.stream, self.candidates) = (stream, u32x8::splat(0));
-        self.row = u32x8::splat(first as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-        let [first, _] = self.draw();
-        self.budget = neg_ln(f32x8::ONE - first);
-        self.candidates = u32x8::splat(1);
-        self.through = 0;
-    }
-
-    /// Puts the ray in lane `from` of `other` in lane `to`.
-    #[inline(always)]
-    fn put(&mut self, to: usize, other: &Self, from: usize) {
-        let vectors = [
-            (&mut self.origin, &other.origin),
-            (&mut self.direction, &other.direction),
-            (&mut self.next, &other.next),
-            (&mut self.delta, &other.delta),
-        ];
-        for (vector, source) in vectors {
-            put(&mut vector.x, to, &source.x, from);
-            put(&mut vector.y, to, &source.y, from);
-            put(&mut vector.z, to, &source.z, from);
-        }
-        put(&mut self.t, to, &other.t, from);
-        put(&mut self.exit, to, &other.exit, from);
-        put(&mut self.scale, to, &other.scale, from);
-        put(&mut self.budget, to, &other.budget, from);
-        put(&mut self.known, to, &other.known, from);
-        put(&mut self.cell, to, &other.cell, from);
-        put(&mut self.candidates, to, &other.candidates, from);
-        put(&mut self.row, to, &other.row, from);
-        for hue in 0..N {
-            put(&mut self.results[hue], to, &other.results[hue], from);
-            put(&mut self.hues[hue], to, &other.hues[hue], from);
-        }
-        for axis in 0..3 {
-            put(&mut self.stride[axis], to, &other.stride[axis], from);
-        }
-        for word in 0..4 {
-            put(&mut self.stream[word], to, &other.stream[word], from);
-        }
-    }
-
-    /// The two numbers of the next candidate of every ray.
-    #[inline(always)]
-    fn draw(&self) -> [f32x8; 2] {
-        let [a, b, ..] = Stream::words_x8(self.stream, self.candidates);
-        [uniform_x8(a), uniform_x8(b)]
     }
 
     /// Takes most rays to their next candidates; gives the lanes whose rays end.
@@ -390,18 +205,6 @@ impl<const N: usize> Lanes<N> {
             self.cell += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
         }
     }
-}
-
-/// Puts lane `from` of `source` in lane `to`.
-#[inline(always)]
-fn put<T: bytemuck::Pod>(column: &mut T, to: usize, source: &T, from: usize) {
-    let (column, source): (&mut [u32; LANES], &[u32; LANES]) = (bytemuck::cast_mut(column), bytemuck::cast_ref(source));
-    column[to] = source[from];
-}
-
-#[inline(always)]
-fn choose(mask: f32x8, a: i32x8, b: i32x8) -> i32x8 {
-    bytemuck::cast(mask.select(bytemuck::cast::<i32x8, f32x8>(a), bytemuck::cast::<i32x8, f32x8>(b)))
 }
 
 /// `T' e^{hue depth}` for an estimate of the transmittance as [`transmittances`] gives it, and the `depth` that weights
