@@ -1,0 +1,139 @@
+//! Volumes: files, memory, diffusion, and techniques at all lengths.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use fogbow::render::{Monitor, Renderer};
+use fogbow::scene::document::Override;
+use fogbow::volume::Leaf;
+use fogbow::{pilot, scene};
+use fogbow_testing::agreement::assert_equal_means;
+use fogbow_testing::render::{WORKERS, green, render};
+use fogbow_testing::{frames, volume_writer, volumes};
+
+#[test]
+fn a_hundred_thousand_damaged_volumes_are_grids_or_errors() {
+    println!("{:?}", volumes::damage(1 << 32, 100_000));
+}
+
+/// Voxels along the edge of a large grid, which is mostly empty: 3.5 GB if it were not.
+const LARGE: i32 = 960;
+/// Memory that such a grid is read in [KiB]: of addresses, which is more than is ever used of them.
+const ENOUGH_MEMORY: u64 = 8 << 20;
+
+/// Ten clouds in a large grid, of densities that no two neighbours share.
+fn clouds_far_apart() -> Vec<Leaf> {
+    const RADIUS: f64 = 100.0;
+    let centres: [[i32; 3]; 10] =
+        core::array::from_fn(|i| [0, 1, 2].map(|axis| 104 + 94 * ((i * [1, 3, 7][axis]) % 9) as i32));
+    let density = |[x, y, z]: [i32; 3]| {
+        let from = |c: &[i32; 3]| [x - c[0], y - c[1], z - c[2]].map(f64::from).iter().map(|d| d * d).sum::<f64>();
+        let thickness = centres.iter().map(|centre| 1.0 - from(centre).sqrt() / RADIUS).fold(0.0, f64::max);
+        (thickness * (1.0 + f64::from((x * 7 + y * 5 + z * 3) % 16) / 16.0)) as f32
+    };
+    let bricks = LARGE / 8;
+    let origins = (0..bricks.pow(3)).map(|i| [i / bricks / bricks, i / bricks % bricks, i % bricks].map(|x| 8 * x));
+    let is_near = |origin: &[i32; 3]| {
+        centres.iter().any(|centre| (0..3).all(|axis| (origin[axis] + 4 - centre[axis]).abs() <= RADIUS as i32 + 4))
+    };
+    let leaves = origins.filter(is_near).map(|origin| {
+        let at = |i: usize| [0, 1, 2].map(|axis| origin[axis] + [i & 7, i >> 3 & 7, i >> 6][axis] as i32);
+        Leaf { origin, values: Box::new(core::array::from_fn(|i| density(at(i)))) }
+    });
+    leaves.filter(|leaf| leaf.values.iter().any(|value| *value > 0.0)).collect()
+}
+
+/// What the program prints to standard output and error with `args`, in as much memory as is enough.
+fn in_enough_memory(folder: &Path, args: &[&str]) -> [String; 2] {
+    let script = format!("ulimit -v {ENOUGH_MEMORY}; exec \"$0\" \"$@\"");
+    let mut command = Command::new("sh");
+    command.args(["-c", &script, env!("CARGO_BIN_EXE_fogbow")]).args(args).current_dir(folder).stdin(Stdio::null());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("a shell");
+    // What it prints is less than a pipe holds.
+    let (status, mut peak) = (format!("/proc/{}/status", child.id()), String::new());
+    while child.try_wait().expect("a child").is_none() {
+        let status = std::fs::read_to_string(&status).unwrap_or_default();
+        peak = status.lines().find(|line| line.starts_with("VmHWM")).map_or(peak, String::from);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    println!("{args:?}: {peak}");
+    let output = child.wait_with_output().expect("a child");
+    let texts = [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("UTF-8"));
+    assert!(output.status.success(), "{args:?}: {texts:?}");
+    texts
+}
+
+#[test]
+fn a_large_grid_takes_the_memory_of_what_is_in_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let leaves = clouds_far_apart();
+    volume_writer::write(&folder.path().join("clouds.vdb"), 0.01, &leaves);
+    let active = leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value > 0.0).count();
+    drop(leaves);
+    let share = active as f64 / f64::from(LARGE).powi(3);
+    println!("{active} voxels, {:.1} % of all", 100.0 * share);
+    assert!((0.02..0.06).contains(&share), "{share}");
+    let scene = "camera = { position = [4.8, 4.8, -9], look_at = [4.8, 4.8, 0], vertical_fov_deg = 60 }\n\
+                 film = { size = [16, 16] }\nenvironment = { radiance = 1 }\n[[volume]]\nscattering = 0.5\n\
+                 grid = { file = \"clouds.vdb\" }\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("a file");
+    let render = |style: &str| {
+        let args = ["render", "scene.toml", "-o", "a.exr", "--samples", "1", "--progress", style];
+        let [_, told] = in_enough_memory(folder.path(), &args);
+        println!("{told}");
+        told
+    };
+    let told = render("json");
+    assert!(told.contains(r#""phase":"loading","file":"clouds.vdb","fraction":"#), "{told}");
+    let told = render("plain");
+    assert!(told.lines().next().is_some_and(|line| line.contains(" %  ") && line.ends_with(" clouds.vdb")), "{told}");
+    let [described, _] = in_enough_memory(folder.path(), &["info", "scene.toml"]);
+    println!("{described}");
+    assert!(described.contains(&format!(", {active} active voxels, ")), "{described}");
+    let field = described.lines().find(|line| line.contains(" cells, ")).and_then(|line| line.strip_suffix(" KiB"));
+    let kib = field.and_then(|line| line.rsplit(' ').next()?.parse::<f64>().ok());
+    let kib = kib.expect("the memory of the field");
+    assert!(kib * 1024.0 <= 1.3 * 4.0 * active as f64, "{kib} KiB for {active} voxels");
+}
+
+/// Far from a small source in endless white fog the fluence is that of diffusion, P / (4 pi D r) with D = 1 / (3 mu_s'),
+/// and with absorption it falls by e^(-kappa r). Radiance at the angles of cosine +- 1 / sqrt 3 to the source, whose mean
+/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a hundredth of its light.
+#[test]
+fn light_diffuses_from_a_point_in_endless_fog() {
+    let (radius, radiance, scattering, distance) = (0.02_f64, 1000.0, 20.0 * 0.3, 1.0);
+    let power = 4.0 * core::f64::consts::PI.powi(2) * radius.powi(2) * radiance;
+    for absorption in [0.0_f64, 0.06] {
+        let diffusion = 1.0 / (3.0 * (scattering + absorption));
+        let fluence = power * (-(absorption / diffusion).sqrt() * distance).exp()
+            / (4.0 * core::f64::consts::PI * diffusion * distance);
+        let expected = fluence / (4.0 * core::f64::consts::PI);
+        let [toward, away] = [1.0, -1.0].map(|side: f64| {
+            let look_at = format!("camera.look_at=[{}, 0.81649658093, 0]", side / 3.0_f64.sqrt());
+            let settings = [look_at, format!("medium.absorption={absorption:?}")];
+            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/point");
+            let overrides =
+                settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+            let scene = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"));
+            let (renderer, size) = (Renderer::new(WORKERS).expect("threads start"), scene.scene.film.size);
+            let frame = pilot::choose(&scene.frame, size, scene.choices(), &renderer, &Monitor::default()).0;
+            green(&render(&frame, size, 0..4000).0)
+        });
+        let (mean, error) = (0.5 * (toward.0 + away.0), 0.5 * toward.1.hypot(away.1));
+        println!("absorption {absorption}: {mean} +- {error}, diffusion {expected}");
+        assert!(error < 0.03 * expected, "{mean} +- {error} says little");
+        assert!((mean - expected).abs() < 3.5 * error + 0.03 * expected, "{mean} +- {error} instead of {expected}");
+    }
+}
+
+/// Paths through several volumes, a coloured ball and a coloured cloud that are longer than the short suite has time for.
+#[test]
+fn all_techniques_have_the_same_means_in_volumes_at_all_lengths() {
+    for (name, frame) in frames::clouds::volumes([16, 16]) {
+        assert_equal_means(name, &frame, 1..=8);
+    }
+    for (name, frame) in frames::clouds::clouds([16, 16]) {
+        assert_equal_means(name, &frame, 1..=8);
+    }
+}
