@@ -1,6 +1,7 @@
 //! Extinction that differs from place to place: flights are tracked and transmittances estimated, and images are as they
 //! must be.
 
+use core::f64::consts::PI;
 use core::iter;
 
 use bumpalo::Bump;
@@ -25,6 +26,7 @@ use fogbow_testing::frames::clouds::{
     IN_FIELDS, ball, centred, cloud, clouds, leaves, solid, volumes, with_field, with_volumes,
 };
 use fogbow_testing::frames::{self, Active};
+use fogbow_testing::quadrature::henyey_greenstein;
 use fogbow_testing::recorded::wavefront;
 use fogbow_testing::render::{WORKERS, render_here, render_with};
 use fogbow_testing::statistics::z_of_means;
@@ -144,6 +146,66 @@ fn the_coarse_field_changes_no_mean() {
                 assert_same(&format!("{name}, {change}, {active:?}"), means(&frame, 1000), truth);
             }
         }
+    }
+}
+
+/// What stands for the phase functions of several media in connections and weights is our own affair, too.
+#[test]
+fn the_stand_in_of_phase_functions_changes_no_mean() {
+    let (name, base) =
+        volumes(SMALL).into_iter().find(|(_, frame)| frame.medium.phases.is_some()).expect("one of them");
+    let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Path, 4.0) }, 6000);
+    let one_of_them = base.medium.all_phases()[1].clone();
+    for stand_in in [base.medium.phase.clone(), one_of_them, PhaseFunction::henyey_greenstein(-0.2)] {
+        let changed = frames::with_medium(&base, Medium { phase: stand_in.clone(), ..base.medium.clone() });
+        for active in [Active::Nee, Active::Mvnee, Active::Omnee, Active::Bridge] {
+            let frame = frames::with_techniques(&changed, active, 4.0);
+            assert_same(&format!("{name}, {stand_in:?}, {active:?}"), means(&frame, 1500), truth);
+        }
+    }
+}
+
+/// Light that is scattered once, by either of two boxes of another phase function, on its way from a small lamp beside
+/// them: by quadrature.
+#[test]
+fn every_volume_scatters_by_its_own_phase_function() {
+    let (lamp, radius, radiance) = (DVec3::new(1.7, 0.3, 1.2), 0.02, 1e4);
+    let boxes = [(0.5, 1.5, 1.0, 0.8), (1.5, 2.5, 0.6, -0.5)];
+    let depth = |from: DVec3, to: DVec3| {
+        const STEPS: i32 = 2000;
+        let within = |at: DVec3| {
+            let is_in = |(near, far, ..): &&(f64, f64, f64, f64)| (*near..*far).contains(&at.z) && at.x.abs() < 1.0;
+            boxes.iter().find(is_in).map_or(0.0, |found| found.2)
+        };
+        let at = |i: i32| from.lerp(to, (f64::from(i) + 0.5) / f64::from(STEPS));
+        (0..STEPS).map(|i| within(at(i))).sum::<f64>() / f64::from(STEPS) * from.distance(to)
+    };
+    let [mut expected, steps] = [0.0, 400.0];
+    for (near, far, extinction, g) in boxes {
+        for i in 0..steps as u32 {
+            let at = DVec3::Z * (near + (far - near) * (f64::from(i) + 0.5) / steps);
+            let (way, through) = (lamp - at, (-depth(DVec3::ZERO, at) - depth(at, lamp)).exp());
+            let covered = 2.0 * PI * (1.0 - (1.0 - radius * radius / way.length_squared()).sqrt());
+            let scattered = extinction * henyey_greenstein(g, way.normalize().z) * (far - near) / steps;
+            expected += radiance * covered * scattered * through;
+        }
+    }
+    let lights = Lights::new(vec![Emitter::sphere(lamp, radius, [radiance; 3])], Selection::Uniform);
+    let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1e-3, 0.0, SMALL);
+    let volumes = boxes.map(|(near, far, extinction, _)| {
+        solid(Shape::block([[-1.0, -1.0, near], [1.0, 1.0, far]]), extinction as f32)
+    });
+    let phases = [0.0, 0.8, -0.5].map(PhaseFunction::henyey_greenstein);
+    let medium = Medium::of_field(Field::new(volumes.into(), 0.0), [1.0; 3], PhaseFunction::isotropic());
+    let frame = frames::plain(camera, medium.with_phases(&phases), lights, 2, 5);
+    let frame = Frame { lengths: PathLengths { min: 2, max: 2 }, ..frame };
+    for active in [Active::Nee, Active::Mvnee, Active::Bridge] {
+        let [(mean, error), ..] = means(&frames::with_techniques(&frame, active, 4.0), 4000);
+        assert!(
+            (mean - expected).abs() < 4.5 * error + 1e-3 * expected,
+            "{active:?}: {mean} +- {error}, not {expected}"
+        );
+        assert!(error < 0.01 * expected, "{active:?}: {mean} +- {error}");
     }
 }
 

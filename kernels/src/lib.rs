@@ -23,6 +23,7 @@ pub mod mis_weight;
 pub mod occlusion;
 pub mod passage;
 pub mod phase;
+pub mod phase_quotient;
 pub mod pipeline;
 pub mod prune;
 pub mod random;

@@ -5,7 +5,7 @@ mod joint;
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample, mis_weight,
-    occlusion, passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
+    occlusion, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
 };
 
 pub use joint::Joint;
@@ -96,6 +96,8 @@ pipeline! {
     lis_join (LisJoin): lis::sample::JoinKernel = lis::sample::simd::join, lis::sample::reference::join;
     /// One weight per candidate.
     mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
+    /// What turns count by the phase function of the medium that they are in.
+    phase_quotient (PhaseQuotient): phase_quotient::Kernel = phase_quotient::simd::run, phase_quotient::reference::run;
     /// Faint connections are dropped before they are traced.
     roulette (Roulette): roulette::Kernel = roulette::simd::run, roulette::reference::run;
     /// Blocked connections count nothing.

@@ -111,7 +111,12 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
         let scale = volume.grid.as_ref().map_or(1.0, |grid| grid.scale);
         let inside = coefficients(&volume.medium(), scale).map_or_else(
             || "vacuum".into(),
-            |(free_path, albedo)| format!("mean free path {free_path} m{of}, albedo {albedo}"),
+            |(free_path, albedo)| {
+                let turns = filling.as_ref().map_or_else(String::new, |filling| {
+                    format!(", {} of mean cosine {}", volume.phase.kind.name(), number(filling.mean_cosine, 4))
+                });
+                format!("mean free path {free_path} m{of}, albedo {albedo}{turns}")
+            },
         );
         say(format!("volume{name}: {what}, {inside}{glow}"))?;
         match filling {
@@ -123,13 +128,13 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
     let medium = &loaded.frame.medium;
     let free_path = spectrum(medium.extinctions().map(|extinction| 1.0 / extinction));
     let [x, y, z] = field.cells().dims;
-    let (g, size) = (number(medium.phase.mean_cosine(), 4), field.bytes() >> 10);
-    say(format!("volumes: mean free path at least {free_path} m, mean cosine {g}; {x}x{y}x{z} cells, {size} KiB"))
+    let size = field.bytes() >> 10;
+    say(format!("volumes: mean free path at least {free_path} m; {x}x{y}x{z} cells, {size} KiB"))
 }
 
 /// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.
 fn describe_filling(filling: &Filling, medium: &Medium, scale: f64) -> Result<()> {
-    let Filling { bounds: [low, high], densities, glowing, bytes } = filling;
+    let Filling { bounds: [low, high], densities, glowing, bytes, .. } = filling;
     let voxels = |grid: &Densities| format!("{} active voxels", grid.active_voxels);
     let grids = [
         densities.as_ref().map(voxels),
@@ -155,7 +160,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     match &scene.medium {
         Some(medium) if coefficients(medium, 1.0).is_some() => {
             let (free_path, albedo) = coefficients(medium, 1.0).expect("there is something");
-            let (phase, g) = (medium.phase.kind.name(), number(frame.medium.phase.mean_cosine(), 4));
+            let (phase, g) = (medium.phase.kind.name(), number(frame.medium.phase_around().mean_cosine(), 4));
             let glow = glow(medium, None);
             say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}{glow}"))?;
         }

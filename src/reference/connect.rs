@@ -10,7 +10,7 @@ use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{Chain, Connection, bridge, lis};
 use fogbow_kernels::random;
-use fogbow_kernels::{PathLengths, occlusion, roulette};
+use fogbow_kernels::{PathLengths, occlusion, phase_quotient, roulette};
 use glam::DVec3;
 
 use super::Walk;
@@ -106,6 +106,10 @@ impl Walk<'_> {
     fn try_connection(&mut self, connection: &Connection<'_>, emitter: usize, rest: &[DVec3]) {
         let Connection { technique, scope: Scope { purpose, .. }, .. } = *connection;
         let mut worth = self.weigh(emitter, rest);
+        let mut chain = vec![self.last()];
+        chain.extend_from_slice(rest);
+        let quotient = self.turns(&chain);
+        worth.factor = worth.factor.map(|factor| factor * quotient);
         let contribution = roulette::reference::largest(&self.contribution(emitter, worth));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);
         let (pixel, sample, seed) = (self.pixel, self.sample, self.frame.seed);
@@ -113,8 +117,6 @@ impl Walk<'_> {
             return;
         }
         worth.weight /= survival;
-        let mut chain = vec![self.last()];
-        chain.extend_from_slice(rest);
         let Frame { lights, surfaces, .. } = self.frame;
         let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
         if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
@@ -122,5 +124,13 @@ impl Walk<'_> {
             worth.factor = [0, 1, 2].map(|c| worth.factor[c] * through[c]);
             self.add(Some(technique), emitter, worth, rest.len() - 1);
         }
+    }
+
+    /// What the turns of a chain from the last vertex count by the phase functions of the media that they are in.
+    fn turns(&self, chain: &[DVec3]) -> f64 {
+        let scatters = self.first_start() < self.depth() || self.last_surface.is_none();
+        let arriving = scatters.then(|| (self.last() - self.path[self.path.len() - 2]).normalize());
+        let medium = &self.frame.medium;
+        medium.phases.as_ref().map_or(1.0, |_| phase_quotient::reference::quotient(medium, arriving, chain))
     }
 }

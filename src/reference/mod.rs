@@ -259,7 +259,7 @@ impl Walk<'_> {
     /// Appends the vertex at the end of the flight.
     fn scatter(&mut self, flight: f64, u: [f64; 2]) {
         let medium = &self.frame.medium;
-        let event = scatter::reference::scatter(medium.phase.twin(), self.last(), self.direction, flight, u);
+        let event = scatter::reference::scatter(medium, self.last(), self.direction, flight, u);
         self.path.push(event.position);
         self.direction = event.direction;
         for (throughput, albedo) in self.throughput.iter_mut().zip(medium.albedo_at(event.position)) {

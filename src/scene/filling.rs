@@ -9,6 +9,8 @@ use crate::volume::VoxelGrid;
 pub struct Filling {
     /// Smallest and largest coordinates of its shape, or of the voxels that are not 0 `[m]`.
     pub bounds: [[f64; 3]; 2],
+    /// Mean cosine of its scattering events.
+    pub mean_cosine: f64,
     /// What is in its grid, if it has one.
     pub densities: Option<Densities>,
     /// What is in the grid of its emission, if it has one.

@@ -96,7 +96,9 @@ impl LoadedScene {
         };
         self.frame.surfaces.digest(&mut digest);
         self.frame.lights.digest(&mut digest);
-        self.frame.medium.phase.digest(&mut digest);
+        for phase in self.frame.medium.all_phases() {
+            phase.digest(&mut digest);
+        }
         if let Some(field) = self.frame.medium.field() {
             field.digest(&mut digest);
         }

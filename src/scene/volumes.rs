@@ -7,6 +7,7 @@ use fogbow_kernels::media::closed_mesh::ClosedMesh;
 use fogbow_kernels::media::field::{Field, Interpolation, MOST_VOLUMES, Shape, ToIndex, Volume as Placed, Voxels};
 use fogbow_kernels::media::glow::Source;
 use fogbow_kernels::media::{Glow, Medium};
+use fogbow_kernels::phase::PhaseFunction;
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::boundaries::{self, Wanted};
@@ -84,8 +85,8 @@ pub fn medium(
         let finding = format!("there are {} volumes, but a scene has {MOST_VOLUMES} at most", volumes.len());
         return Err(document.error("volume", finding, "leave some out, or join grids"));
     }
-    let common = common(&around, volumes)?;
-    uncoloured(document, &around, volumes, &common)?;
+    let hues = common_hues(&around, volumes)?;
+    uncoloured(document, &around, volumes, hues)?;
     let (mut placed, mut fillings) = (Vec::new(), Vec::new());
     for (index, volume) in volumes.iter().enumerate() {
         let filled = volume.placed(origin)?;
@@ -108,14 +109,14 @@ pub fn medium(
     placed.sort_by_key(|(priority, index, _)| core::cmp::Reverse((*priority, *index)));
     // Vacuum has no albedo: that of others spares asking who is there.
     let albedo = |medium: &Medium| if extinction(&medium) == 0.0 { densest.albedo } else { medium.albedo };
-    let albedos: Vec<[f32; 3]> = [albedo(&around)]
-        .into_iter()
-        .chain(placed.iter().map(|(_, index, _)| albedo(&volumes[*index].medium)))
-        .collect();
+    let media = [&around].into_iter().chain(placed.iter().map(|(_, index, _)| &volumes[*index].medium));
+    let albedos: Vec<[f32; 3]> = media.clone().map(albedo).collect();
+    let phases = phases(media);
     let (bounds, sources) = placed.into_iter().map(|(.., (bounds, source))| (bounds, source)).unzip();
-    let field = Field::new(bounds, around.largest_extinction()).coloured(common.hues);
-    let glow = glows.then(|| Glow::of_field(&field, around.glow.map_or([0.0; 3], |glow| glow.around()), sources));
-    let medium = Medium::of_field(field, densest.albedo, common.phase).with_albedos(&albedos);
+    let field = Field::new(bounds, around.largest_extinction()).coloured(hues);
+    let glow =
+        glows.then(|| Glow::of_field(&field, around.glow.as_ref().map_or([0.0; 3], |glow| glow.around()), sources));
+    let medium = Medium::of_field(field, densest.albedo, densest.phase).with_albedos(&albedos).with_phases(&phases);
     Ok((if let Some(glow) = glow { medium.with_glow(glow) } else { medium }, fillings))
 }
 
@@ -144,43 +145,35 @@ impl Quantity {
     }
 }
 
-/// What all media of a scene have in common.
-struct Common {
-    phase: fogbow_kernels::phase::PhaseFunction,
-    /// Extinction per channel over that of the channel in which it is largest.
-    hues: [f32; 3],
-}
-
-/// What `around` and `volumes` have in common; the error that they do not.
-fn common(around: &Medium, volumes: &[Volume<'_>]) -> Result<Common> {
-    let all: Vec<(&Medium, Option<&Volume<'_>>)> =
-        [(around, None)].into_iter().chain(volumes.iter().map(|volume| (&volume.medium, Some(volume)))).collect();
-    let first = |counts: &dyn Fn(&Medium) -> bool| all.iter().find(|(medium, _)| counts(medium));
-    let scatters = |medium: &Medium| !medium.never_scatters();
-    let phase = first(&scatters).map_or(&around.phase, |(medium, _)| &medium.phase).clone();
-    let is_there = |medium: &Medium| medium.largest_extinction() > 0.0;
-    let hues = first(&is_there).map_or([1.0; 3], |(medium, _)| hues(medium));
-    for (medium, volume) in &all {
-        let Some(volume) = volume else { continue };
-        let finding = "another phase function than that of the media before, but so far all media of a scene share one";
-        let ok = !scatters(medium) || medium.phase == phase;
-        volume.require(ok, "phase", finding, "give all media the same phase, or leave out those of another")?;
-        let own = self::hues(medium);
-        let close = (0..3).all(|c| (own[c] - hues[c]).abs() <= SAME_HUE);
+/// Extinction per channel over that of the channel in which it is largest, which `around` and `volumes` have in common;
+/// the error that they do not.
+fn common_hues(around: &Medium, volumes: &[Volume<'_>]) -> Result<[f32; 3]> {
+    let is_there = |medium: &&Medium| medium.largest_extinction() > 0.0;
+    let all = [around].into_iter().chain(volumes.iter().map(|volume| &volume.medium));
+    let common = all.into_iter().find(is_there).map_or([1.0; 3], hues);
+    for volume in volumes.iter().filter(|volume| is_there(&&volume.medium)) {
+        let own = hues(&volume.medium);
+        let close = (0..3).all(|c| (own[c] - common[c]).abs() <= SAME_HUE);
         let finding = "an extinction (scattering + absorption) that differs between channels by other factors than that \
                        of the media before, but so far all media of a scene share them";
         let remedy = "make scattering + absorption of all media the same multiple of each other in every channel; the \
                       shares of the two may differ";
-        volume.require(!is_there(medium) || close, "scattering", finding, remedy)?;
+        volume.require(close, "scattering", finding, remedy)?;
     }
-    Ok(Common { phase, hues })
+    Ok(common)
+}
+
+/// The phase functions of `media`. Those that never scatter have none of their own.
+fn phases<'a>(media: impl Iterator<Item = &'a Medium> + Clone) -> Vec<PhaseFunction> {
+    let Some(first) = media.clone().find(|medium| !medium.never_scatters()) else { return Vec::new() };
+    media.map(|medium| if medium.never_scatters() { first.phase.clone() } else { medium.phase.clone() }).collect()
 }
 
 /// The error that something emits where extinction is coloured.
-fn uncoloured(document: &Document, around: &Medium, volumes: &[Volume<'_>], common: &Common) -> Result<()> {
+fn uncoloured(document: &Document, around: &Medium, volumes: &[Volume<'_>], hues: [f32; 3]) -> Result<()> {
     let own = volumes.iter().map(|volume| (&volume.medium, volume.table.as_str()));
     let mut all = [(around, "medium")].into_iter().chain(own);
-    let Some((_, table)) = all.find(|(medium, _)| medium.glow.is_some()).filter(|_| common.hues != [1.0; 3]) else {
+    let Some((_, table)) = all.find(|(medium, _)| medium.glow.is_some()).filter(|_| hues != [1.0; 3]) else {
         return Ok(());
     };
     let path = format!("{table}.emission");
@@ -228,7 +221,11 @@ impl Volume<'_> {
         let placed = Placed { shape, voxels, extinction: unit };
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
         let bytes = placed.bytes() + source.voxels.as_ref().map_or(0, Voxels::bytes);
-        Ok(Some((placed, source, Filling { bounds, densities, glowing, bytes })))
+        Ok(Some((
+            placed,
+            source,
+            Filling { bounds, mean_cosine: self.medium.phase.mean_cosine(), densities, glowing, bytes },
+        )))
     }
 
     /// What it emits, and what is in the grid of its emission.

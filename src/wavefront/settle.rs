@@ -15,6 +15,7 @@ impl Wavefront<'_> {
             self.count_work(source, bucket);
         }
         self.mis_weight(source, bucket);
+        self.phase_quotient(source, bucket);
         let weighted = self.count(bucket);
         if self.frame.roulette > 0.0 {
             self.roulette(source, bucket, purpose);

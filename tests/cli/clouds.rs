@@ -47,7 +47,7 @@ fn a_box_is_rendered_and_described() {
     folder.write("scene.toml", SCENE.replace(MEDIUM, volume));
     folder.done(&["render", "scene.toml", "--technique", "bridge", "-o", "a.exr"]);
     let run = folder.done(&["info", "scene.toml"]);
-    let lines = "volume: a box, mean free path 0.5000 m, albedo 1\n  from [-1, -1, 1] to [1, 1, 2] m\n";
+    let lines = "volume: a box, mean free path 0.5000 m, albedo 1, henyey_greenstein of mean cosine 0.5000\n  from [-1, -1, 1] to [1, 1, 2] m\n";
     assert!(run.stdout.contains(lines), "{run}");
     for (set, finding) in [
         ("volume[0].shape.max=[1, 1, 1]", "volume[0].shape.max is [1.0, 1.0, 1.0], where min is [-1.0, -1.0, 1.0]"),
@@ -133,11 +133,25 @@ fn media_that_differ_in_what_all_share_are_refused() {
     let coloured = with_volumes(fog, &[&format!("{shape}\nscattering = [1, 2, 3]")]);
     coloured.refused(&["render", "scene.toml"], 1, "scene.toml:");
     assert!(coloured.run(&["render", "scene.toml"]).stderr.contains("volume[0].scattering is an extinction"));
-    let turned = with_volumes(fog, &[&format!("{shape}\nscattering = 1\nphase = {{ g = 0.5 }}")]);
-    let run = turned.run(&["render", "scene.toml"]);
-    assert!(run.code == Some(1) && run.stderr.contains("volume[0].phase is another phase function"), "{run}");
+}
+
+#[test]
+fn media_may_have_phase_functions_of_their_own() {
+    let shape = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nphase = { g = 0.5 }";
+    let image = |fog: &str, coefficient: &str| {
+        let folder = with_volumes(fog, &[&format!("{shape}\n{coefficient} = 1")]);
+        folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+        (folder.run(&["info", "scene.toml"]).stdout, folder.image("a.exr").channels)
+    };
+    let fog = |g: f64| format!("[medium]\nscattering = 0.2\nphase = {{ g = {g} }}");
+    let (said, own) = image(&fog(-0.2), "scattering");
+    for line in ["albedo 1, henyey_greenstein of mean cosine 0.5000\n", "henyey_greenstein of mean cosine -0.2000\n"] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    assert!(own != image(&fog(0.5), "scattering").1);
     // What does not scatter has no phase function.
-    with_volumes(fog, &[&format!("{shape}\nabsorption = 1\nphase = {{ g = 0.5 }}")]).done(&["render", "scene.toml"]);
+    let absorbing = |g: f64| image(&format!("[medium]\nabsorption = 0.2\nphase = {{ g = {g} }}"), "scattering").1;
+    assert!(absorbing(-0.2) == absorbing(0.5));
 }
 
 #[test]

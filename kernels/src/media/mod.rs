@@ -12,6 +12,7 @@ pub mod field;
 pub mod glow;
 pub mod homogeneous;
 mod lanes;
+pub mod phases;
 pub mod reference;
 pub mod spectral;
 
@@ -22,11 +23,13 @@ use wide::f32x8;
 
 use self::field::reference::FieldTwin;
 use crate::phase::PhaseFunction;
+use crate::phase::reference::Phase;
 use crate::vec3x8::Vec3x8;
 pub use field::Field;
 pub use glow::Glow;
 pub use homogeneous::Homogeneous;
 pub use lanes::{AxisX8, Crowding, MediumLanes, MediumX8};
+pub use phases::{Phases, PhasesX8};
 
 /// What fills space.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,8 +43,11 @@ pub struct Medium {
     pub albedos: Option<Arc<[[f32; 3]]>>,
     /// What it emits by itself, if anything.
     pub glow: Option<Arc<Glow>>,
-    /// Where a scattering event sends light.
+    /// Where a scattering event sends light; where phase functions differ, what stands for all of them in connections and
+    /// weights.
     pub phase: PhaseFunction,
+    /// Phase functions of what is around all volumes and of the volumes of a field, if they differ.
+    pub phases: Option<Arc<Phases>>,
 }
 
 /// How a medium's extinction is given.
@@ -56,23 +62,47 @@ pub enum Kind {
 impl Medium {
     /// A homogeneous medium of grey `extinction` [1/m], >= 0.
     pub const fn homogeneous(extinction: f32, albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Homogeneous(Homogeneous::grey(extinction)), albedo, albedos: None, glow: None, phase }
+        Self {
+            kind: Kind::Homogeneous(Homogeneous::grey(extinction)),
+            albedo,
+            albedos: None,
+            glow: None,
+            phase,
+            phases: None,
+        }
     }
 
     /// A homogeneous medium of this `extinction` per channel [1/m], each >= 0.
     pub fn coloured(extinction: [f32; 3], albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Homogeneous(Homogeneous::coloured(extinction)), albedo, albedos: None, glow: None, phase }
+        Self {
+            kind: Kind::Homogeneous(Homogeneous::coloured(extinction)),
+            albedo,
+            albedos: None,
+            glow: None,
+            phase,
+            phases: None,
+        }
     }
 
     /// A medium of the extinction of `field` and one albedo.
     pub fn of_field(field: Field, albedo: [f32; 3], phase: PhaseFunction) -> Self {
-        Self { kind: Kind::Field(Arc::new(field)), albedo, albedos: None, glow: None, phase }
+        Self { kind: Kind::Field(Arc::new(field)), albedo, albedos: None, glow: None, phase, phases: None }
     }
 
     /// The same with these albedos around all volumes and in the volumes, if they differ.
     pub fn with_albedos(self, albedos: &[[f32; 3]]) -> Self {
         let differ = albedos.iter().any(|albedo| *albedo != self.albedo);
         Self { albedos: differ.then(|| albedos.into()), ..self }
+    }
+
+    /// The same with these phase functions around all volumes and in the volumes, if they differ.
+    pub fn with_phases(self, all: &[PhaseFunction]) -> Self {
+        let phases = Phases::new(all);
+        match phases.distinct() {
+            [] => self,
+            [phase] => Self { phase: phase.clone(), phases: None, ..self },
+            _ => Self { phase: phases.stand_in(), phases: Some(Arc::new(phases)), ..self },
+        }
     }
 
     /// The same that emits light by itself.
@@ -138,6 +168,27 @@ impl Medium {
     /// Where albedos are asked for place by place.
     pub fn albedos_by_place(&self) -> Option<AlbedosX8<'_>> {
         Some(AlbedosX8 { field: self.field()?, albedos: self.albedos.as_deref()? })
+    }
+
+    /// Where phase functions are asked for place by place.
+    pub fn phases_by_place(&self) -> Option<PhasesX8<'_>> {
+        Some(PhasesX8 { field: self.field()?, phases: self.phases.as_deref()? })
+    }
+
+    /// Phase function at a point, for twins.
+    pub fn phase_at(&self, at: DVec3) -> &dyn Phase {
+        let by_place = self.field().zip(self.phases.as_deref());
+        by_place.map_or(&self.phase, |(field, phases)| phases.at(field, at)).twin()
+    }
+
+    /// Phase function of what is around all volumes, or of all there is.
+    pub fn phase_around(&self) -> &PhaseFunction {
+        self.phases.as_deref().map_or(&self.phase, Phases::around)
+    }
+
+    /// All phase functions that there are.
+    pub fn all_phases(&self) -> &[PhaseFunction] {
+        self.phases.as_deref().map_or(core::slice::from_ref(&self.phase), Phases::distinct)
     }
 
     /// Albedo at a point, per channel, for twins.

@@ -35,7 +35,7 @@ pub struct Columns<'a, 'q> {
 }
 
 /// Moves every live path that does not end on a surface to the end of its flight and draws a new direction from the
-/// phase function.
+/// phase function of the medium there.
 ///
 /// The cosine follows from inverting the phase function's distribution, `cosine` rising with its word; the azimuth
 /// `2 pi u` counts in the [frame](crate::vec3x8::Vec3x8::frame) of the old direction. Direction and phase function

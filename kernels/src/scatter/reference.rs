@@ -9,7 +9,8 @@
 use glam::DVec3;
 
 use super::Columns;
-use crate::phase::reference::{Phase, turn};
+use crate::media::Medium;
+use crate::phase::reference::turn;
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
@@ -18,7 +19,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     for lane in live.without(on_surface) {
         let flight = flights.row(lane);
         let event = scatter(
-            medium.phase.twin(),
+            medium,
             DVec3::from(vertex.position.row(lane).map(f64::from)),
             DVec3::from(ray.direction.row(lane).map(f64::from)),
             f64::from(flight.flight),
@@ -46,27 +47,28 @@ pub struct Event {
 }
 
 /// The event at the end of `flight` from `origin` in `direction`; `u` decides on cosine and azimuth.
-pub fn scatter(phase: &dyn Phase, origin: DVec3, direction: DVec3, flight: f64, u: [f64; 2]) -> Event {
-    let cosine = phase.sample_cosine(u[0]);
-    Event { position: origin + flight * direction, direction: turn(direction, cosine, u[1]) }
+pub fn scatter(medium: &Medium, origin: DVec3, direction: DVec3, flight: f64, u: [f64; 2]) -> Event {
+    let position = origin + flight * direction;
+    let cosine = medium.phase_at(position).sample_cosine(u[0]);
+    Event { position, direction: turn(direction, cosine, u[1]) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase::HenyeyGreenstein;
+    use crate::phase::PhaseFunction;
 
     #[test]
     fn the_mean_of_the_next_direction_is_g_times_the_old_one() {
         let direction = DVec3::new(0.3, -0.4, 0.5).normalize();
         for g in [-0.5, 0.0, 0.85] {
-            let phase = HenyeyGreenstein { g };
+            let medium = Medium::homogeneous(1.0, [1.0; 3], PhaseFunction::henyey_greenstein(g));
             let mut mean = DVec3::ZERO;
             for (i, j) in (0..1000).flat_map(|i| (0..8).map(move |j| (i, j))) {
                 let u = [(f64::from(i) + 0.5) / 1000.0, (f64::from(j) + 0.5) / 8.0];
-                mean += scatter(&phase, DVec3::ZERO, direction, 1.0, u).direction / 8000.0;
+                mean += scatter(&medium, DVec3::ZERO, direction, 1.0, u).direction / 8000.0;
             }
-            assert!((mean - phase.mean_cosine() * direction).length() < 1e-5, "{mean}");
+            assert!((mean - medium.phase.mean_cosine() * direction).length() < 1e-5, "{mean}");
         }
     }
 }

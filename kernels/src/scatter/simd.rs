@@ -5,7 +5,8 @@
 //! ```
 //!
 //! 1. Where albedos differ between places, they are asked for where paths scatter. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
-//! 2. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
+//! 2. Where phase functions differ, all turn by the first one, and then those elsewhere by theirs.
+//! 3. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
 //!    filled.
 
 use wide::{f32x8, u32x8};
@@ -13,15 +14,37 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::phase::PhaseX8;
 use crate::random::uniform_x8;
+use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_phase!(&columns.medium.phase, |phase| scatter(step, columns, phase));
+pub fn run(step: Step, mut columns: Columns<'_, '_>) {
+    let Columns { medium, .. } = columns;
+    let [first, others @ ..] = medium.all_phases() else { return };
+    with_phase!(first, |phase| scatter(step, &mut columns, phase));
+    let Some(places) = medium.phases_by_place() else { return };
+    for (number, phase) in (1..).zip(others) {
+        with_phase!(phase, |phase| turn_there(&mut columns, phase, |at| places.are(number, at)));
+    }
+}
+
+/// Turns those that scattered where `is_there` holds by another phase function.
+#[inline(always)]
+fn turn_there(columns: &mut Columns<'_, '_>, phase: impl PhaseX8, is_there: impl Fn(Vec3x8) -> f32x8) {
+    let Columns { live, flights, next, ray, next_ray, .. } = columns;
+    for (b, _) in live.each_batch() {
+        let there = is_there(next.position.batch(b));
+        if there.any() {
+            let deflection = phase.sample(uniform_x8(flights.cosine.batch(b)));
+            let turned = deflection.apply(ray.direction.batch(b), uniform_x8(flights.azimuth.batch(b)));
+            let before = next_ray.direction.batch(b);
+            next_ray.direction.set_batch(b, Vec3x8::select(there, turned, before));
+        }
+    }
 }
 
 #[inline(always)]
-fn scatter(step: Step, columns: Columns<'_, '_>, phase: impl PhaseX8) {
+fn scatter(step: Step, columns: &mut Columns<'_, '_>, phase: impl PhaseX8) {
     let Columns { medium, live, on_surface, paths, flights, vertex, next, ray, next_ray, throughput } = columns;
     let n = live.batches();
     let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));

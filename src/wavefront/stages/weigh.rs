@@ -5,7 +5,7 @@ use fogbow_kernels::media::field::Field;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::Threshold;
-use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, roulette, transmittance};
+use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, phase_quotient, roulette, transmittance};
 
 use super::rows;
 use crate::wavefront::{Source, Wavefront};
@@ -59,6 +59,26 @@ impl Wavefront<'_> {
                 worth: &mut self.worth,
             };
             (self.pipeline.mis_weight)(self.step, columns);
+        });
+    }
+
+    /// What turns count by the phase function of the medium that they are in.
+    pub fn phase_quotient(&mut self, source: Source, bucket: Bucket) {
+        if self.frame.medium.phases.is_none() {
+            return;
+        }
+        self.stats.run(Stage::PhaseQuotient, rows(bucket.len), || {
+            let columns = phase_quotient::Columns {
+                medium: &self.frame.medium,
+                solid: self.frame.is_solid(),
+                bucket,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                paths: &self.paths,
+                last_surface: &self.last_surface,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.phase_quotient)(self.step, columns);
         });
     }
 

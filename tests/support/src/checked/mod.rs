@@ -23,7 +23,8 @@ use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
     Step, accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
-    mis_weight, occlusion, passage, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
+    mis_weight, occlusion, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface,
+    transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -87,6 +88,7 @@ pub const CHECKED: Pipeline = Pipeline {
     lis_vertex: connect::check_lis_vertex,
     lis_join: connect::check_lis_join,
     mis_weight: weigh::check_mis_weight,
+    phase_quotient: weigh::check_phase_quotient,
     roulette: weigh::check_roulette,
     occlusion: weigh::check_occlusion,
     transmittance: weigh::check_transmittance,

@@ -133,6 +133,19 @@ impl Sight<'_, '_> {
     }
 }
 
+pub(super) fn check_phase_quotient(step: Step, columns: phase_quotient::Columns<'_, '_>) {
+    let phase_quotient::Columns { medium, solid, bucket, candidates, chains, paths, last_surface, worth } = columns;
+    let [both] = run_both!(
+        phase_quotient(step),
+        [worth],
+        phase_quotient::Columns { medium, solid, bucket, candidates, chains, paths, last_surface, worth: &mut *worth }
+    );
+    let counts = both.0.reals("weight");
+    for at in bucket.rows().filter(|at| counts[*at] != 0.0) {
+        check_found((0, at), &both, &[("factor", tolerances::QUOTIENT)]);
+    }
+}
+
 pub(super) fn check_roulette(step: Step, columns: roulette::Columns<'_, '_>) {
     let roulette::Columns { lights, threshold, bucket, candidates, paths, throughput, worth } = columns;
     let [both] = run_both!(

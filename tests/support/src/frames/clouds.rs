@@ -78,7 +78,7 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
 
 /// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a coloured ball in
 /// a room, and a coloured cloud; techniques have to be set anew.
-pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 3] {
+pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 4] {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let room = room(0.5, Selection::IntensityDistance, size);
     let several = vec![
@@ -97,7 +97,17 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 3] {
         ("volumes in fog", several),
         ("coloured ball in a room", with_field(&room, coloured)),
         ("coloured cloud among lights", with_field(&lights, cloud)),
+        ("phase functions in a room", turning(&room)),
     ]
+}
+
+/// A ball, a box and fog around them in a room, each of a phase function of its own.
+fn turning(room: &Frame) -> Frame {
+    let volumes =
+        vec![ball(DVec3::new(0.0, 1.0, 1.4), 0.5, 3.0), solid(Shape::block([[-0.6, 0.2, 0.6], [0.5, 1.3, 2.0]]), 1.5)];
+    let frame = with_volumes(room, volumes, 0.3);
+    let phases = [-0.4, 0.85, 0.2].map(PhaseFunction::henyey_greenstein);
+    with_medium(&frame, frame.medium.clone().with_phases(&phases))
 }
 
 /// The sets of techniques that grids have.
