@@ -4,13 +4,17 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use fogbow::frame::Frame;
 use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::document::Override;
 use fogbow::volume::Leaf;
 use fogbow::{pilot, scene};
+use fogbow_kernels::PathLengths;
 use fogbow_testing::agreement::assert_equal_means;
+use fogbow_testing::random::Random;
 use fogbow_testing::render::{WORKERS, green, render};
-use fogbow_testing::{frames, volume_writer, volumes};
+use fogbow_testing::statistics::Moments;
+use fogbow_testing::{frames, null_vertices, volume_writer, volumes};
 
 #[test]
 fn a_hundred_thousand_damaged_volumes_are_grids_or_errors() {
@@ -95,6 +99,38 @@ fn a_large_grid_takes_the_memory_of_what_is_in_it() {
     let kib = field.and_then(|line| line.rsplit(' ').next()?.parse::<f64>().ok());
     let kib = kib.expect("the memory of the field");
     assert!(kib * 1024.0 <= 1.3 * 4.0 * active as f64, "{kib} KiB for {active} voxels");
+}
+
+/// The other way to weigh paths through a cloud has the same mean: weights that are exact for paths with their null
+/// vertices. Its variance stands beside that of weights that go by a coarse field.
+#[test]
+fn weights_by_null_vertices_have_the_same_mean_in_a_cloud() {
+    const SAMPLES: u32 = 400;
+    let size = [32, 32];
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cloud-box");
+    let settings =
+        ["render.technique=nee", "render.starts=all", "render.survival=1", "render.roulette=0", "film.size=[32, 32]"];
+    let overrides = settings.iter().map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+    let frame = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}")).frame;
+    // Without the lamp as it is seen, whose edge makes most of the variance.
+    let frame = Frame { lengths: PathLengths { min: 2, ..frame.lengths }, ..frame };
+    let [mut sum, mut squares] = [0.0; 2];
+    for pixel in 0..size[0] * size[1] {
+        let values = (0..SAMPLES).map(|sample| {
+            let random = Random::new(u64::from(pixel) << 32 | u64::from(sample) << 8);
+            null_vertices::radiance(&frame, pixel, sample, random)
+        });
+        let mut pixel = Moments::default();
+        values.for_each(|value| pixel.add(value));
+        (sum, squares) = (sum + pixel.mean(), squares + pixel.variance());
+    }
+    let pixels = f64::from(size[0] * size[1]);
+    let (mean, variance) = (sum / pixels, squares / pixels);
+    let error = (variance / (pixels * f64::from(SAMPLES))).sqrt();
+    let (own, own_error) = green(&render(&frame, size, 0..SAMPLES).0);
+    let own_variance = own_error.powi(2) * pixels * f64::from(SAMPLES);
+    println!("null vertices {mean} +- {error}, variance {variance}; coarse field {own} +- {own_error}, {own_variance}");
+    assert!((mean - own).abs() < 3.5 * error.hypot(own_error), "{mean} +- {error}, {own} +- {own_error}");
 }
 
 /// Far from a small source in endless white fog the fluence is that of diffusion, P / (4 pi D r) with D = 1 / (3 mu_s'),

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod frames;
 pub mod generated;
 pub mod meshes;
+pub mod null_vertices;
 pub mod quadrature;
 pub mod random;
 pub mod rays;
