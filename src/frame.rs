@@ -7,6 +7,7 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::survival::Survival;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::Lights;
+use fogbow_kernels::tables::outlines::Outlines;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{LONGEST_BRIDGED_PATH, PathLengths, WalkLimits};
 
@@ -36,6 +37,8 @@ pub struct Frame {
     pub lengths: PathLengths,
     /// Seed of all random bits.
     pub seed: u32,
+    /// Pixels whose lamps are looked at by many rays per sample, if there are any.
+    pub outlines: Option<Arc<Outlines>>,
 }
 
 impl Frame {
@@ -45,7 +48,15 @@ impl Frame {
         let small = |length: u32| (u64::from(length) * u64::from(side)).div_ceil(u64::from(longest)).min(length.into());
         let size = [small(width) as u32, small(height) as u32];
         let camera = self.camera.at_size([width, height], size);
-        (Self { camera, ..self.clone() }, Region::whole(size[0], size[1]))
+        let small = Self { camera, outlines: None, ..self.clone() };
+        let small = if self.outlines.is_some() { small.with_outlines(size) } else { small };
+        (small, Region::whole(size[0], size[1]))
+    }
+
+    /// The same, of `size` pixels, with many rays per sample where outlines of lamps are.
+    pub fn with_outlines(self, size: [u32; 2]) -> Self {
+        let outlines = Outlines::of(&self.camera, size, &self.lights).map(Arc::new);
+        Self { outlines, ..self }
     }
 
     /// Whether extinction differs from place to place, so that flights are tracked and transmittances estimated.

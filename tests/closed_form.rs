@@ -149,6 +149,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
             roulette: 0.0,
             lengths: PathLengths { min: 1, max: 5 },
             seed: 1,
+            outlines: None,
         };
         render(&frame, [1, 1], 0..1).0.pixel(0, 0).mean[0]
     };

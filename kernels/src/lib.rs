@@ -21,6 +21,7 @@ pub mod media;
 pub mod medium_sample;
 pub mod mis_weight;
 pub mod occlusion;
+pub mod outline;
 pub mod passage;
 pub mod phase;
 pub mod phase_quotient;

@@ -5,7 +5,8 @@ mod joint;
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample, mis_weight,
-    occlusion, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface, transmittance,
+    occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface,
+    transmittance,
 };
 
 pub use joint::Joint;
@@ -50,6 +51,8 @@ macro_rules! pipeline {
 pipeline! {
     /// Camera rays for the lanes that are refilled.
     generate (Generate): generate::Kernel = generate::simd::run, generate::reference::run;
+    /// Rays through cells of the pixels that outlines of lamps pass through.
+    outline (Outline): outline::Kernel = outline::simd::run, outline::reference::run;
     /// The vertices that paths leave go into the trail.
     remember (Remember): remember::Kernel = remember::simd::run, remember::reference::run;
     /// Free flights.

@@ -120,6 +120,8 @@ purposes! {
     GLOW = Purpose::one(14);
     /// The streams of the transmittance of connections to light points of a purpose, one per segment; view the first.
     TRANSMITTANCE = Purpose::row(0x10, 0x10);
+    /// The places of rays through the cells of a pixel that an outline passes through: film x, film y, -, -.
+    OUTLINE = Purpose::row(0x20, crate::outline::LOOKS);
     /// The seeds' free flights: block k has those of seeds 4 k .. 4 k + 4.
     MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_BRIDGED_PATH / 4);
     /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.

@@ -28,10 +28,11 @@ use fogbow_kernels::emission::reference as emission;
 use fogbow_kernels::media::reference::Twin;
 use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth, reach};
+use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    accumulate, extend, first_flight, flight_hue, generate, glow, light_hit, medium_sample, random, scatter,
+    accumulate, extend, first_flight, flight_hue, generate, glow, light_hit, medium_sample, outline, random, scatter,
     spectral_weight, transmittance,
 };
 use glam::DVec3;
@@ -189,8 +190,15 @@ impl Walk<'_> {
         let bound = if segment == 0 { f64::INFINITY } else { flight };
         let met = extend::reference::meet(lights, surfaces, self.last(), self.direction, bound, flight);
         let mut ended: Option<f64> = None;
+        let outlines = self.frame.outlines.as_ref().filter(|_| segment == 0);
+        let outlined = outlines.is_some_and(|outlines| outlines.contains(self.pixel));
+        if outlined {
+            self.look_around();
+        }
         for (index, distance) in met.lights {
-            self.see(segment, index, distance);
+            if !outlined {
+                self.see(segment, index, distance);
+            }
             if light_hit::reference::ends(&lights.emitters()[index], flight, distance) {
                 ended = Some(ended.map_or(distance, |nearest| nearest.min(distance)));
             }
@@ -200,25 +208,43 @@ impl Walk<'_> {
 
     /// Adds what the current ray sees of one emitter at this distance.
     fn see(&mut self, segment: u32, index: usize, distance: f64) {
-        let lights = &self.frame.lights;
-        let emitter = &lights.emitters()[index];
+        if segment == 0 {
+            return self.view(index, (self.last(), self.direction), distance, 1.0);
+        }
+        let emitter = &self.frame.lights.emitters()[index];
         let point = self.last() + distance * self.direction;
         if emission::cosine(emitter, point, self.direction) > 0.0 {
-            let worth = match segment {
-                0 => {
-                    let weight = emission::profile(emitter, point, self.direction);
-                    let factor = light_hit::reference::transmittance(&self.frame.medium, self.last(), point);
-                    let through = self.comes_through(&[self.last(), point], random::CAMERA, None);
-                    let colour = distant::reference::colour(lights, index, self.direction);
-                    Worth { weight, factor: [0, 1, 2].map(|c| through[c] * factor[c].value() * colour[c]) }
-                }
-                _ => {
-                    let Worth { weight, factor } = self.weigh(index, &[point]);
-                    let through = self.comes_through(&[self.last(), point], random::CAMERA, Some(self.hero));
-                    Worth { weight, factor: [0, 1, 2].map(|c| through[c] * factor[c]) }
-                }
-            };
+            let Worth { weight, factor } = self.weigh(index, &[point]);
+            let through = self.comes_through(&[self.last(), point], random::CAMERA, Some(self.hero));
+            let worth = Worth { weight, factor: [0, 1, 2].map(|c| through[c] * factor[c]) };
             self.add(None, index, worth, 0);
+        }
+    }
+
+    /// Adds a `share` of what a ray from the camera sees of one emitter at this distance.
+    fn view(&mut self, index: usize, (origin, direction): (DVec3, DVec3), distance: f64, share: f64) {
+        let lights = &self.frame.lights;
+        let emitter = &lights.emitters()[index];
+        let point = origin + distance * direction;
+        if emission::cosine(emitter, point, direction) > 0.0 {
+            let factor = light_hit::reference::transmittance(&self.frame.medium, origin, point);
+            let through = self.comes_through(&[origin, point], random::CAMERA, None);
+            let colour = distant::reference::colour(lights, index, direction);
+            let weight = share * emission::profile(emitter, point, direction);
+            let factor = [0, 1, 2].map(|c| through[c] * factor[c].value() * colour[c]);
+            self.add(None, index, Worth { weight, factor }, 0);
+        }
+    }
+
+    /// Adds what the sample sees of lights through all cells of its pixel.
+    fn look_around(&mut self) {
+        let Frame { camera, lights, surfaces, seed, .. } = self.frame;
+        for cell in 0..LOOKS {
+            let (origin, direction) = outline::reference::look(camera, self.pixel, self.sample, cell, *seed);
+            let met = extend::reference::meet(lights, surfaces, origin, direction, f64::INFINITY, 0.0);
+            for (index, distance) in met.lights {
+                self.view(index, (origin, direction), distance, 1.0 / f64::from(LOOKS));
+            }
         }
     }
 

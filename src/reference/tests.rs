@@ -40,6 +40,7 @@ fn frame(albedo: f32, lengths: PathLengths) -> Frame {
         aimed: 0.0,
         roulette: 0.0,
         seed: 7,
+        outlines: None,
     }
 }
 

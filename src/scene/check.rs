@@ -80,8 +80,9 @@ pub fn frame(
     // With nothing to connect with, nothing connects.
     let nowhere = lights.lights().is_empty() && !lights.has_distant();
     let techniques = if nowhere { Techniques::default() } else { techniques };
-    let frame = Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed };
-    Ok((check.walk(&scene.render, frame)?, fillings))
+    let frame =
+        Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed, outlines: None };
+    Ok((check.walk(&scene.render, frame)?.with_outlines(scene.film.size), fillings))
 }
 
 /// An error if `start`, where the camera's rays start, is inside a sphere: black within, it would hide all else.

@@ -1,16 +1,18 @@
 //! One segment of every path.
 
+use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random;
 
-use super::{Source, Wavefront};
+use super::{Rays, Source, Wavefront};
 
 impl Wavefront<'_> {
     /// One segment of every live path, and everything that connects from its end.
     pub fn bounce(&mut self) {
         self.stats.segments += self.live.count() as u64;
+        self.look_at_outlines();
         self.remember();
         self.fly();
-        self.extend();
+        self.extend(Rays::Paths);
         self.glow();
         self.note_glow();
         self.hit_lights();
@@ -35,15 +37,33 @@ impl Wavefront<'_> {
         }
     }
 
+    /// Lamps in pixels that their outlines pass through are seen by many rays of each new sample.
+    fn look_at_outlines(&mut self) {
+        if self.outlined.is_empty() {
+            return;
+        }
+        for cell in 0..LOOKS {
+            self.outline(cell);
+            self.extend(Rays::Looks);
+            self.light_hit(Rays::Looks);
+            self.count_views();
+        }
+    }
+
+    /// What the camera sees of lights.
+    fn count_views(&mut self) {
+        let views = self.candidates.views.direct();
+        self.transmittance(Source::Views, views, random::CAMERA);
+        self.contribute(Source::Views, views);
+    }
+
     /// Lights met on the way: weighed and counted before the other paths scatter.
     fn hit_lights(&mut self) {
         if self.hits.len == 0 {
             return;
         }
-        self.light_hit();
-        let views = self.candidates.views.direct();
-        self.transmittance(Source::Views, views, random::CAMERA);
-        self.contribute(Source::Views, views);
+        self.light_hit(Rays::Paths);
+        self.count_views();
         let bucket = self.candidates.light_hits.direct();
         self.mis_weight(Source::LightHits, bucket);
         self.transmittance(Source::LightHits, bucket, random::CAMERA);

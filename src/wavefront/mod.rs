@@ -7,6 +7,7 @@
 mod bounce;
 mod candidates;
 mod connect;
+mod looks;
 mod settle;
 mod stages;
 mod work;
@@ -28,6 +29,7 @@ use fogbow_kernels::lanes::{self, LANES, LaneSet};
 use fogbow_kernels::pipeline::Pipeline;
 
 pub use self::candidates::{Candidates, Source};
+pub use self::looks::{Looks, Rays};
 use self::work::Work;
 use crate::film::Tile;
 use crate::frame::Frame;
@@ -123,6 +125,10 @@ pub struct Wavefront<'q> {
     pub flown: Column<'q, f32>,
     /// What media emit along the way, in channels in use [W/(m^2 sr)].
     pub glowing: Spectrum<'q>,
+    /// Lanes of new samples of pixels that outlines of lamps pass through.
+    pub outlined: LaneSet<'q>,
+    /// By which rays their lamps are seen.
+    pub looks: Looks<'q>,
     /// Lanes whose flight ends on a surface.
     pub on_surface: LaneSet<'q>,
     /// Rays that met a light.
@@ -180,6 +186,8 @@ impl<'q> Wavefront<'q> {
             flight_density: Spectrum::new_in(arena, lanes, channels),
             flown: Column::new_in(arena, if frame.emits() { lanes } else { 0 }),
             glowing: Spectrum::new_in(arena, if frame.emits() { lanes } else { 0 }, channels),
+            outlined: LaneSet::new_in(arena, lanes),
+            looks: Looks::new_in(arena, if frame.outlines.is_some() { lanes } else { 0 }),
             on_surface: LaneSet::new_in(arena, lanes),
             hits: HitQueue::new_in(arena, met),
             surface_hits: SurfaceHitQueue::new_in(arena, lanes),
@@ -231,6 +239,7 @@ impl<'q> Wavefront<'q> {
     /// Starts new paths in vacant lanes.
     fn refill(&mut self, work: &mut Work) {
         self.requested.clear();
+        self.outlined.clear();
         let batches = self.live.batches();
         let capacity = batches * LANES;
         let refill_single_lanes = capacity - self.live.count() > capacity / VACANT_DIVISOR;
@@ -244,6 +253,10 @@ impl<'q> Wavefront<'q> {
                 let Some(request) = work.next() else { break };
                 self.requests.set_row(b * LANES + lane, request);
                 self.requested.insert(b * LANES + lane);
+                let pixel = request.y * self.frame.camera.width + request.x;
+                if self.frame.outlines.as_ref().is_some_and(|outlines| outlines.contains(pixel)) {
+                    self.outlined.insert(b * LANES + lane);
+                }
                 count += 1;
             }
         }

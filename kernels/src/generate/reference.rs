@@ -53,6 +53,11 @@ pub fn camera_ray(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (DVec3
     let words = random::words(pixel, sample, random::block(0, random::CAMERA), seed);
     let x = f64::from(pixel % camera.width) + random::uniform(words[0]);
     let y = f64::from(pixel / camera.width) + random::uniform(words[1]);
+    film_ray(camera, x, y)
+}
+
+/// Where the ray through film coordinates (x, y), in pixels, starts `[m]`, and its unit direction.
+pub fn film_ray(camera: &Camera, x: f64, y: f64) -> (DVec3, DVec3) {
     let [pinhole, corner, pixel_x, pixel_y] =
         [camera.position, camera.corner, camera.pixel_x, camera.pixel_y].map(|v| DVec3::from(v.map(f64::from)));
     let film = corner + x * pixel_x + y * pixel_y;

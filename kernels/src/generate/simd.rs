@@ -85,7 +85,7 @@ fn fill(spectrum: &mut Spectrum<'_>, b: usize, mask: f32x8, value: f32x8) {
 }
 
 /// The camera, splatted.
-struct Film {
+pub struct Film {
     pinhole: Vec3x8,
     corner: Vec3x8,
     pixel_x: Vec3x8,
@@ -94,7 +94,8 @@ struct Film {
 }
 
 impl Film {
-    fn new(camera: &Camera) -> Self {
+    /// That of `camera`.
+    pub fn new(camera: &Camera) -> Self {
         let [pinhole, corner, pixel_x, pixel_y] =
             [camera.position, camera.corner, camera.pixel_x, camera.pixel_y].map(Vec3x8::splat);
         Self { pinhole, corner, pixel_x, pixel_y, near: f32x8::splat(camera.near) }
@@ -103,10 +104,20 @@ impl Film {
     /// Position and direction of the rays through pixels (x, y).
     #[inline(always)]
     fn ray(&self, x: u32x8, y: u32x8, words: [u32x8; 4]) -> (Vec3x8, Vec3x8) {
-        let real = |v: u32x8| f32x8::from_i32x8(bytemuck::cast::<u32x8, i32x8>(v));
         let [a, b, ..] = words;
-        let (x, y) = (real(x) + uniform_x8(a), real(y) + uniform_x8(b));
+        self.at(real(x) + uniform_x8(a), real(y) + uniform_x8(b))
+    }
+
+    /// Position and direction of the rays through film coordinates (x, y), in pixels.
+    #[inline(always)]
+    pub fn at(&self, x: f32x8, y: f32x8) -> (Vec3x8, Vec3x8) {
         let v = self.pixel_y.mul_add(y, self.pixel_x.mul_add(x, self.corner));
         (v.mul_add(self.near, self.pinhole), v * (f32x8::ONE / v.length_squared().sqrt()))
     }
+}
+
+/// Whole numbers below 2^31 as real ones.
+#[inline(always)]
+pub fn real(v: u32x8) -> f32x8 {
+    f32x8::from_i32x8(bytemuck::cast::<u32x8, i32x8>(v))
 }

@@ -20,7 +20,8 @@ use crate::tables::lights::{Emitter, Shape};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits } = columns;
+    let Columns { medium, lights, hits, paths, vertex, ray, before, flight, outlined, share, live, .. } = columns;
+    let Columns { views, worth, light_hits, .. } = columns;
     for hit in (0..hits.len).map(|row| hits.row(row)) {
         let (lane, emitter) = (hit.lane as usize, &lights.emitters()[hit.emitter as usize]);
         let start = vertex.position.row(lane);
@@ -35,17 +36,18 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
                 arriving: [0.0; 3],
                 point: point.as_vec3().to_array(),
             };
-            if paths.depth_of(step.clock, lane) == 0 {
+            let at_camera = paths.depth_of(step.clock, lane) == 0;
+            if at_camera && !outlined.contains(lane) {
                 let profile = profile(emitter, point, direction);
                 let arrives = transmittance(medium, DVec3::from(start.map(f64::from)), point);
                 let clearest =
                     arrives.into_iter().reduce(|a, b| if b.over(a) > 1.0 { b } else { a }).expect("channels");
-                worth.weight.rows_mut()[views.len] = (profile * clearest.value()) as f32;
+                worth.weight.rows_mut()[views.len] = (profile * clearest.value() * f64::from(share)) as f32;
                 let colour = distant::reference::colour(lights, hit.emitter as usize, direction);
                 let factor = [0, 1, 2].map(|channel| arrives[channel].over(clearest) * colour[channel]);
                 worth.factor.set_row(views.len, factor.map(|channel| channel as f32));
                 views.push(candidate);
-            } else {
+            } else if !at_camera {
                 light_hits.push(Candidate { arriving: before.direction.row(lane), ..candidate });
             }
         }

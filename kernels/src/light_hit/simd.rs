@@ -1,6 +1,6 @@
 //! ```text
 //! if cos > 0:                                     the ray sees what shines
-//!     depth == 0: push view with weight e^{-tau}, factor_k = e^{tau - tau_k} colour_k, tau = min tau_k
+//!     depth == 0: push view with weight share e^{-tau}, factor_k = e^{tau - tau_k} colour_k, tau = min tau_k
 //!     depth >= 1: push light hit
 //! if distance < flight and the light is no part of a surface: the path ends
 //! ```
@@ -27,7 +27,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 
 #[inline(always)]
 fn meet<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
-    let Columns { lights, hits, paths, vertex, ray, before, flight, live, views, worth, light_hits, .. } = columns;
+    let Columns { lights, hits, paths, vertex, ray, before, flight, outlined, share, live, .. } = columns;
+    let Columns { views, worth, light_hits, .. } = columns;
     for b in 0..hits.len.div_ceil(LANES) {
         let rows = lanes::first(hits.len - b * LANES);
         let (lane, emitter, distance) = (hits.lane.batch(b), hits.emitter.batch(b), hits.distance.batch(b));
@@ -41,14 +42,15 @@ fn meet<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
         let front = lanes::bits(cosine.simd_gt(f32x8::ZERO)) & rows;
 
         let view = CandidateBatch { lane, emitter, start, arriving: Vec3x8::ZERO, point };
-        let seen = front & at_camera;
+        let apart = lanes::each(front & at_camera).filter(|i| outlined.contains(lane_of[*i] as usize));
+        let seen = front & at_camera & !apart.fold(0, |bits, i| bits | 1 << i);
         if seen != 0 {
             let profile = lights.profile(&emitter_of, cosine);
             let depth = |c: u32| medium.in_channel(|| u32x8::splat(c)).optical_depth(start, point, distance);
             let least = if M::COLOURED { depth(0).fast_min(depth(1)).fast_min(depth(2)) } else { depth(0) };
             let order = lanes::pack_order(seen);
             let colour = lights.has_panorama().then(|| distant::simd::see(lights, &emitter_of, direction).colour);
-            f32::store_packed(&mut worth.weight, views.len, order, exp(-least) * profile);
+            f32::store_packed(&mut worth.weight, views.len, order, exp(-least) * profile * f32x8::splat(share));
             for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
                 let quotient = if M::COLOURED { exp(least - depth(c)) } else { f32x8::ONE };
                 let quotient = colour.map_or(quotient, |colour| quotient * colour[c as usize]);

@@ -3,5 +3,6 @@
 pub mod camera;
 pub mod geometry;
 pub mod lights;
+pub mod outlines;
 pub mod surfaces;
 pub mod textures;

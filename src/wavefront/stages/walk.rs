@@ -2,12 +2,12 @@
 
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::{
-    extend, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, passage, prune, remember, scatter,
-    spectral_weight, surface,
+    extend, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, outline, passage, prune, remember,
+    scatter, spectral_weight, surface,
 };
 
 use super::rows;
-use crate::wavefront::Wavefront;
+use crate::wavefront::{Rays, Wavefront};
 
 impl Wavefront<'_> {
     /// Camera rays for the requested lanes.
@@ -33,6 +33,23 @@ impl Wavefront<'_> {
                 ray,
             };
             (self.pipeline.generate)(self.step, columns);
+        });
+    }
+
+    /// Rays through a cell of the pixels that outlines of lamps pass through.
+    pub fn outline(&mut self, cell: u32) {
+        let size = self.stats.lane_rows(&self.outlined);
+        self.looks.lanes.copy_from(&self.outlined);
+        self.stats.run(Stage::Outline, size, || {
+            let columns = outline::Columns {
+                camera: &self.frame.camera,
+                cell,
+                outlined: &self.outlined,
+                requests: &self.requests,
+                vertex: &mut self.looks.vertex,
+                ray: &mut self.looks.ray,
+            };
+            (self.pipeline.outline)(self.step, columns);
         });
     }
 
@@ -93,18 +110,25 @@ impl Wavefront<'_> {
     }
 
     /// Closest light and closest triangle within the flight.
-    pub fn extend(&mut self) {
+    pub fn extend(&mut self, rays: Rays) {
         (self.hits.len, self.surface_hits.len) = (0, 0);
-        let size = self.stats.lane_rows(&self.live);
+        let (live, vertex, ray, flight) = match rays {
+            Rays::Paths => {
+                let clock = self.step.clock;
+                (&self.live, self.vertices.at(clock), self.rays.at(clock), &self.flights.flight)
+            }
+            Rays::Looks => (&self.looks.lanes, &self.looks.vertex, &self.looks.ray, &self.looks.flight),
+        };
+        let size = self.stats.lane_rows(live);
         self.stats.run(Stage::Extend, size, || {
             let columns = extend::Columns {
                 lights: &self.frame.lights,
                 surfaces: &self.frame.surfaces,
-                live: &self.live,
+                live,
                 paths: &self.paths,
-                vertex: self.vertices.at(self.step.clock),
-                ray: self.rays.at(self.step.clock),
-                flight: &self.flights.flight,
+                vertex,
+                ray,
+                flight,
                 on_surface: &mut self.on_surface,
                 hits: &mut self.hits,
                 surface_hits: &mut self.surface_hits,

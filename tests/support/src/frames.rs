@@ -160,6 +160,7 @@ pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed:
         roulette: 0.0,
         lengths: PathLengths { min: 1, max: longest },
         seed,
+        outlines: None,
     }
 }
 

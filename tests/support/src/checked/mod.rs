@@ -23,8 +23,8 @@ use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
     Step, accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
-    mis_weight, occlusion, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface,
-    transmittance,
+    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight,
+    surface, transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -65,6 +65,7 @@ fn fail(stage: &str, row: usize, text: &str) {
 /// Every stage, checked.
 pub const CHECKED: Pipeline = Pipeline {
     generate: walk::check_generate,
+    outline: walk::check_outline,
     remember: walk::check_remember,
     medium_sample: walk::check_medium_sample,
     first_flight: walk::check_first_flight,

@@ -38,6 +38,19 @@ pub(super) fn check_generate(step: Step, columns: generate::Columns<'_, '_>) {
     check_set("generate", &occupied_both);
 }
 
+pub(super) fn check_outline(step: Step, columns: outline::Columns<'_, '_>) {
+    let outline::Columns { camera, cell, outlined, requests, vertex, ray } = columns;
+    let tables = run_both!(
+        outline(step),
+        [vertex, ray],
+        outline::Columns { camera, cell, outlined, requests, vertex: &mut *vertex, ray: &mut *ray }
+    );
+    let close = [("position", tolerances::POSITION), ("direction", tolerances::DIRECTION)];
+    for lane in outlined.each() {
+        tables.iter().for_each(|both| check_row("outline", (0, lane), both, &close));
+    }
+}
+
 pub(super) fn check_remember(step: Step, columns: remember::Columns<'_, '_>) {
     let remember::Columns { live, vertex, ray, outlook, trail } = columns;
     let [both] =
@@ -181,7 +194,7 @@ pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
 
 pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
     let light_hit::Columns { medium, lights, hits, paths, vertex, ray, before, flight, .. } = columns;
-    let light_hit::Columns { live, views, worth, light_hits, .. } = columns;
+    let light_hit::Columns { outlined, share, live, views, worth, light_hits, .. } = columns;
     let [live_both, views_both, worth_both, light_hits_both] = run_both!(
         light_hit(step),
         [live, views, worth, light_hits],
@@ -194,6 +207,8 @@ pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
             ray,
             before,
             flight,
+            outlined,
+            share,
             live: &mut *live,
             views: &mut *views,
             worth: &mut *worth,
