@@ -3,17 +3,15 @@
 
 Usage: in_mitsuba.py [SAMPLES]        (from any folder; 512 samples per pixel at 128 x 128 if nothing is asked for)
 
-Needs mitsuba, numpy, trimesh and the Python module of OpenVDB (openvdb or pyopenvdb)."""
+Needs mitsuba, numpy and the Python module of OpenVDB (openvdb or pyopenvdb)."""
 
 import math
 import pathlib
 import sys
-import tempfile
 import time
 
 import mitsuba as mi
 import numpy as np
-import trimesh
 
 try:
     import openvdb as vdb
@@ -22,6 +20,8 @@ except ImportError:
 
 mi.set_variant("llvm_ad_rgb")
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from mitsuba_objects import diffuse, mesh, objects
 SIZE, BATCH = 128, 32
 SCALE_BY, TRANSLATE = 2.2, np.array([2.78, 2.5, 2.79])
 
@@ -43,13 +43,8 @@ def cloud():
 
 
 def walls():
-    model = trimesh.load(HERE.parent / "cornell-fog" / "cornell-fog.glb")
-    for name, mesh in model.geometry.items():
-        path = str(pathlib.Path(tempfile.gettempdir()) / f"cloud-box-{name}.ply")
-        trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path, vertex_normal=False)
-        colour = [float(x) / 255 for x in mesh.visual.material.baseColorFactor[:3]]
-        bsdf = {"type": "diffuse", "reflectance": {"type": "rgb", "value": colour}}
-        yield name, {"type": "ply", "filename": path, "face_normals": True, "bsdf": bsdf}
+    for name, corners, triangles, colour in objects(HERE.parent / "cornell-fog" / "cornell-fog.glb"):
+        yield name.replace(".", " "), mesh(name, corners, triangles, bsdf=diffuse(colour))
 
 
 def scene():

@@ -9,7 +9,6 @@ IMAGE.exr is one that fogbow made, of the same size, to compare with:
 
 Needs mitsuba and numpy."""
 
-import json
 import math
 import pathlib
 import sys
@@ -21,6 +20,9 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+from mitsuba_objects import diffuse, mesh, objects, rgb
+
 SIZE, BATCH = 64, 64
 SCENE = tomllib.loads((HERE / "scene.toml").read_text())
 # Mitsuba moves rays off surfaces by 9e-5 (1 + largest coordinate), and so into the wax, whose mean free path is 0.006.
@@ -30,10 +32,6 @@ UNIT, ORIGIN = 100.0, np.array([0.0, 0.5, 0.0])
 
 def place(position):
     return [float(x) for x in UNIT * (np.array(position) - ORIGIN)]
-
-
-def rgb(value):
-    return {"type": "rgb", "value": [float(x) for x in value]}
 
 
 def wax():
@@ -50,38 +48,14 @@ def wax():
     }
 
 
-def model():
-    """The objects of the geometry file by name: corners, triangles and colour."""
-    file = (HERE / SCENE["geometry"]).read_bytes()
-    end = 20 + int.from_bytes(file[12:16], "little")
-    gltf, binary = json.loads(file[20:end]), file[end + 8:]
-
-    def triples(index, kind, numbers_each):
-        accessor = gltf["accessors"][index]
-        start = gltf["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        return np.frombuffer(binary, kind, numbers_each * accessor["count"], start).reshape(-1, 3)
-
-    for node in gltf["nodes"]:
-        [primitive] = gltf["meshes"][node["mesh"]]["primitives"]
-        material = gltf["materials"][primitive["material"]]
-        corners = triples(primitive["attributes"]["POSITION"], np.float32, 3)
-        triangles = triples(primitive["indices"], np.uint16, 1).astype(np.uint32)
-        yield node["name"], corners, triangles, material["pbrMetallicRoughness"]["baseColorFactor"][:3]
-
-
 def surfaces():
     """What reflects is diffuse and has a black back; the bounds of the wax are no surface."""
-    for name, corners, triangles, colour in model():
-        properties = mi.Properties()
+    for name, corners, triangles, colour in objects(HERE / SCENE["geometry"]):
         if name == SCENE["volume"][0]["shape"]["name"]:
-            properties["bsdf"], properties["interior"] = mi.load_dict({"type": "null"}), mi.load_dict(wax())
+            made_of = {"bsdf": mi.load_dict({"type": "null"}), "interior": mi.load_dict(wax())}
         else:
-            properties["bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": rgb(colour)})
-        mesh = mi.Mesh(name, len(corners), len(triangles), properties)
-        values = mi.traverse(mesh)
-        values["vertex_positions"], values["faces"] = np.float32(UNIT * (corners - ORIGIN)).ravel(), triangles.ravel()
-        values.update()
-        yield name.replace(".", " "), mesh
+            made_of = {"bsdf": diffuse(colour)}
+        yield name.replace(".", " "), mesh(name, UNIT * (corners - ORIGIN), triangles, **made_of)
 
 
 def lights():

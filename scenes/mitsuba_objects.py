@@ -1,0 +1,48 @@
+"""What the scripts have in common that render a scene in Mitsuba 3: its objects, exactly as the geometry file has them."""
+
+import json
+
+import mitsuba as mi
+import numpy as np
+
+
+def rgb(value):
+    return {"type": "rgb", "value": [float(x) for x in value]}
+
+
+def diffuse(colour):
+    return mi.load_dict({"type": "diffuse", "reflectance": rgb(colour)})
+
+
+def objects(path):
+    """The objects of a .glb file by name: corners, triangles and colour, none of them rounded."""
+    file = path.read_bytes()
+    end = 20 + int.from_bytes(file[12:16], "little")
+    gltf, binary = json.loads(file[20:end]), file[end + 8:]
+
+    def triples(index, numbers_each):
+        accessor = gltf["accessors"][index]
+        kind = {5123: np.uint16, 5125: np.uint32, 5126: np.float32}[accessor["componentType"]]
+        start = gltf["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor.get("byteOffset", 0)
+        return np.frombuffer(binary, kind, numbers_each * accessor["count"], start).reshape(-1, 3)
+
+    for node in gltf["nodes"]:
+        if "mesh" not in node:
+            continue
+        [primitive] = gltf["meshes"][node["mesh"]]["primitives"]
+        material = gltf["materials"][primitive["material"]]
+        corners = triples(primitive["attributes"]["POSITION"], 3)
+        triangles = triples(primitive["indices"], 1).astype(np.uint32)
+        yield node["name"], corners, triangles, material["pbrMetallicRoughness"]["baseColorFactor"][:3]
+
+
+def mesh(name, corners, triangles, **properties):
+    """Triangles that meet in edges, with what they are made of."""
+    given = mi.Properties()
+    for key, value in properties.items():
+        given[key] = value
+    made = mi.Mesh(name, len(corners), len(triangles), given)
+    values = mi.traverse(made)
+    values["vertex_positions"], values["faces"] = np.float32(corners).ravel(), triangles.ravel()
+    values.update()
+    return made
