@@ -123,6 +123,12 @@ await 60 is "${jobs[0]}_1" COMPLETED
 "$FOGBOW" merge a.exr.parts/*.exr --expect 0..10 -o b.exr --progress none
 same b.exr whole.exr
 
+step "merges of groups come to the same"
+mapfile -t jobs < <("$here/submit.sh" -n 10 -c 3 -p a.exr.parts -o e.exr -m 2 "$scene" --size 32x32)
+await 60 is "${jobs[1]}" COMPLETED
+ls a.exr.parts/group-*.exr
+same e.exr whole.exr
+
 step "a task that is killed leaves no file, and no merge; what is missing is rendered by the same command"
 long=(--size 160x160)
 "$FOGBOW" render "$scene" "${long[@]}" --samples 400 -o long.exr --progress none
