@@ -16,13 +16,19 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let (a, b) = (image::exr::read_image(&args.a)?, image::exr::read_image(&args.b)?);
     let channels = compare(&a, &b)
         .map_err(|error| Error { place: format!("{}, {}", args.a.display(), args.b.display()), ..error })?;
+    let same_sums = image::exr::exact::are_same([&args.a, &args.b]);
     if args.json {
-        let report = serde_json::json!({ "width": a.width, "height": a.height, "channels": channels });
+        let (width, height) = (a.width, a.height);
+        let report =
+            serde_json::json!({ "width": width, "height": height, "same_sums": same_sums, "channels": channels });
         report_to(&args.png, report)?;
     } else {
         let heading = format!("{} and {}: {}x{} pixels", args.a.display(), args.b.display(), a.width, a.height);
         report_to(&args.png, heading)?;
         channels.iter().try_for_each(|channel| report_to(&args.png, describe(channel)))?;
+        if same_sums == Some(true) {
+            report_to(&args.png, "the same exact sums of the same samples")?;
+        }
     }
     if let Some(path) = &args.png {
         let (bytes, meaning) = difference_picture(&a, &b)?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Progress;
 use crate::error::{Error, Result};
 use crate::output;
 
@@ -29,6 +30,19 @@ impl Destination<'_> {
         }
         Ok(())
     }
+}
+
+/// Fails if one of `destinations` is standard output, and progress goes there, too.
+pub fn check_lines(destinations: &[Destination<'_>], progress: Progress) -> Result<()> {
+    let style = match progress {
+        Progress::Openjd => "openjd",
+        Progress::Alf => "alf",
+        Progress::Auto | Progress::Bar | Progress::Plain | Progress::Json | Progress::None => return Ok(()),
+    };
+    destinations.iter().filter(|destination| output::is_standard_output(destination.path)).try_for_each(|destination| {
+        let finding = format!("names standard output, where --progress {style} writes its lines");
+        destination.refuse(&finding, "write it to a file of its own")
+    })
 }
 
 /// Fails unless every destination can be written, is named once, and is none of the `inputs`.

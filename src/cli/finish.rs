@@ -8,7 +8,6 @@ use fogbow_kernels::accumulate::Dropped;
 use super::checkpoints::{self, Plan};
 use super::progress::Reporter;
 use super::signals::Signals;
-use super::tell;
 use super::values::ImageOutput;
 use crate::error::{Error, Kind, Result};
 use crate::figures::{duration, number, rate};
@@ -56,7 +55,7 @@ pub fn finish(
         if is_worth_it && !is_kept && checkpoints::write(plan, session, reporter) {
             reporter.line(format!("the samples are kept in {}", checkpoint(plan)));
         }
-        return Ok(tell_all(&errors, signals));
+        return Ok(tell_all(&errors, signals, reporter));
     }
     reporter.line(summary(session, outcome, outputs));
     if is_kept {
@@ -102,8 +101,8 @@ fn write(
 }
 
 /// Prints all `errors` and gives their exit code: that of the signal if there are only waits that it ended.
-fn tell_all(errors: &[Error], signals: &Signals) -> ExitCode {
-    errors.iter().for_each(tell);
+fn tell_all(errors: &[Error], signals: &Signals, reporter: &Reporter) -> ExitCode {
+    errors.iter().for_each(|error| reporter.error(error));
     let only_waits = errors.iter().all(|error| error.kind == Kind::Interrupted);
     signals.exit_code().filter(|_| only_waits).map_or(ExitCode::FAILURE, ExitCode::from)
 }

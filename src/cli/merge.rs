@@ -1,24 +1,28 @@
 //! `fogbow merge`
 
 use std::path::PathBuf;
+use std::time::Instant;
 
+use super::MergeArgs;
 use super::destinations::{self, Destination};
-use super::{MergeArgs, tell};
+use super::progress::Reporter;
 use crate::error::{Error, Result};
 use crate::figures::number;
 use crate::image::tone::Exposure;
 use crate::image::{self, Format, Image};
-use crate::merge::{self, Merged};
+use crate::merge::{self, Merged, Request};
 use crate::output;
 
 pub fn run(args: &MergeArgs) -> Result<()> {
     let outputs: Vec<_> = args.output.iter().map(|image| Destination { flag: "--output", path: &image.path }).collect();
     destinations::check(&outputs, &args.parts)?;
+    destinations::check_lines(&outputs, args.progress)?;
+    let reporter = Reporter::new(args.progress);
     let has_png = args.output.iter().any(|image| image.format == Format::Png);
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png) {
-        tell(format!("warning: --exposure {stops} has no effect: only PNG images are exposed, and none is written"));
+        reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
     }
-    if args.weighted { weighted(args) } else { exact(args) }
+    if args.weighted { weighted(args, &reporter) } else { exact(args, reporter) }
 }
 
 /// What `--exposure` says, or else `otherwise`, or else what a light meter says of the pixels.
@@ -30,9 +34,14 @@ fn exposure(args: &MergeArgs, otherwise: Option<Exposure>, pixels: impl Iterator
     asked.unwrap_or(otherwise).unwrap_or_else(|| Exposure::metered(pixels))
 }
 
-fn exact(args: &MergeArgs) -> Result<()> {
-    let merged = merge::exact(&args.parts)?;
-    merged.warnings.iter().for_each(|warning| tell(format!("warning: {warning}")));
+fn exact(args: &MergeArgs, mut reporter: Reporter) -> Result<()> {
+    let (start, count) = (Instant::now(), args.parts.len());
+    reporter.begin("merge");
+    let mut look = |done| reporter.merging(done, count, start.elapsed());
+    let outcome = merge::exact_as(&args.parts, Request { expected: args.expect.clone(), look: Some(&mut look) });
+    reporter.loaded();
+    let merged = outcome?;
+    merged.warnings.iter().for_each(|warning| reporter.warn(warning));
     let Merged { film, size, header, .. } = &merged;
     for image in &args.output {
         output::write(
@@ -51,11 +60,11 @@ fn exact(args: &MergeArgs) -> Result<()> {
     let noise = Some(film.relative_noise()).filter(|noise| noise.is_finite());
     let noise = noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3)));
     let samples = if per_pixel == 1.0 { "1 sample".into() } else { format!("{} samples", number(per_pixel, 4)) };
-    tell(format!("{}: {}, {samples} per pixel{noise}", names(args), images(&args.parts)));
+    reporter.line(format!("{}: {}, {samples} per pixel{noise}", names(args), images(&args.parts)));
     Ok(())
 }
 
-fn weighted(args: &MergeArgs) -> Result<()> {
+fn weighted(args: &MergeArgs, reporter: &Reporter) -> Result<()> {
     let merged = merge::weighted(&args.parts)?;
     for image in &args.output {
         match image.format {
@@ -69,7 +78,7 @@ fn weighted(args: &MergeArgs) -> Result<()> {
             }
         }
     }
-    tell(format!("{}: weighted mean of {}, without exact sums", names(args), images(&args.parts)));
+    reporter.line(format!("{}: weighted mean of {}, without exact sums", names(args), images(&args.parts)));
     Ok(())
 }
 

@@ -68,6 +68,8 @@ enum Progress {
     Json,
     /// Lines for Open Job Description workers, on standard output.
     Openjd,
+    /// Lines as Alfred reads them, and Tractor, on standard output.
+    Alf,
     /// Only warnings and errors.
     None,
 }
@@ -190,7 +192,7 @@ struct CompareArgs {
 const ABOUT_MERGING: &str = "\
 EXR images of fogbow hold exact sums of their samples. Parts made with --sample-range or --crop, in any order, on any
 machines, make the very image of one render. Parts of other scenes or settings, and samples that two parts have, are
-refused; a warning says which samples no part has. What was merged can be merged again.";
+refused; a warning says which samples no part has, or with --expect an error. What was merged can be merged again.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_MERGING)]
@@ -206,6 +208,14 @@ struct MergeArgs {
     /// Default: what the scene of the parts says.
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
     exposure: Option<toml::Value>,
+    /// Fail, and write nothing, unless the parts together have samples A to B of every pixel, not including B, and no
+    /// others.
+    #[arg(long, value_name = "A..B", conflicts_with = "weighted", allow_hyphen_values = true)]
+    #[arg(value_parser = values::expected)]
+    expect: Option<SampleRange>,
+    /// How to show progress.
+    #[arg(long, value_enum, default_value = "auto")]
+    progress: Progress,
     /// Merge images without exact sums, of equal size, by the mean of their pixels: weighted by the number of samples
     /// (channel N) if there is such a channel, alike otherwise. Nothing else is checked.
     #[arg(long)]
@@ -239,9 +249,12 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let outcome = match cli.command {
         _ if cli.help_scene => render::help_scene(),
-        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Render(args)) => Ok(render::run(&args).unwrap_or_else(|error| args.progress.fail(&error))),
         Some(Command::Compare(args)) => compare::run(&args).map(|()| ExitCode::SUCCESS),
-        Some(Command::Merge(args)) => merge::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Merge(args)) => Ok(match merge::run(&args) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => args.progress.fail(&error),
+        }),
         Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Presets(args)) => presets::run(&args).map(|()| ExitCode::SUCCESS),
         None => unreachable!("without arguments the parser prints help"),

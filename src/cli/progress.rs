@@ -2,12 +2,14 @@
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 
 use super::bar::Bar;
 use super::{Progress, say, tell};
+use crate::error::Error;
 use crate::figures::{duration, rate};
 use crate::scene::Loading;
 use crate::session::State;
@@ -83,7 +85,7 @@ impl Reporter {
         self.last = Some(Instant::now());
         let (name, percent) = (file_name(file), 100.0 * fraction);
         match self.style {
-            Progress::Plain => tell(format!("{percent:5.1} %  {doing} {name}")),
+            Progress::Plain | Progress::Alf => tell(format!("{percent:5.1} %  {doing} {name}")),
             Progress::Json => tell(json!({
                 "event": "progress",
                 "phase": "loading",
@@ -91,12 +93,12 @@ impl Reporter {
                 "fraction": fraction,
                 "seconds": elapsed.as_secs_f64(),
             })),
-            Progress::Openjd if is_new => inform(format!("openjd_status: loading {name}")),
+            Progress::Openjd if is_new => inform_openjd("status", format_args!("loading {name}")),
             Progress::Openjd | Progress::Auto | Progress::Bar | Progress::None => {}
         }
     }
 
-    /// Ends what is shown of files.
+    /// Ends what is shown of files or parts.
     pub fn loaded(&mut self) {
         self.bar.finish();
         (self.bar, self.last, self.file) = (Bar::hidden(), None, None);
@@ -116,10 +118,47 @@ impl Reporter {
         self.message(state);
     }
 
+    /// Shows that `done` of `all` parts are merged, `elapsed` after that began.
+    pub fn merging(&mut self, done: usize, all: usize, elapsed: Duration) {
+        let fraction = done as f64 / all as f64;
+        if self.style == Progress::Bar {
+            self.bar.update(fraction, format!("{done} of {all} parts"));
+            return;
+        }
+        let is_early = elapsed < INTERVAL || self.last.is_some_and(|last| last.elapsed() < INTERVAL);
+        if is_early && done < all {
+            return;
+        }
+        self.last = Some(Instant::now());
+        let percent = 100.0 * fraction;
+        match self.style {
+            Progress::Plain if done < all => tell(format!("{percent:5.1} %  {done} of {all} parts")),
+            Progress::Json => tell(json!({
+                "event": "progress",
+                "phase": "merging",
+                "fraction": fraction,
+                "parts": done,
+                "seconds": elapsed.as_secs_f64(),
+            })),
+            Progress::Openjd | Progress::Alf => self.percent(percent),
+            Progress::Plain | Progress::Auto | Progress::Bar | Progress::None => {}
+        }
+    }
+
+    /// So much is done, for programs that read no more than that.
+    fn percent(&self, percent: f64) {
+        match self.style {
+            Progress::Openjd => inform_openjd("progress", format_args!("{percent:.2}")),
+            // Whole numbers, of which 100 is the end.
+            Progress::Alf => inform(format!("ALF_PROGRESS {}%", percent.floor())),
+            _ => {}
+        }
+    }
+
     /// Removes the bar; for other programs, says how the render ended.
     pub fn finish(&mut self, state: State) {
         self.bar.finish();
-        if matches!(self.style, Progress::Json | Progress::Openjd) {
+        if matches!(self.style, Progress::Json | Progress::Openjd | Progress::Alf) {
             self.message(state);
         }
     }
@@ -129,8 +168,8 @@ impl Reporter {
         match self.style {
             Progress::None => {}
             Progress::Json => tell(json!({ "event": "status", "message": text.to_string() })),
-            Progress::Openjd => inform(format!("openjd_status: {text}")),
-            Progress::Auto | Progress::Bar | Progress::Plain => tell(text),
+            Progress::Openjd => inform_openjd("status", text),
+            Progress::Auto | Progress::Bar | Progress::Plain | Progress::Alf => tell(text),
         }
     }
 
@@ -140,6 +179,11 @@ impl Reporter {
             Progress::Json => tell(json!({ "event": "warning", "message": text.to_string() })),
             _ => self.bar.above(|| tell(format!("warning: {text}"))),
         }
+    }
+
+    /// An error, also for those who asked for no progress.
+    pub fn error(&self, error: &Error) {
+        self.style.error(error);
     }
 
     fn message(&self, state: State) {
@@ -158,10 +202,38 @@ impl Reporter {
                 });
                 tell(message);
             }
-            Progress::Openjd => inform(format!("openjd_progress: {percent:.2}")),
+            Progress::Openjd | Progress::Alf => self.percent(percent),
             Progress::Auto | Progress::Bar | Progress::None => {}
         }
     }
+}
+
+impl Progress {
+    /// Prints `error`, also for other programs.
+    fn error(self, error: &Error) {
+        let Error { place, finding, remedy, .. } = error;
+        match self {
+            Progress::Json => tell(json!({ "event": "error", "place": place, "message": finding, "help": remedy })),
+            Progress::Openjd => {
+                tell(error);
+                inform_openjd("fail", format_args!("{place}: {finding}; {remedy}"));
+            }
+            _ => tell(error),
+        }
+    }
+
+    /// Prints `error` and gives its exit code.
+    pub fn fail(self, error: &Error) -> ExitCode {
+        self.error(error);
+        ExitCode::from(error.exit_code())
+    }
+}
+
+/// A message of Open Job Description, which is one line whatever `text` is.
+fn inform_openjd(kind: &str, text: impl core::fmt::Display) {
+    let text = text.to_string();
+    let lines: Vec<_> = text.lines().map(str::trim).collect();
+    inform(format!("openjd_{kind}: {}", lines.join(" ")));
 }
 
 /// A line to standard output for a program that watches; whether it reads it is its own affair.

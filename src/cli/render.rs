@@ -11,12 +11,11 @@ use super::loading;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{Checkpoints, ImageOutput};
-use super::{Progress, RenderArgs, say, warning_text};
+use super::{RenderArgs, say, warning_text};
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
-use crate::output;
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
 use crate::session::{Session, Settings, State, Target};
@@ -170,12 +169,5 @@ fn check_destinations(
     let checkpoint = checkpoint.map(|path| Destination { flag: "checkpoint", path });
     let all: Vec<_> = images.chain(stats).chain(checkpoint).collect();
     destinations::check(&all, &scene.files)?;
-    let taken = |destination: &&Destination<'_>| output::is_standard_output(destination.path);
-    match all.iter().find(taken).filter(|_| args.progress == Progress::Openjd) {
-        Some(Destination { flag, path }) => {
-            let finding = "names standard output, where --progress openjd writes its lines";
-            Err(Error::usage(format!("{flag} {}", path.display()), finding, "write it to a file of its own"))
-        }
-        None => Ok(()),
-    }
+    destinations::check_lines(&all, args.progress)
 }

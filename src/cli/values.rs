@@ -198,6 +198,16 @@ pub type SampleRange = core::ops::Range<u32>;
 
 /// `--sample-range`
 pub fn sample_range(text: &str) -> Result<SampleRange> {
+    samples("--sample-range", text)
+}
+
+/// `--expect`
+pub fn expected(text: &str) -> Result<SampleRange> {
+    samples("--expect", text)
+}
+
+/// The range of samples after `flag`.
+fn samples(flag: &str, text: &str) -> Result<SampleRange> {
     let numbers = text.split_once("..").and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
     let finding = match numbers {
         None => "is not a range of samples".into(),
@@ -205,7 +215,7 @@ pub fn sample_range(text: &str) -> Result<SampleRange> {
         Some(range) if range.end > MOST_SAMPLES => format!("reaches beyond {MOST_SAMPLES}"),
         Some(range) => return Ok(range),
     };
-    refuse("--sample-range", text, finding, "give A..B, not including B, for example 0..64")
+    refuse(flag, text, finding, "give A..B, not including B, for example 0..64")
 }
 
 /// `--size`

@@ -103,15 +103,22 @@ impl Coverage {
 
     /// What is missing to samples from 0 to the last one in all pixels of an image of `size`.
     pub fn gaps(&self, [width, height]: [u32; 2]) -> Vec<Gap> {
-        let mut ends: Vec<_> = self.0.iter().flat_map(|part| [part.samples.start, part.samples.end]).collect();
-        ends.push(0);
+        let end = self.0.iter().map(|part| part.samples.end).max().unwrap_or(0);
+        self.missing(&Part { region: Region::whole(width, height), samples: 0..end })
+    }
+
+    /// What it lacks of `whole`.
+    pub fn missing(&self, whole: &Part) -> Vec<Gap> {
+        let parts: Vec<_> = self.0.iter().filter_map(|part| part.intersection(whole)).collect();
+        let samples = parts.iter().map(|part| &part.samples).chain([&whole.samples]);
+        let mut ends: Vec<_> = samples.flat_map(|samples| [samples.start, samples.end]).collect();
         ends.sort_unstable();
         ends.dedup();
         let mut gaps: Vec<Gap> = Vec::new();
         for pair in ends.windows(2) {
             let has = |part: &&Part| part.samples.contains(&pair[0]);
-            let pixels = self.0.iter().filter(has).map(|part| part.region.pixels()).sum::<u64>();
-            let missing = (u64::from(width) * u64::from(height)).saturating_sub(pixels);
+            let pixels = parts.iter().filter(has).map(|part| part.region.pixels()).sum::<u64>();
+            let missing = whole.region.pixels().saturating_sub(pixels);
             match gaps.last_mut() {
                 _ if missing == 0 => {}
                 Some(gap) if gap.samples.end == pair[0] && gap.pixels == missing => gap.samples.end = pair[1],
@@ -220,5 +227,16 @@ mod tests {
             coverage("0,0,8,8:2..4").gaps([8, 9]),
             [Gap { samples: 0..2, pixels: 72 }, Gap { samples: 2..4, pixels: 8 }]
         );
+    }
+
+    #[test]
+    fn what_is_missing_to_a_part_is_found() {
+        let a = coverage("0,0,8,8:2..4 0,0,8,4:6..8");
+        let missing = |text: &str| a.missing(&coverage(text).parts()[0]);
+        assert_eq!(missing("0,0,8,8:2..4"), []);
+        assert_eq!(missing("0,0,8,4:3..7"), [Gap { samples: 4..6, pixels: 32 }]);
+        let after = Gap { samples: 8..9, pixels: 64 };
+        assert_eq!(missing("0,0,8,8:6..9"), [Gap { samples: 6..8, pixels: 32 }, after]);
+        assert_eq!(Coverage::default().missing(&coverage("0,0,2,2:0..3").parts()[0]).len(), 1);
     }
 }

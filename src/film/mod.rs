@@ -124,6 +124,12 @@ impl Film {
         }
     }
 
+    /// Whether another film of the same layers, region and tile size has the same sums of as many samples.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.tiles.len() == other.tiles.len()
+            && (0..self.tiles.len()).all(|index| *self.tile(index) == *other.tile(index))
+    }
+
     /// The tile that covers pixel (x, y) of the whole image.
     fn tile_at(&self, x: u32, y: u32) -> MutexGuard<'_, Tile> {
         self.tile(self.region.tile_index(self.tile_size, x, y))

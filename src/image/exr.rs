@@ -125,6 +125,40 @@ fn entries(attributes: &LayerAttributes) -> Vec<(String, String)> {
     header
 }
 
+/// What an EXR file says of its image.
+#[derive(Clone, Debug)]
+pub struct AboutImage {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Names of the planes that [`read_image`] reads.
+    pub names: Vec<String>,
+    /// The pixels of the whole image that are in the file, if it says so.
+    pub region: Option<String>,
+}
+
+/// What the file at `path` says of the image that [`read_image`] reads.
+///
+/// # Errors
+/// If the file cannot be read, is no EXR image, or has more than 2^27 pixels.
+pub fn about_image(path: &Path) -> Result<AboutImage> {
+    check_size(path)?;
+    let meta = MetaData::read_from_file(path, false).map_err(|error| fault(path, error))?;
+    let Some(header) = meta.headers.iter().find(|header| !header.deep) else {
+        return Err(Error::failure(path.display(), "has no flat layer", "give another EXR image"));
+    };
+    let names = header.channels.list.iter().map(|channel| channel.name.to_string());
+    let region = format!("{PREFIX}region");
+    let region = entries(&header.own_attributes).into_iter().find(|(name, _)| *name == region);
+    Ok(AboutImage {
+        width: header.layer_size.width(),
+        height: header.layer_size.height(),
+        names: names.filter(|name| !name.starts_with(planes::EXACT)).collect(),
+        region: region.map(|(_, text)| text),
+    })
+}
+
 /// Reads every f32, f16 or u32 plane of the first layer of `path`, but for those with exact sums.
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 mod weighted;
 
+use core::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
@@ -14,6 +15,8 @@ pub use weighted::weighted;
 
 /// Gaps that are named.
 const MOST_NAMED: usize = 4;
+/// Gaps that are named where there may be none: each of them is to be rendered.
+const MOST_MISSING: usize = 32;
 
 /// An image that was merged from parts.
 #[derive(Debug)]
@@ -37,7 +40,17 @@ impl Merged {
     }
 }
 
-/// Adds up the exact sums of the EXR images at `paths`, parts of one render, in any order.
+/// What is asked of a merge beyond its parts.
+#[derive(Default)]
+pub struct Request<'a> {
+    /// The samples that all pixels of the parts are to have, neither fewer nor others.
+    pub expected: Option<Range<u32>>,
+    /// Told how many parts have been added up.
+    pub look: Option<&'a mut dyn FnMut(usize)>,
+}
+
+/// Adds up the exact sums of the EXR images at `paths`, parts of one render, in any order. The pixels of one part at a
+/// time are in memory.
 ///
 /// # Errors
 /// If one cannot be read or has no exact sums, if they are not of one render, or have samples in common.
@@ -45,25 +58,92 @@ impl Merged {
 /// # Panics
 /// If there are no paths.
 pub fn exact(paths: &[PathBuf]) -> Result<Merged> {
-    let parts = paths.iter().map(|path| exr::exact::about(path)).collect::<Result<Vec<_>>>()?;
-    for (index, part) in parts.iter().enumerate().skip(1) {
-        check_same(&paths[0], &parts[0], &paths[index], part)?;
-        for (other, path) in parts[..index].iter().zip(paths) {
-            check_disjoint(path, other, &paths[index], part)?;
-        }
-    }
+    exact_as(paths, Request::default())
+}
+
+/// The same as [`exact()`], with more to ask.
+///
+/// # Errors
+/// As [`exact()`], and if the samples are not those that are expected.
+///
+/// # Panics
+/// If there are no paths.
+pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
+    let (parts, mut look) = (survey(paths)?, request.look);
     let region = parts.iter().map(|part| part.region).reduce(Region::hull).expect("at least one part");
     let all = parts.iter().flat_map(|part| part.coverage.parts()).cloned().collect();
     let (coverage, About { size, layers, .. }) = (Coverage::of(all), &parts[0]);
+    if let Some(samples) = request.expected {
+        check_complete(&coverage, &crate::film::Part { region, samples })?;
+    }
     let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
         let finding = format!("an image of {} pixels does not fit into memory: {error}", region.pixels());
         Error::failure(paths[0].display(), finding, "merge crops of smaller parts of the image")
     })?;
-    for (path, about) in paths.iter().zip(&parts) {
-        add(&film, &exr::exact::read_film(path, about)?);
+    for (index, (path, part)) in paths.iter().zip(&parts).enumerate() {
+        add(&film, &exr::exact::read_film(path, &again(&paths[0], &parts[0], path, part)?)?);
+        look.iter_mut().for_each(|look| look(index + 1));
     }
     coverage.parts().iter().for_each(|part| film.count(part.region, part.samples.len() as u32));
     Ok(Merged { film, size: *size, header: header(&parts, region, &coverage), warnings: warnings(&parts, &coverage) })
+}
+
+/// What the files at `paths` say, which are parts of one render. Of thousands there is no room for what may be long, the
+/// settings and the text of the coverage, but for those of the first and of the part whose header the image gets.
+fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
+    let mut parts: Vec<About> = Vec::with_capacity(paths.len());
+    let mut last = 0;
+    for (index, path) in paths.iter().enumerate() {
+        let part = exr::exact::about(path)?;
+        if index > 0 {
+            check_same(&paths[0], &parts[0], path, &part)?;
+        }
+        for (other, other_path) in parts.iter().zip(paths) {
+            check_disjoint(other_path, other, path, &part)?;
+        }
+        parts.push(part);
+        let is_last = rank(&parts[index]) >= rank(&parts[last]);
+        let earlier = if is_last { core::mem::replace(&mut last, index) } else { index };
+        if earlier != 0 {
+            parts[earlier].header.retain(|(name, _)| name != "settings" && name != "coverage");
+        }
+    }
+    Ok(parts)
+}
+
+/// What the file at `path` says, which said `part` when it was looked at first. What a repeated render has written
+/// meanwhile is as good, but nothing else.
+fn again(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<About> {
+    let about = exr::exact::about(path)?;
+    check_same(first_path, first, path, &about)?;
+    if (about.region, &about.coverage) == (part.region, &part.coverage) {
+        return Ok(about);
+    }
+    let finding = "was replaced by another part while it was merged";
+    Err(Error::failure(path.display(), finding, "merge once nobody writes parts any more"))
+}
+
+/// Fails unless there are all samples of `whole`, and no others.
+fn check_complete(coverage: &Coverage, whole: &crate::film::Part) -> Result<()> {
+    let Range { start, end } = whole.samples;
+    let fault = |finding, remedy| Err(Error::failure(format!("--expect {start}..{end}"), finding, remedy));
+    let (missing, all) = (coverage.missing(whole), whole.region.pixels());
+    let of = |pixels| if pixels == all { String::new() } else { format!(" of {pixels} of {all} pixels") };
+    let ranges = missing.iter().map(|gap| format!("{}..{}{}", gap.samples.start, gap.samples.end, of(gap.pixels)));
+    let mut named: Vec<_> = ranges.take(MOST_MISSING).collect();
+    if missing.len() > MOST_MISSING {
+        named.push(format!("and {} more ranges", missing.len() - MOST_MISSING));
+    }
+    if !named.is_empty() {
+        let finding = format!("no part has samples {}", named.join(", "));
+        return fault(finding, "render them with --sample-range, and merge again");
+    }
+    let has = coverage.hull().map_or(0..0, |hull| hull.samples);
+    if has.start < start || has.end > end {
+        let finding = format!("the parts have samples {}..{}", has.start, has.end);
+        return fault(finding, "merge none but the parts of these samples");
+    }
+    Ok(())
 }
 
 /// Fails unless the samples of `part` belong to the render of `first`.
@@ -107,10 +187,14 @@ fn add(film: &Film, part: &Film) {
     }
 }
 
+/// By which the part with the last samples is the greatest.
+fn rank(part: &About) -> (Option<u32>, String) {
+    (part.coverage.hull().map(|hull| hull.samples.end), part.coverage.to_string())
+}
+
 /// The header of the merged image: that of the part with the last samples, and what is of all of them.
 fn header(parts: &[About], region: Region, coverage: &Coverage) -> Vec<Entry> {
-    let last = |part: &&About| (part.coverage.hull().map(|hull| hull.samples.end), part.coverage.to_string());
-    let mut header = parts.iter().max_by_key(last).expect("at least one part").header.clone();
+    let mut header = parts.iter().max_by_key(|part| rank(part)).expect("at least one part").header.clone();
     let numbers = |name: &str| {
         let numbers = parts.iter().map(|part| part.entry(name).and_then(|text| text.parse::<f64>().ok()));
         numbers.map(|number| number.unwrap_or(1.0)).collect::<Vec<_>>()

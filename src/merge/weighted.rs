@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::image::{Image, exr};
+use crate::image::Image;
+use crate::image::exr::{self, AboutImage};
 
 /// The channel with the number of samples.
 const COUNT: &str = "N";
@@ -11,7 +12,7 @@ const COUNT: &str = "N";
 const ERROR: &str = "SE.";
 
 /// The mean of the EXR images at `paths`, pixel by pixel, weighted by their numbers of samples where all have such a
-/// channel, `N`, and alike otherwise. Channels that not all of them have are left out.
+/// channel, `N`, and alike otherwise. Channels that not all of them have are left out. One image at a time is in memory.
 ///
 /// # Errors
 /// If one cannot be read, or they differ in size or have no channel in common.
@@ -19,28 +20,66 @@ const ERROR: &str = "SE.";
 /// # Panics
 /// If there are no paths.
 pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
-    let first = exr::read_image(&paths[0])?;
-    let mut others = paths[1..].iter().map(|path| Ok((path, exr::read_image(path)?))).collect::<Result<Vec<_>>>()?;
-    for (path, image) in &others {
-        check_same(&paths[0], &first, path, image)?;
+    let abouts = paths.iter().map(|path| exr::about_image(path)).collect::<Result<Vec<_>>>()?;
+    let first = &abouts[0];
+    for (path, about) in paths.iter().zip(&abouts).skip(1) {
+        check_same(&paths[0], first, path, about)?;
     }
-    let mut images = vec![first];
-    images.extend(others.drain(..).map(|(_, image)| image));
-    let counted = images.iter().all(|image| image.channel(COUNT).is_some());
-    let ones = vec![1.0; images[0].width * images[0].height];
-    let weights: Vec<_> =
-        images.iter().map(|image| image.channel(COUNT).filter(|_| counted).unwrap_or(&ones)).collect();
-    let names = images[0].channels.iter().map(|(name, _)| name);
-    let common = names.filter(|name| images.iter().all(|image| image.channel(name).is_some()));
-    let channels: Vec<_> = common.map(|name| (name.clone(), merge(name, &images, &weights))).collect();
-    if channels.is_empty() {
+    let is_common = |name: &String| abouts.iter().all(|about| about.names.contains(name));
+    let names: Vec<_> = first.names.iter().filter(|name| is_common(name)).cloned().collect();
+    if names.is_empty() {
         return Err(Error::failure(paths[0].display(), "has no channel that all images have", "give images alike"));
     }
-    let header = vec![(format!("{}merged", exr::PREFIX), format!("weighted mean of {} images", images.len()))];
-    Ok(Image { width: images[0].width, height: images[0].height, channels, header })
+    let counted = names.iter().any(|name| name == COUNT);
+    let mut total = vec![0.0; first.width * first.height];
+    let mut sums: Vec<_> = names.iter().map(|_| total.clone()).collect();
+    for (path, about) in paths.iter().zip(&abouts) {
+        let image = exr::read_image(path)?;
+        let plane = |name: &str| image.channel(name).filter(|plane| plane.len() == total.len());
+        let planes: Option<Vec<_>> = names.iter().map(|name| plane(name)).collect();
+        let Some(planes) = planes.filter(|_| image.width == about.width) else {
+            let finding = "was replaced by another image while it was merged";
+            return Err(Error::failure(path.display(), finding, "merge once nobody writes images any more"));
+        };
+        let weights = plane(COUNT).filter(|_| counted);
+        let weight = |place: usize| weights.map_or(1.0, |weights| f64::from(weights[place]));
+        for ((name, sums), plane) in names.iter().zip(&mut sums).zip(planes) {
+            for (place, (sum, value)) in sums.iter_mut().zip(plane).enumerate() {
+                *sum += term(name, f64::from(*value), weight(place));
+            }
+        }
+        total.iter_mut().enumerate().for_each(|(place, total)| *total += weight(place));
+    }
+    let mean =
+        |name: &str, sums: &[f64]| sums.iter().zip(&total).map(|(sum, total)| value(name, *sum, *total)).collect();
+    let channels = names.iter().zip(&sums).map(|(name, sums)| (name.clone(), mean(name, sums))).collect();
+    let header = vec![(format!("{}merged", exr::PREFIX), format!("weighted mean of {} images", paths.len()))];
+    Ok(Image { width: first.width, height: first.height, channels, header })
 }
 
-fn check_same(first_path: &Path, first: &Image, path: &Path, image: &Image) -> Result<()> {
+/// What an image of this weight adds to the sum of the channel called `name`, where its value is `value`.
+fn term(name: &str, value: f64, weight: f64) -> f64 {
+    match name {
+        COUNT => value,
+        _ if name.starts_with(ERROR) => (value * weight).powi(2),
+        // What has no samples may be anything.
+        _ if weight > 0.0 => value * weight,
+        _ => 0.0,
+    }
+}
+
+/// The value of a pixel of the channel called `name`, of its `sum` and the `total` of weights.
+fn value(name: &str, sum: f64, total: f64) -> f32 {
+    let value = match name {
+        COUNT => sum,
+        _ if total <= 0.0 => 0.0,
+        _ if name.starts_with(ERROR) => sum.sqrt() / total,
+        _ => sum / total,
+    };
+    value as f32
+}
+
+fn check_same(first_path: &Path, first: &AboutImage, path: &Path, image: &AboutImage) -> Result<()> {
     let fault = |what: String| {
         let finding = format!("cannot be averaged with {}: {what}", first_path.display());
         Err(Error::failure(path.display(), finding, "give images of the same pixels"))
@@ -49,32 +88,8 @@ fn check_same(first_path: &Path, first: &Image, path: &Path, image: &Image) -> R
         let [a, b] = [first, image].map(|image| format!("{}x{}", image.width, image.height));
         return fault(format!("it has {b} pixels, not {a}"));
     }
-    let region = |image: &Image| {
-        let name = format!("{}region", exr::PREFIX);
-        image.header.iter().find(|(entry, _)| *entry == name).map(|(_, text)| text.clone())
-    };
-    match (region(first), region(image)) {
+    match (&first.region, &image.region) {
         (Some(a), Some(b)) if a != b => fault(format!("it has the pixels {b} of the image, not {a}")),
         _ => Ok(()),
     }
-}
-
-/// The channel called `name` of all `images` together.
-fn merge(name: &str, images: &[Image], weights: &[&[f32]]) -> Vec<f32> {
-    let planes: Vec<_> = images.iter().map(|image| image.channel(name).expect("a common channel")).collect();
-    let pixel = |place: usize| {
-        let values = || planes.iter().zip(weights).map(|(plane, weight)| [plane[place], weight[place]].map(f64::from));
-        let total = values().map(|[_, weight]| weight).sum::<f64>();
-        let sum = if name == COUNT {
-            values().map(|[count, _]| count).sum()
-        } else if total <= 0.0 {
-            0.0
-        } else if name.starts_with(ERROR) {
-            values().map(|[error, weight]| (error * weight).powi(2)).sum::<f64>().sqrt() / total
-        } else {
-            values().filter(|[_, weight]| *weight > 0.0).map(|[value, weight]| value * weight).sum::<f64>() / total
-        };
-        sum as f32
-    };
-    (0..planes[0].len()).map(pixel).collect()
 }

@@ -6,6 +6,7 @@ mod checkpoints;
 mod clouds;
 mod compare;
 mod exposure;
+mod farm;
 mod files;
 mod flags;
 mod flames;

@@ -49,6 +49,71 @@ fn openjd_progress_is_on_standard_output() {
 }
 
 #[test]
+fn alf_progress_is_whole_percents_on_standard_output() {
+    let run = long_render("alf");
+    let lines: Vec<_> = run.stdout.lines().collect();
+    assert_eq!((lines.len(), run.stderr.lines().count()), (2, 1), "{run}");
+    let percents =
+        [lines[0], lines[1]].map(|line| line.strip_prefix("ALF_PROGRESS ")?.strip_suffix('%')?.parse::<u32>().ok());
+    assert!(percents[0].is_some_and(|percent| (80..100).contains(&percent)) && percents[1] == Some(100), "{run}");
+    assert!(run.stderr.starts_with("a.exr: mvnee, "), "{run}");
+}
+
+/// Commands that fail in two ways: before anything is rendered or read, and because a scene or a part is wrong.
+fn failures(style: &str) -> [Run; 3] {
+    let folder = Folder::with_edited_scene("radius = 1.5", "radius = \"wide\"");
+    let render = |output| folder.run(&["render", "scene.toml", "-o", output, "--progress", style]);
+    let merge = folder.run(&["merge", "missing.exr", "-o", "b.exr", "--progress", style]);
+    [render("no/a.exr"), render("a.exr"), merge]
+}
+
+#[test]
+fn openjd_is_told_why_it_failed_on_one_line() {
+    for run in failures("openjd") {
+        let lines: Vec<_> = run.stdout.lines().collect();
+        assert!(run.code != Some(0) && lines.len() == 1, "{run}");
+        let finding = run.stderr.lines().next().and_then(|line| line.strip_prefix("error: ")).expect("an error");
+        assert!(lines[0].starts_with(&format!("openjd_fail: {finding}; ")), "{run}");
+    }
+}
+
+#[test]
+fn json_has_errors_too() {
+    for run in failures("json") {
+        assert!(run.code != Some(0) && run.stdout.is_empty() && run.stderr.lines().count() == 1, "{run}");
+        let message: Value = serde_json::from_str(&run.stderr).unwrap_or_else(|error| panic!("{error}\n{run}"));
+        assert_eq!(message["event"], "error", "{run}");
+        for name in ["place", "message", "help"] {
+            assert!(message[name].as_str().is_some_and(|text| !text.is_empty()), "{name}: {run}");
+        }
+    }
+}
+
+#[test]
+fn a_merge_tells_its_progress_too() {
+    let folder = Folder::with_scene();
+    for (name, samples) in [("a.exr", "0..1"), ("b.exr", "1..3")] {
+        folder.done(&["render", "scene.toml", "-o", name, "--sample-range", samples, "--progress", "none"]);
+    }
+    let merge = |style| folder.done(&["merge", "a.exr", "b.exr", "-o", "c.exr", "--progress", style]);
+    let summary = "c.exr: 2 images, 3 samples per pixel";
+    let run = merge("openjd");
+    assert!(run.stdout.starts_with(&format!("openjd_progress: 100.00\nopenjd_status: {summary}")), "{run}");
+    assert_eq!((run.stdout.lines().count(), run.stderr.as_str()), (2, ""), "{run}");
+    let run = merge("alf");
+    assert_eq!(run.stdout, "ALF_PROGRESS 100%\n", "{run}");
+    assert!(run.stderr.starts_with(summary) && merge("plain").stderr.starts_with(summary), "{run}");
+    let run = merge("none");
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");
+    let events = merge("json")
+        .stderr
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).expect("JSON")["event"].clone())
+        .collect::<Vec<_>>();
+    assert_eq!(events, ["progress", "status"]);
+}
+
+#[test]
 fn without_progress_success_is_silent_and_errors_are_not() {
     let run = short_render("none");
     assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");

@@ -56,12 +56,15 @@ fn a_pipe_or_standard_output_takes_one_result() {
     ] {
         folder.refused(&[&["render", "scene.toml"][..], &outputs].concat(), 2, &finding);
     }
-    let openjd = "names standard output, where --progress openjd writes its lines\n";
     for (flags, name) in
         [(["-o", "png:/dev/stdout"], "--output /dev/stdout"), (["--stats", "/dev/fd/1"], "--stats /dev/fd/1")]
     {
-        let args = ["render", "scene.toml", "-o", "a.exr", "--progress", "openjd"];
-        folder.refused(&[&args[..], &flags].concat(), 2, &format!("{name}: {openjd}"));
+        for style in ["openjd", "alf"] {
+            let run = folder.run(&[&["render", "scene.toml", "-o", "a.exr", "--progress", style], &flags[..]].concat());
+            let finding = format!("{name}: names standard output, where --progress {style} writes its lines");
+            assert!(run.code == Some(2) && run.stderr.starts_with(&format!("error: {finding}\n")), "{run}");
+            assert_eq!(run.stdout.contains(&format!("openjd_fail: {finding}; ")), style == "openjd", "{run}");
+        }
     }
     // What standard output leads to counts, not what it is called.
     let script = "\"$0\" render scene.toml -o png:/dev/stdout -o exr:b.exr > b.exr 2> message; test $? = 2";

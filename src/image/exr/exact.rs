@@ -186,6 +186,17 @@ pub fn read_film(path: &Path, about: &About) -> Result<Film> {
     Ok(film)
 }
 
+/// Whether the images at `paths` have the same exact sums of the same samples of the same pixels; none if one of them
+/// has no sums, or none that can be used.
+pub fn are_same(paths: [&Path; 2]) -> Option<bool> {
+    let [Ok(a), Ok(b)] = paths.map(about) else { return None };
+    if (a.size, a.region, &a.layers, &a.coverage) != (b.size, b.region, &b.layers, &b.coverage) {
+        return Some(false);
+    }
+    let [a, b] = [read_film(paths[0], &a).ok()?, read_film(paths[1], &b).ok()?];
+    Some(a.is_same(&b))
+}
+
 /// Adds the sums whose limbs are `planes` to a channel of a layer.
 fn add(film: &Film, layer: usize, channel: usize, planes: &[&[u32]]) {
     let region = film.region();

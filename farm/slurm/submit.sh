@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Renders a scene in parts as an array of Slurm, and merges them. See docs/farm.md.
+#
+#   submit.sh [-n SAMPLES] [-c CHUNK] [-p PARTS] [-o OUT.exr] [-m MERGES] [-s SBATCH_FLAG]... SCENE [FLAG]...
+#
+# SAMPLES per pixel, CHUNK of them per task, parts in the folder PARTS (default: OUT.exr.parts). FLAGs are those of
+# fogbow render, but for --threads, which are those that Slurm gives. With -m, so many merges of equal numbers of parts
+# come first, at the same time, and then one of what they made. With -s, flags of sbatch for the tasks, as in
+# -s --partition=low. Given again, it renders only the parts that are not there. FOGBOW names another program than
+# fogbow, CHECKPOINT another time than 60s between checkpoints, or off. Prints the numbers of the jobs: of the tasks (if
+# there are any), of the merges of groups (with -m), and of the last merge.
+set -euo pipefail
+
+usage() {
+    sed -n '4,11s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+}
+
+samples=256 chunk=16 parts='' output=image.exr merges=1
+sbatch_flags=()
+while getopts n:c:p:o:m:s: option; do
+    case $option in
+    n) samples=$OPTARG ;;
+    c) chunk=$OPTARG ;;
+    p) parts=$OPTARG ;;
+    o) output=$OPTARG ;;
+    m) merges=$OPTARG ;;
+    s) sbatch_flags+=("$OPTARG") ;;
+    *) usage ;;
+    esac
+done
+shift $((OPTIND - 1))
+if [ $# -lt 1 ] || [ "$samples" -lt 1 ] || [ "$chunk" -lt 1 ] || [ "$merges" -lt 1 ]; then usage; fi
+here=$(cd "$(dirname "$0")" && pwd)
+export SCENE=$1 SAMPLES=$samples CHUNK=$chunk OUTPUT=$output PARTS=${parts:-$output.parts}
+export FOGBOW=${FOGBOW:-fogbow} CHECKPOINT=${CHECKPOINT:-60s}
+shift
+mkdir -p "$PARTS"
+
+# The array: every part that is not there.
+# shellcheck source=farm/slurm/part.sh
+. "$here/part.sh"
+tasks=$(((samples + chunk - 1) / chunk))
+export MERGES=$((merges < tasks ? merges : tasks))
+missing=''
+for ((task = 0; task < tasks; task++)); do
+    [ -e "$(part "$task")" ] || missing+=,$task
+done
+
+after=()
+if [ -n "$missing" ]; then
+    # Runs of numbers as FIRST-LAST.
+    array=$(tr ',' '\n' <<<"${missing#,}" | awk '
+        NR > 1 && $1 != last + 1 { print first "-" last; first = $1 }
+        NR == 1 { first = $1 }
+        { last = $1 }
+        END { print first "-" last }' | paste -sd,)
+    job=$(sbatch --parsable --export=ALL --array="$array" --output="$PARTS/%a.log" "${sbatch_flags[@]}" \
+        "$here/render.sbatch" "$here" "$@")
+    echo "${job%%;*}"
+    after=(--dependency="afterok:${job%%;*}" --kill-on-invalid-dep=yes)
+fi
+if [ "$MERGES" -gt 1 ]; then
+    groups=$(sbatch --parsable --export=ALL --array="0-$((MERGES - 1))" --output="$PARTS/merge-%a.log" "${after[@]}" \
+        "$here/merge.sbatch" "$here")
+    echo "${groups%%;*}"
+    after=(--dependency="afterok:${groups%%;*}" --kill-on-invalid-dep=yes)
+fi
+merge=$(sbatch --parsable --export=ALL --output="$PARTS/merge.log" "${after[@]}" "$here/merge.sbatch" "$here")
+echo "${merge%%;*}"
