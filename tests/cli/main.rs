@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod adaptive;
 mod bar;
 mod bare;
 mod checkpoints;
@@ -14,6 +15,7 @@ mod images;
 mod info;
 mod lamps;
 mod left_out;
+mod limits;
 mod merge;
 mod models;
 mod phases;
