@@ -31,6 +31,11 @@ pub fn survival(survival: &Survival) -> String {
     }
 }
 
+/// A share in percent.
+pub fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share, 3))
+}
+
 /// A rate with its unit.
 pub fn rate(samples_per_second: f64) -> String {
     match samples_per_second {

@@ -51,6 +51,7 @@
 //! rustflags = ["-Ctarget-cpu=x86-64-v3"]
 //! ```
 
+pub mod adaptive;
 pub mod cli;
 pub mod compare;
 pub mod cpu;
@@ -77,4 +78,4 @@ pub mod wavefront;
 
 pub use fogbow_kernels as kernels;
 pub use library::{Rendered, Scene};
-pub use session::Target;
+pub use session::{Limits, Target};

@@ -11,7 +11,7 @@ use crate::film::Pixel;
 use crate::image::Format;
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
-use crate::session::{Outcome, Session, Settings, Target};
+use crate::session::{Limits, Outcome, Session, Settings, Target};
 
 /// A scene that has been read and is valid.
 ///
@@ -59,14 +59,23 @@ impl Scene {
         scene.chain(cpu::advice().map(String::from)).collect()
     }
 
-    /// Renders until `target` is reached, on all processors.
+    /// Renders until a [`Target`] is met, or the first of several ([`Limits`], or a list of targets), on all processors.
     ///
     /// As in the program, a [pilot](crate::pilot) chooses what the scene leaves open.
     ///
     /// # Errors
     /// If there is not enough memory for the image.
-    pub fn render(&self, target: Target) -> Result<Rendered> {
-        self.render_with(Settings::default(), target)
+    pub fn render(&self, until: impl Into<Limits>) -> Result<Rendered> {
+        self.render_with(Settings::default(), until.into())
+    }
+
+    /// The same with more samples for noisy parts of the image than for others; see [`crate::adaptive`].
+    /// [`Target::Samples`] is then the number of samples of the mean pixel.
+    ///
+    /// # Errors
+    /// If there is not enough memory for the image.
+    pub fn render_adaptively(&self, until: impl Into<Limits>) -> Result<Rendered> {
+        self.render_with(Settings { adaptive: true, ..Settings::default() }, until.into())
     }
 
     /// Renders these samples of every pixel, on all processors: a part of an image. [`crate::merge`] puts the EXR
@@ -76,13 +85,13 @@ impl Scene {
     /// If there is not enough memory for the image.
     pub fn render_part(&self, samples: Range<u32>) -> Result<Rendered> {
         let settings = Settings { first_sample: samples.start, ..Settings::default() };
-        self.render_with(settings, Target::Samples(samples.len() as u32))
+        self.render_with(settings, Target::Samples(samples.len() as u32).into())
     }
 
-    fn render_with(&self, settings: Settings, target: Target) -> Result<Rendered> {
+    fn render_with(&self, settings: Settings, limits: Limits) -> Result<Rendered> {
         let mut session = Session::new(self.loaded.clone(), settings)?;
         session.prepare(true, |_| {});
-        let outcome = session.run(target, || false, |_| {});
+        let outcome = session.run(limits, || false, |_| {});
         Ok(Rendered { session, outcome })
     }
 }

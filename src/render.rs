@@ -1,14 +1,15 @@
 //! Scheduling: blocks of samples over threads.
 
 use core::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bumpalo::Bump;
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::Pipeline;
 
-use crate::film::Film;
+use crate::adaptive::{self, Cell};
+use crate::film::{Film, RADIANCE, Tile};
 use crate::frame::Frame;
 use crate::stats::Stats;
 use crate::wavefront::{Wavefront, default_lanes};
@@ -34,15 +35,18 @@ pub enum Samples {
     All(Range<u32>),
     /// Of these the ones that are missing: pixels have the first of them, some perhaps more than others.
     Missing(Range<u32>),
+    /// The same with a range for every tile.
+    MissingOf(Vec<Range<u32>>),
 }
 
 /// Which samples blocks take.
 struct Blocks {
-    /// Number of the sample with which every tile began: it has as many as follow.
-    firsts: Vec<u32>,
-    /// Number after the last sample.
-    end: u32,
-    /// Blocks of the tile that lacks most.
+    /// Tile by tile, the number of the sample with which it began, of which it has as many as follow, to that after its
+    /// last one.
+    samples: Vec<Range<u32>>,
+    /// Blocks that every tile lacks.
+    counts: Vec<u32>,
+    /// Those of the tile that lacks most.
     passes: u32,
 }
 
@@ -54,18 +58,27 @@ impl From<Range<u32>> for Samples {
 
 impl Samples {
     fn blocks(self, film: &Film) -> Blocks {
-        let tiles = 0..film.tile_count();
-        let (firsts, left, end) = match self {
+        let has = film.samples_of_tiles();
+        let samples = match self {
             Self::All(samples) => {
-                let firsts = tiles.map(|tile| samples.start.wrapping_sub(film.tile(tile).samples())).collect();
-                (firsts, samples.len() as u32, samples.end)
+                has.iter().map(|has| samples.start.wrapping_sub(*has)..samples.end).collect::<Vec<_>>()
             }
-            Self::Missing(samples) => {
-                let left = (samples.len() as u32).saturating_sub(film.fewest_samples());
-                (vec![samples.start; tiles.len()], left, samples.end)
-            }
+            Self::Missing(samples) => vec![samples; has.len()],
+            Self::MissingOf(samples) => samples,
         };
-        Blocks { firsts, end, passes: left.div_ceil(SAMPLES_PER_BLOCK) }
+        let left = |(samples, has): (&Range<u32>, &u32)| samples.end.saturating_sub(samples.start.wrapping_add(*has));
+        let counts: Vec<_> = samples.iter().zip(&has).map(|tile| left(tile).div_ceil(SAMPLES_PER_BLOCK)).collect();
+        let passes = counts.iter().copied().max().unwrap_or(0);
+        Blocks { samples, counts, passes }
+    }
+}
+
+impl Blocks {
+    /// Whether the tile has a block in this pass: those of a tile are spread evenly over all passes.
+    fn has(&self, tile: usize, pass: u32) -> bool {
+        let (count, passes) = (u64::from(self.counts[tile]), u64::from(self.passes));
+        let before = |pass: u64| pass * count / passes;
+        before(u64::from(pass) + 1) > before(pass.into())
     }
 }
 
@@ -125,7 +138,8 @@ impl Renderer {
 
     /// Takes `samples` of every pixel of `film`, or as many as fit before the monitor says stop.
     ///
-    /// Blocks are handed out pass by pass, so that an image that was stopped is evenly covered to within one block.
+    /// Blocks are handed out pass by pass, so that an image that was stopped is evenly covered to within one block, as
+    /// far as all tiles are to get as many samples.
     /// The sums are exact: who takes which block, and when, leaves no trace.
     pub fn render(
         &self,
@@ -148,9 +162,9 @@ impl Renderer {
         samples: impl Into<Samples>,
         monitor: &Monitor,
     ) -> Stats {
-        let Blocks { firsts, end, passes } = samples.into().blocks(film);
+        let blocks = samples.into().blocks(film);
         let total = Mutex::new(empty.clone());
-        let blocks = u64::from(passes) * film.tile_count() as u64;
+        let (tiles, count) = (film.tile_count() as u64, u64::from(blocks.passes) * film.tile_count() as u64);
         let next = AtomicU64::new(0);
         self.pool.broadcast(|_| {
             let arena = Bump::new();
@@ -159,11 +173,14 @@ impl Renderer {
             wavefront.stats = empty.clone();
             while !monitor.stops() {
                 let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= blocks {
+                if index >= count {
                     break;
                 }
-                let tile = (index % film.tile_count() as u64) as usize;
-                let (first, mut tile) = (firsts[tile], film.tile(tile));
+                let (place, pass) = ((index % tiles) as usize, (index / tiles) as u32);
+                if !blocks.has(place, pass) {
+                    continue;
+                }
+                let (Range { start: first, end }, mut tile) = (blocks.samples[place].clone(), film.tile(place));
                 // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
                 let start = first.wrapping_add(tile.samples());
                 let block = start..end.min(start.saturating_add(SAMPLES_PER_BLOCK));
@@ -182,5 +199,40 @@ impl Renderer {
             total.lock().unwrap_or_else(PoisonError::into_inner).merge(&wavefront.stats);
         });
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes these samples of every pixel of `film` and keeps none of them; what they say of its tiles, or nothing if
+    /// the monitor said stop before.
+    pub fn probe(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        samples: Range<u32>,
+        monitor: &Monitor,
+    ) -> Option<Vec<Vec<Cell>>> {
+        let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; film.tile_count()]));
+        let radiance = &film.layers()[..=RADIANCE];
+        self.pool.broadcast(|_| {
+            let arena = Bump::new();
+            let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
+            let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                if index >= film.tile_count() {
+                    break;
+                }
+                let mut tile = Tile::new(radiance, film.tile(index).region());
+                for start in samples.clone().step_by(SAMPLES_PER_BLOCK as usize) {
+                    if monitor.stops() {
+                        return;
+                    }
+                    wavefront.render(start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK)), &mut tile);
+                }
+                let cells = adaptive::cells(&tile);
+                found.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(cells);
+            }
+        });
+        found.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
     }
 }

@@ -115,7 +115,7 @@ fn a_render_that_is_stopped_again_and_again_goes_on_to_the_same_bits() {
         }
         assert!(stops > 2, "{stops}");
         assert_eq!(pixels(&whole), pixels(&film), "tiles of {tile}");
-        assert_eq!(film.coverage(7).to_string(), "3,4,14,9:7..2007");
+        assert_eq!(film.coverage(&vec![7; film.tile_count()]).to_string(), "3,4,14,9:7..2007");
     }
 }
 

@@ -10,8 +10,21 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 const STEPS: u64 = 10_000;
 /// Columns of the longest name in front of the bar.
 const LONGEST_NAME: usize = 24;
-/// Widths from which on there is room for the time left, and for the name besides.
-const WIDTHS: [usize; 2] = [56, 96];
+/// Widths from which on there is room for a short outlook, for a long one, and for the name besides.
+const WIDTHS: [usize; 3] = [56, 80, 104];
+
+/// What is to stand behind the bar, in short and at length.
+pub struct Outlooks {
+    pub short: String,
+    pub long: String,
+}
+
+impl Outlooks {
+    /// The same for all widths.
+    pub fn of(text: &str) -> Self {
+        Self { short: text.into(), long: text.into() }
+    }
+}
 
 /// What stands behind the bar.
 type Outlook = Arc<Mutex<String>>;
@@ -46,11 +59,12 @@ impl Bar {
     }
 
     /// Draws it anew, `fraction` of it full.
-    pub fn update(&mut self, fraction: f64, outlook: String) {
+    pub fn update(&mut self, fraction: f64, outlooks: Outlooks) {
         let columns = width(&self.term);
         if columns != self.columns {
             self.resize(columns);
         }
+        let outlook = if columns < WIDTHS[1] { outlooks.short } else { outlooks.long };
         // Whatever changes the bar draws it: the outlook has to be the new one by then.
         *self.outlook.lock().unwrap_or_else(PoisonError::into_inner) = outlook;
         self.bar.update(|state| state.set_pos((fraction * STEPS as f64) as u64));
@@ -83,14 +97,14 @@ impl Bar {
 
 /// Columns of the terminal; many where there is none.
 fn width(term: &Term) -> usize {
-    term.size_checked().map_or(WIDTHS[1], |(_, columns)| usize::from(columns))
+    term.size_checked().map_or(WIDTHS[2], |(_, columns)| usize::from(columns))
 }
 
 /// The bar and whatever else has room in `columns`.
 fn style(columns: usize, outlook: &Outlook) -> ProgressStyle {
     let template = match columns {
         columns if columns < WIDTHS[0] => "[{wide_bar}] {percent:>3} %",
-        columns if columns < WIDTHS[1] => "[{wide_bar}] {percent:>3} %  {outlook}",
+        columns if columns < WIDTHS[2] => "[{wide_bar}] {percent:>3} %  {outlook}",
         _ => "{prefix} [{wide_bar}] {percent:>3} %  {outlook}",
     };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());

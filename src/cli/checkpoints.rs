@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::figures::duration;
 use crate::output;
 use crate::session::checkpoint::Checkpoint;
-use crate::session::{Session, State, Target};
+use crate::session::{Limits, Session, State};
 
 /// Time between checkpoints where nothing else is asked for.
 const INTERVAL: Duration = Duration::from_secs(60);
@@ -30,7 +30,7 @@ pub struct Plan {
     asked: Option<Checkpoints>,
     resume: bool,
     overwrite: bool,
-    target: Target,
+    limits: Limits,
 }
 
 impl Plan {
@@ -38,7 +38,7 @@ impl Plan {
     ///
     /// # Errors
     /// If it asks for checkpoints where there is no place for any.
-    pub fn new(args: &RenderArgs, outputs: &[ImageOutput], target: Target) -> Result<Self> {
+    pub fn new(args: &RenderArgs, outputs: &[ImageOutput], limits: Limits) -> Result<Self> {
         let file = outputs.iter().find(|image| !output::is_stream(&image.path));
         let (asked, resume, overwrite) = (args.checkpoint, args.resume, args.overwrite_checkpoint);
         let path = file.map(|image| {
@@ -60,7 +60,7 @@ impl Plan {
             let finding = "there is no place for a checkpoint: no output is a regular file";
             return Err(Error::usage(flag, finding, "write an image to a file, beside which the checkpoint can be"));
         }
-        Ok(Self { path, asked, resume, overwrite, target })
+        Ok(Self { path, asked, resume, overwrite, limits })
     }
 
     /// Where checkpoints go, if any are written, resumed from or overwritten.
@@ -117,23 +117,22 @@ impl Plan {
 
     /// Fails if the session, gone on with, has more samples than it is to get.
     pub fn check_samples(&self, session: &Session) -> Result<()> {
-        let (most, Target::Samples(samples)) = (session.film.most_samples(), self.target) else { return Ok(()) };
-        let (true, Some(path)) = (most > samples, self.path()) else { return Ok(()) };
+        let (Some(samples), Some(path)) = (self.limits.samples, self.path()) else { return Ok(()) };
+        let Some(most) = session.most_beyond(samples) else { return Ok(()) };
         let finding = format!("has {most} samples per pixel already, more than the {samples} that are asked for");
         Err(Error::failure(path.display(), finding, "ask for as many, or start anew with --overwrite-checkpoint"))
     }
 
     /// Whether a render in this state is to have checkpoints.
     fn wants(&self, state: &State) -> bool {
-        match (self.asked, self.target) {
-            (Some(Checkpoints::Off), _) => false,
-            (Some(Checkpoints::Every(_)), _) => true,
-            (None, _) if self.resume => true,
-            (None, Target::Time(time)) => time > LONG,
-            (None, _) => match state.seconds_left {
+        match self.asked {
+            Some(Checkpoints::Off) => false,
+            Some(Checkpoints::Every(_)) => true,
+            None if self.resume => true,
+            None => match state.seconds_left {
                 Some(left) => state.elapsed.as_secs_f64() + left > LONG.as_secs_f64(),
-                // Nothing is known of it yet.
-                None => state.elapsed >= INTERVAL,
+                // Nothing is known of it yet but the time that it may take.
+                None => self.limits.time.map_or(state.elapsed >= INTERVAL, |time| time > LONG),
             },
         }
     }

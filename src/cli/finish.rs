@@ -11,7 +11,7 @@ use super::signals::Signals;
 use super::values::ImageOutput;
 use crate::error::{Error, Kind, Result};
 use crate::figures::{duration, number, rate};
-use crate::session::{Outcome, Session};
+use crate::session::{End, Outcome, Session};
 
 /// Contributions that may be dropped for not being finite, as a share of the samples.
 const TOLERATED_DROPS: f64 = 1e-6;
@@ -113,6 +113,10 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
     let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
     let per_pixel = match samples / session.film.region().pixels() as f64 {
         1.0 => "1 sample per pixel".into(),
+        count if session.is_adaptive() => {
+            let (least, most) = (session.film.fewest_samples(), session.film.most_samples());
+            format!("{} samples per pixel ({least} to {most})", number(count, 4))
+        }
         count => format!("{} samples per pixel", number(count, 4)),
     };
     // There is none with one sample per pixel, or in a black image.
@@ -124,9 +128,13 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
     };
     let means: Vec<_> = (0..session.scene.frame.channels()).map(mean).collect();
     let noise = noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3)));
+    let end = match outcome.end {
+        End::Met(target) if session.limits().are_several() => format!(", ended by {}", target.name()),
+        _ => String::new(),
+    };
     let exposure = session.preparation().exposure.map_or_else(String::new, |stops| format!(", exposure {stops}"));
     format!(
-        "{}: {}, {per_pixel} in {}, {}, mean {}{noise}{exposure}",
+        "{}: {}, {per_pixel} in {}{end}, {}, mean {}{noise}{exposure}",
         names.join(", "),
         session.report(outcome).techniques(),
         duration(seconds),

@@ -8,7 +8,7 @@ use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::progress::Reporter;
-use super::{InfoArgs, loading, say, volume, warning_text};
+use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, number, rate, starts, survival};
 use crate::film::{self, Film, Region};
@@ -18,6 +18,7 @@ use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::schema::{Grid, LightKind, Medium};
 use crate::scene::{ANGULAR_RADIUS, Contents, Densities, Filling, Light, LoadedScene};
+use crate::session::checkpoint::is_checkpoint;
 use crate::truncation::{self, Truncation};
 use crate::volume::is_volume;
 
@@ -35,7 +36,9 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         let remedy = "give a scene, or the EXR image of the same render";
         return Err(Error::failure(path.display(), "is a PNG image, which holds no radiance", remedy));
     }
-    if is_volume(path) {
+    if is_checkpoint(path) {
+        checkpoint_info::describe(path)
+    } else if is_volume(path) {
         volume::describe(path)
     } else if format == Some(Format::Exr) {
         describe_image(path)

@@ -1,6 +1,7 @@
 //! The command line.
 
 mod bar;
+mod checkpoint_info;
 mod checkpoints;
 mod compare;
 mod destinations;
@@ -49,7 +50,7 @@ enum Command {
     Compare(CompareArgs),
     /// Put together EXR images that are parts of one render: other samples, or other pixels.
     Merge(MergeArgs),
-    /// Describe a scene and what it costs to render, an image and its header, or a volume and its grids.
+    /// Describe a scene and what it costs to render, an image and its header, a checkpoint, or a volume and its grids.
     Info(InfoArgs),
     /// List the media that a scene can name as its preset, with their coefficients and sources.
     Presets(PresetsArgs),
@@ -109,20 +110,27 @@ struct RenderArgs {
     /// Longest path, in segments, including the camera and light segments, or auto, where no number ends it.
     #[arg(long, value_name = "K|auto", allow_hyphen_values = true, value_parser = values::segments)]
     max_segments: Option<toml::Value>,
-    /// Samples per pixel.
-    #[arg(long, value_name = "N", group = "target", allow_hyphen_values = true)]
+    /// Samples per pixel. Of --samples, --time and --noise, what comes first ends the render; without any of them it is
+    /// render.samples of the scene.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]
     samples: Option<i64>,
     /// Render for this long, for example 60s or 2min, but at least one sample per pixel.
-    #[arg(long, value_name = "DURATION", group = "target", allow_hyphen_values = true, value_parser = values::time)]
+    #[arg(long, value_name = "DURATION", allow_hyphen_values = true, value_parser = values::time)]
     time: Option<Duration>,
     /// Render until the noise falls to this fraction, for example 0.01 for 1 %. Noise is the root mean square of the
     /// pixels' relative standard errors, leaving out the noisiest 1 % of the pixels.
-    #[arg(long, value_name = "FRACTION", group = "target", allow_hyphen_values = true, value_parser = values::noise)]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
-    /// Render samples A to B of every pixel, not including B. Parts of the same render, made anywhere, are put together
-    /// with fogbow merge.
-    #[arg(long, value_name = "A..B", group = "target", allow_hyphen_values = true)]
+    /// Give noisy parts of the image more samples than others, from an eighth of the mean to about eight times it;
+    /// --samples is then the number of samples of the mean pixel. How many, is decided by samples that are not kept, so
+    /// that the image stays unbiased. It pays where noise is uneven.
+    #[arg(long)]
+    adaptive: bool,
+    /// Render samples A to B of every pixel, not including B, or those of them that --time or --noise leave. Parts of
+    /// the same render, made anywhere, are put together with fogbow merge. With --adaptive, A and B are samples of the
+    /// mean pixel.
+    #[arg(long, value_name = "A..B", conflicts_with = "samples", allow_hyphen_values = true)]
     #[arg(value_parser = values::sample_range)]
     sample_range: Option<SampleRange>,
     /// Size of the image in pixels, for example 1920x1080.
@@ -191,8 +199,9 @@ struct CompareArgs {
 /// What the help page of merge says beyond flags.
 const ABOUT_MERGING: &str = "\
 EXR images of fogbow hold exact sums of their samples. Parts made with --sample-range or --crop, in any order, on any
-machines, make the very image of one render. Parts of other scenes or settings, and samples that two parts have, are
-refused; a warning says which samples no part has, or with --expect an error. What was merged can be merged again.";
+machines, make the very image of one render, an adaptive one too; its crops are renders of their own. Parts of other
+scenes or settings, and samples that two parts have, are refused; a warning says which samples no part has, or with
+--expect an error. What was merged can be merged again.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_MERGING)]
@@ -224,7 +233,7 @@ struct MergeArgs {
 
 #[derive(Debug, Args)]
 struct InfoArgs {
-    /// A TOML file, a folder with a scene.toml, a glTF file, an EXR image, or an OpenVDB file.
+    /// A TOML file, a folder with a scene.toml, a glTF file, an EXR image, a checkpoint, or an OpenVDB file.
     path: PathBuf,
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]

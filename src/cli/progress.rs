@@ -7,24 +7,36 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::bar::Bar;
+use super::bar::{Bar, Outlooks};
 use super::{Progress, say, tell};
 use crate::error::Error;
-use crate::figures::{duration, rate};
+use crate::figures::{duration, percent, rate};
 use crate::scene::Loading;
-use crate::session::State;
+use crate::session::{State, Target};
 
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// What is going on: rate and time left, for people.
-fn outlook(state: &State) -> String {
+/// What is going on, for people: rate, noise, time left, and what that is until.
+fn outlooks(state: &State) -> Outlooks {
     if state.preparing {
-        return "preparing".into();
+        return Outlooks::of("preparing");
     }
-    let left =
-        state.seconds_left.map_or_else(|| "estimating the time".into(), |left| format!("{} left", duration(left)));
-    format!("{}  {left}", rate(state.rate()))
+    let noise = state.noise.map_or_else(String::new, |noise| format!("  noise {}", percent(noise)));
+    let (rate, left) = (rate(state.rate()), state.seconds_left.map(|left| format!("{} left", duration(left))));
+    let is_told = |target: &Target| state.limits.are_several() || matches!(target, Target::Noise(_));
+    let until = state.expected.filter(|target| left.is_some() && is_told(target)).map_or_else(String::new, until);
+    let left = left.unwrap_or_else(|| "estimating the time".into());
+    Outlooks { short: format!("{rate}  {left}"), long: format!("{rate}{noise}  {left}{until}") }
+}
+
+/// What a render goes on until.
+fn until(target: Target) -> String {
+    match target {
+        Target::Samples(samples) => format!(" to {samples} samples"),
+        Target::Time(time) => format!(" of {}", duration(time.as_secs_f64())),
+        Target::Noise(noise) => format!(" to {}", percent(noise)),
+    }
 }
 
 /// Where progress goes.
@@ -76,7 +88,7 @@ impl Reporter {
         // Once all of it has been read, its densities are looked through.
         let doing = if *fraction < 1.0 { "loading" } else { "preparing" };
         if self.style == Progress::Bar {
-            self.bar.update(*fraction, doing.into());
+            self.bar.update(*fraction, Outlooks::of(doing));
             return;
         }
         if !is_new && self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
@@ -107,7 +119,7 @@ impl Reporter {
     /// Shows `state`, not more often than is useful.
     pub fn update(&mut self, state: State) {
         if self.style == Progress::Bar {
-            self.bar.update(state.fraction, outlook(&state));
+            self.bar.update(state.fraction, outlooks(&state));
             return;
         }
         let is_early = state.elapsed < INTERVAL || state.fraction >= 1.0;
@@ -122,7 +134,7 @@ impl Reporter {
     pub fn merging(&mut self, done: usize, all: usize, elapsed: Duration) {
         let fraction = done as f64 / all as f64;
         if self.style == Progress::Bar {
-            self.bar.update(fraction, format!("{done} of {all} parts"));
+            self.bar.update(fraction, Outlooks::of(&format!("{done} of {all} parts")));
             return;
         }
         let is_early = elapsed < INTERVAL || self.last.is_some_and(|last| last.elapsed() < INTERVAL);
@@ -187,9 +199,9 @@ impl Reporter {
     }
 
     fn message(&self, state: State) {
-        let percent = 100.0 * state.fraction;
+        let percents = 100.0 * state.fraction;
         match self.style {
-            Progress::Plain => tell(format!("{percent:5.1} %  {}", outlook(&state))),
+            Progress::Plain => tell(format!("{percents:5.1} %  {}", outlooks(&state).long)),
             Progress::Json => {
                 let message = json!({
                     "event": "progress",
@@ -199,10 +211,13 @@ impl Reporter {
                     "samples_per_second": state.rate(),
                     "seconds": state.elapsed.as_secs_f64(),
                     "seconds_left": state.seconds_left,
+                    "noise": state.noise,
+                    "noise_target": state.limits.noise,
+                    "until": state.expected.map(Target::name),
                 });
                 tell(message);
             }
-            Progress::Openjd | Progress::Alf => self.percent(percent),
+            Progress::Openjd | Progress::Alf => self.percent(percents),
             Progress::Auto | Progress::Bar | Progress::None => {}
         }
     }

@@ -12,13 +12,14 @@ use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{Checkpoints, ImageOutput};
 use super::{RenderArgs, say, warning_text};
+use crate::adaptive;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
-use crate::session::{Session, Settings, State, Target};
+use crate::session::{Limits, Session, Settings, State};
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.help_scene {
@@ -35,8 +36,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let region = region(args, scene.scene.film.size)?;
     let outputs = outputs(args, &scene);
     let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
-    let target = target(args, &scene, first_sample);
-    let plan = Plan::new(args, &outputs, target)?;
+    let limits = limits(args, &scene, first_sample);
+    let plan = Plan::new(args, &outputs, limits)?;
     check_destinations(args, &scene, &outputs, plan.path())?;
     let has_png = outputs.iter().any(|image| image.format == Format::Png);
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
@@ -47,11 +48,16 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         Settings {
             region: Some(region),
             first_sample,
+            adaptive: args.adaptive,
             threads: args.threads.unwrap_or(0) as usize,
             detailed_stats: args.stats.is_some(),
             reference: args.reference.unwrap_or_default(),
         },
     )?;
+    if session.is_adaptive() && limits.samples.is_some_and(|samples| first_sample + samples <= adaptive::EVEN) {
+        reporter
+            .warn(format!("--adaptive has no effect: the first {} samples are those of all pixels", adaptive::EVEN));
+    }
     let checkpoint = plan.existing(&session, &reporter)?;
     signals.set(&session.monitor().stop)?;
     session.prepare(has_png, |state| reporter.update(state));
@@ -70,7 +76,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
             reporter.update(state);
             keeper.look(&state, &signals, &reporter);
         };
-        let outcome = session.run(target, || signals.came(), look);
+        let outcome = session.run(limits, || signals.came(), look);
         reporter.finish(if signals.came() { last } else { last.done() });
         (outcome, keeper.end(&session, &last, signals.came(), &reporter))
     });
@@ -83,18 +89,12 @@ fn is_kept(args: &RenderArgs) -> bool {
     matches!(args.checkpoint, Some(Checkpoints::Every(_)))
 }
 
-/// When the render is done.
-fn target(args: &RenderArgs, scene: &LoadedScene, first_sample: u32) -> Target {
-    match (args.time, args.noise) {
-        (Some(time), _) => Target::Time(time),
-        (_, Some(noise)) => Target::Noise(noise),
-        _ => Target::Samples(last_sample(args, scene) - first_sample),
-    }
-}
-
-/// The number after the last sample, where no time or noise ends the render.
-fn last_sample(args: &RenderArgs, scene: &LoadedScene) -> u32 {
-    args.sample_range.as_ref().map_or(scene.scene.render.samples, |range| range.end)
+/// When the render is done. What the scene says counts where nobody says anything else.
+fn limits(args: &RenderArgs, scene: &LoadedScene, first_sample: u32) -> Limits {
+    let says = args.samples.is_some() || args.sample_range.is_some() || (args.time.is_none() && args.noise.is_none());
+    // The flags are among the keys of the scene by now.
+    let last = args.sample_range.as_ref().map_or(scene.scene.render.samples, |range| range.end);
+    Limits { samples: says.then(|| last - first_sample), time: args.time, noise: args.noise }
 }
 
 /// `--help-scene`

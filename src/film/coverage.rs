@@ -8,8 +8,8 @@ use core::str::FromStr;
 use super::Region;
 use crate::scene::schema::MOST_SAMPLES;
 
-/// Parts of the longest list that is read.
-const MOST_PARTS: usize = 4096;
+/// Parts of the longest list that is read: adaptive renders have one for every tile.
+const MOST_PARTS: usize = 1 << 17;
 
 /// Samples of all pixels of a rectangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,9 +63,11 @@ impl Part {
 }
 
 impl Coverage {
-    /// The samples of `parts`, which do not overlap: in few parts, the same for any order of them.
+    /// The samples of `parts`, which do not overlap: in few parts, the same however they were cut before.
     pub fn of(mut parts: Vec<Part>) -> Self {
         parts.retain(|part| !part.samples.is_empty());
+        parts = split(parts);
+        join(&mut parts, Part::samples_key);
         let mut before = usize::MAX;
         while parts.len() < before {
             before = parts.len();
@@ -129,6 +131,34 @@ impl Coverage {
     }
 }
 
+/// Cuts parts along all edges of others, so that any two have the same pixels or none in common; not if that makes too
+/// many.
+fn split(parts: Vec<Part>) -> Vec<Part> {
+    let edges = |of: fn(&Region) -> [u32; 2]| {
+        let mut edges: Vec<_> = parts.iter().flat_map(|part| of(&part.region)).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        edges
+    };
+    let (xs, ys) = (edges(|region| [region.x0, region.x1]), edges(|region| [region.y0, region.y1]));
+    let within = |edges: &[u32], from: u32, to: u32| {
+        let [from, to] = [from, to].map(|edge| edges.partition_point(|other| *other < edge));
+        edges[from..=to].windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()
+    };
+    let pieces = |part: &Part| {
+        let Region { x0, y0, x1, y1 } = part.region;
+        let (columns, samples) = (within(&xs, x0, x1), part.samples.clone());
+        let row = move |[y0, y1]: [u32; 2]| {
+            let samples = samples.clone();
+            let piece = move |[x0, x1]: [u32; 2]| Part { region: Region { x0, y0, x1, y1 }, samples: samples.clone() };
+            columns.clone().into_iter().map(piece)
+        };
+        within(&ys, y0, y1).into_iter().flat_map(row)
+    };
+    let split: Vec<_> = parts.iter().flat_map(pieces).take(MOST_PARTS + 1).collect();
+    if split.len() > MOST_PARTS { parts } else { split }
+}
+
 /// Sorts by `key` and joins parts that differ in its last two numbers alone, an interval, where these meet.
 fn join(parts: &mut Vec<Part>, key: fn(&Part) -> [u32; 6]) {
     parts.sort_unstable_by_key(key);
@@ -162,9 +192,12 @@ impl FromStr for Coverage {
             return Err(format!("lists more than {MOST_PARTS} parts"));
         }
         let parts: Option<Vec<_>> = words.into_iter().map(part).collect();
-        let parts = parts.ok_or_else(|| "lists its samples in a way that makes no sense".to_string())?;
+        let mut parts = parts.ok_or_else(|| "lists its samples in a way that makes no sense".to_string())?;
+        parts.sort_unstable_by_key(Part::samples_key);
         for (index, part) in parts.iter().enumerate() {
-            if parts[..index].iter().any(|other| part.intersection(other).is_some()) {
+            // Those that begin above the end of this part.
+            let mut below = parts[index + 1..].iter().take_while(|other| other.region.y0 < part.region.y1);
+            if below.any(|other| part.intersection(other).is_some()) {
                 return Err("lists samples twice".into());
             }
         }
@@ -206,12 +239,31 @@ mod tests {
     }
 
     #[test]
+    fn the_same_samples_are_the_same_list() {
+        let a = coverage("0,0,8,8:0..9 8,0,16,8:0..4 0,8,8,16:0..4 8,8,16,16:0..7");
+        let cut = coverage("0,0,16,16:0..4 0,0,8,8:4..9 8,8,16,16:4..7");
+        assert_eq!(a, cut);
+        let cut = coverage("0,0,16,8:0..2 0,8,16,16:0..2 0,0,8,16:2..4 8,0,16,16:2..4 0,0,8,8:4..9 8,8,16,16:4..7");
+        assert_eq!(a, cut);
+    }
+
+    #[test]
     fn what_makes_no_sense_is_refused() {
         for text in ["0,0,8,8", "0,0,8:0..1", "0,0,8,8:1..1", "0,0,0,8:0..1", "0,0,8,8:0..3000000000", "x", "1:2:3"] {
             assert!(text.parse::<Coverage>().is_err(), "{text}");
         }
         assert!("0,0,8,8:0..4 7,7,9,9:3..5".parse::<Coverage>().is_err(), "an overlap");
-        assert!("0,0,1,1:0..1 ".repeat(5000).parse::<Coverage>().is_err(), "endless");
+        assert!("0,0,1,1:0..1 ".repeat(MOST_PARTS + 1).parse::<Coverage>().is_err(), "endless");
+    }
+
+    #[test]
+    fn every_tile_may_have_samples_of_its_own() {
+        let tile = |i: u32| {
+            format!("{},{},{},{}:0..{}", i % 100 * 8, i / 100 * 8, i % 100 * 8 + 8, i / 100 * 8 + 8, 2 + i % 7)
+        };
+        let text = (0..10_000).map(tile).collect::<Vec<_>>().join(" ");
+        assert_eq!(coverage(&text).samples(), (0..10_000).map(|i| 64 * (2 + i % 7)).sum::<u64>());
+        assert!(format!("{text} 799,799,800,800:1..2").parse::<Coverage>().is_err(), "an overlap");
     }
 
     #[test]

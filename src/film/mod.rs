@@ -16,6 +16,7 @@ use crate::frame::Frame;
 pub use coverage::{Coverage, Gap, Part};
 pub use exact::{ExactSquares, ExactSum, Unit};
 pub use layer::{Layer, LayerForm, RADIANCE, layers};
+pub(crate) use noise::{DARK, NOISIEST};
 pub use sums::Exact;
 use sums::Sums;
 pub use tile::{Region, Tile};
@@ -35,6 +36,9 @@ pub fn tile_size(region: Region) -> u32 {
     let sizes = core::iter::successors(Some(TILE_SIZE), |size| Some(size / 2)).take_while(|size| *size > SMALLEST_TILE);
     sizes.into_iter().find(enough).unwrap_or(SMALLEST_TILE)
 }
+
+/// About how many pixels a glimpse of the noise takes in.
+const GLIMPSED: u64 = 1 << 15;
 
 /// What is known of a pixel in one channel of a layer, in the unit of the layer's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,10 +200,31 @@ impl Film {
         self.each_tile().map(|tile| tile.samples()).min().unwrap_or(0)
     }
 
-    /// Which samples it has, those of every pixel beginning with number `first`.
-    pub fn coverage(&self, first: u32) -> Coverage {
-        let part = |tile: MutexGuard<'_, Tile>| Part { region: tile.region(), samples: first..first + tile.samples() };
-        Coverage::of(self.each_tile().map(part).collect())
+    /// Samples that all pixels of a tile have, tile by tile.
+    pub fn samples_of_tiles(&self) -> Vec<u32> {
+        self.each_tile().map(|tile| tile.samples()).collect()
+    }
+
+    /// Which samples it has, those of the pixels of a tile beginning with the number that is in `firsts`.
+    pub fn coverage(&self, firsts: &[u32]) -> Coverage {
+        let part = |(tile, first): (MutexGuard<'_, Tile>, &u32)| Part {
+            region: tile.region(),
+            samples: *first..first + tile.samples(),
+        };
+        Coverage::of(self.each_tile().zip(firsts).map(part).collect())
+    }
+
+    /// [`Self::relative_noise`] by some of the pixels, without waiting for tiles that are worked on; infinite if there
+    /// are none.
+    pub fn glimpsed_noise(&self) -> f64 {
+        let step = (self.region.pixels() / GLIMPSED).max(1) as usize;
+        let tiles = self.tiles.iter().filter_map(|tile| tile.try_lock().ok());
+        let some = |tile: MutexGuard<'_, Tile>| {
+            let region = tile.region();
+            let pixels = region.rows().flat_map(|y| region.columns().map(move |x| (x, y)));
+            pixels.step_by(step).map(|(x, y)| tile.pixel(x, y)).collect::<Vec<_>>()
+        };
+        noise::relative(tiles.flat_map(some))
     }
 
     /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them;

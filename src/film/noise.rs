@@ -9,11 +9,11 @@
 use super::Pixel;
 
 /// Divisor of the number of pixels: the noisiest of them do not count.
-const NOISIEST: usize = 100;
+pub const NOISIEST: usize = 100;
 /// From how many pixels on at least one of them does not count.
 const MANY: usize = 10;
 /// Share of the median that dark pixels count as.
-const DARK: f64 = 0.1;
+pub const DARK: f64 = 0.1;
 
 /// The noise of an image; infinite if no pixel has an error yet, as with one sample each, or all are black.
 pub fn relative(pixels: impl Iterator<Item = Pixel>) -> f64 {

@@ -6,7 +6,7 @@ use core::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::film::{Coverage, Film, Region, tile_size};
+use crate::film::{Coverage, Film, Part, Pixel, Region, tile_size};
 use crate::image::exr::{self, exact::About};
 use crate::image::tone::Exposure;
 use crate::output;
@@ -85,7 +85,8 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
         look.iter_mut().for_each(|look| look(index + 1));
     }
     coverage.parts().iter().for_each(|part| film.count(part.region, part.samples.len() as u32));
-    Ok(Merged { film, size: *size, header: header(&parts, region, &coverage), warnings: warnings(&parts, &coverage) })
+    let warnings = warnings(&parts, &coverage, &film);
+    Ok(Merged { film, size: *size, header: header(&parts, region, &coverage), warnings })
 }
 
 /// What the files at `paths` say, which are parts of one render. Of thousands there is no room for what may be long, the
@@ -215,6 +216,8 @@ fn header(parts: &[About], region: Region, coverage: &Coverage) -> Vec<Entry> {
         ("samples", coverage.samples().to_string()),
         ("seconds", format!("{:.3}", seconds.iter().sum::<f64>())),
         ("parts", numbers("parts").iter().sum::<f64>().to_string()),
+        ("adaptive", distinct("adaptive")),
+        ("ended_by", distinct("ended_by")),
         ("threads", distinct("threads")),
         ("cpu_features", distinct("cpu_features")),
     ];
@@ -223,10 +226,27 @@ fn header(parts: &[About], region: Region, coverage: &Coverage) -> Vec<Entry> {
     header
 }
 
+/// Pixels of `film` that lack samples before their last one, or have none. Where tiles have samples of their own, that
+/// some have more than others is no gap.
+fn holes(coverage: &Coverage, film: &Film) -> u64 {
+    let region = film.region();
+    let mut ends = vec![0; region.pixels() as usize];
+    for Part { region: part, samples } in coverage.parts() {
+        for (y, x) in part.rows().flat_map(|y| part.columns().map(move |x| (y, x))) {
+            let end = &mut ends[region.place(x, y)];
+            *end = samples.end.max(*end);
+        }
+    }
+    let is_hole = |(end, pixel): &(u32, Pixel)| *end == 0 || pixel.samples < u64::from(*end);
+    ends.into_iter().zip(film.pixels()).filter(is_hole).count() as u64
+}
+
 /// What a person should know of an image of these parts.
-fn warnings(parts: &[About], coverage: &Coverage) -> Vec<String> {
+fn warnings(parts: &[About], coverage: &Coverage, film: &Film) -> Vec<String> {
     let [width, height] = parts[0].size;
-    let (all, gaps) = (u64::from(width) * u64::from(height), coverage.gaps([width, height]));
+    let is_adaptive = parts.iter().any(|part| part.entry("adaptive") == Some("true"));
+    let gaps = if is_adaptive { Vec::new() } else { coverage.gaps([width, height]) };
+    let all = u64::from(width) * u64::from(height);
     let named = gaps.iter().take(MOST_NAMED).map(|gap| {
         let pixels = match gap.pixels {
             pixels if pixels == all => "all pixels".to_string(),
@@ -237,6 +257,9 @@ fn warnings(parts: &[About], coverage: &Coverage) -> Vec<String> {
     let mut warnings: Vec<_> = named.collect();
     if gaps.len() > MOST_NAMED {
         warnings.push(format!("and {} more ranges of samples are missing in some pixels", gaps.len() - MOST_NAMED));
+    }
+    if let holes @ 1.. = if is_adaptive { holes(coverage, film) + all - film.region().pixels() } else { 0 } {
+        warnings.push(format!("{holes} of {all} pixels lack samples before their last one, or have none"));
     }
     if coverage.parts().is_empty() {
         warnings.push("no part has any samples".into());

@@ -6,38 +6,44 @@
 //! | 4 | version of the layout |
 //! | 4 | length of the header |
 //! | that | the header: JSON |
-//! | the rest but 32 | tile by tile, number of samples of every pixel and all sums of the film |
+//! | as the header says | tile by tile, number of samples of every pixel and all sums of the film |
+//! | the rest but 32 | how far it is: JSON |
 //! | 32 | BLAKE3 of all before |
 //!
-//! Numbers are little-endian.
+//! Numbers are little-endian. A render goes on while its tiles are copied; how far it is, is noted after that, so that
+//! no tile is ahead of it.
+
+mod summary;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use fogbow_kernels::accumulate::Dropped;
 use serde::{Deserialize, Serialize};
 
 use super::identity::{self, Difference, Entry, PILOTED};
-use super::{Earlier, Session};
+use super::{Earlier, Limits, Session};
+use crate::adaptive::Probing;
 use crate::error::{Error, Result};
-use crate::film::{LayerForm, Tile};
+use crate::film::{Film, LayerForm, Tile};
 use crate::output;
+pub use summary::{Summary, is_checkpoint};
 
 /// What every checkpoint begins with.
 const MAGIC: [u8; 18] = *b"fogbow checkpoint\n";
 /// Version of the layout.
-const LAYOUT: u32 = 1;
+const LAYOUT: u32 = 2;
 /// Bytes before the header.
 const PREFIX: u64 = MAGIC.len() as u64 + 8;
-/// Bytes of the longest header that is read.
+/// Bytes of the longest header that is read, and of what says how far a render is.
 const LONGEST_HEADER: u32 = 1 << 24;
 /// Bytes of the checksum.
 const CHECKSUM: u64 = blake3::OUT_LEN as u64;
 /// Entries that have to be the same besides those that samples depend on.
-const MORE: [&str; 3] = ["first_sample", "region", "cpu_features"];
+const MORE: [&str; 4] = ["first_sample", "adaptive", "region", "cpu_features"];
 
 /// What a checkpoint says of its render.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +53,13 @@ struct About {
     layers: Vec<LayerForm>,
     /// Bytes of every tile.
     tiles: Vec<u64>,
+}
+
+/// How far it was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Progress {
+    limits: Limits,
     /// Samples of every pixel after which the noise is to be looked at next.
     until: u32,
     /// Time that it has taken so far.
@@ -54,6 +67,10 @@ struct About {
     /// Contributions that were not finite: how many, and pixel and sample of the first.
     dropped: u64,
     first_dropped: Option<(u32, u32)>,
+    /// What probes found.
+    probings: Vec<Probing>,
+    /// When it was written, in seconds since 1970.
+    written: u64,
 }
 
 /// A checkpoint that was found whole.
@@ -62,6 +79,7 @@ pub struct Checkpoint {
     path: PathBuf,
     file: File,
     about: About,
+    progress: Progress,
     /// Where the tiles begin.
     tiles: u64,
 }
@@ -125,8 +143,36 @@ impl Checkpoint {
         if *hasher.finalize().as_bytes() != checksum {
             return Err(refuse("is a truncated or damaged checkpoint: its checksum is not that of its content"));
         }
-        let about = serde_json::from_slice(&text).map_err(|_| refuse("is a checkpoint of an unknown kind"))?;
-        Ok(Self { path: path.into(), file, about, tiles })
+        let unknown = |_| refuse("is a checkpoint of an unknown kind");
+        let about: About = serde_json::from_slice(&text).map_err(unknown)?;
+        let after = about.tiles.iter().try_fold(tiles, |sum, bytes| sum.checked_add(*bytes));
+        let text = after.and_then(|after| (length - CHECKSUM).checked_sub(after).zip(Some(after)));
+        let Some((count, after)) = text.filter(|(count, _)| *count <= LONGEST_HEADER.into()) else {
+            return Err(refuse("is a checkpoint that contradicts itself"));
+        };
+        let mut text = vec![0; count as usize];
+        (&file).seek(SeekFrom::Start(after)).and_then(|_| (&file).read_exact(&mut text)).map_err(unreadable)?;
+        let progress = serde_json::from_slice(&text).map_err(unknown)?;
+        Ok(Self { path: path.into(), file, about, progress, tiles })
+    }
+
+    /// Fills `film` with its sums.
+    fn read(&mut self, film: &Film) -> Result<()> {
+        let Self { path, file, about, tiles, .. } = self;
+        let layers = film.layers();
+        let forms: Vec<_> = layers.iter().map(LayerForm::of).collect();
+        if about.tiles != lengths(film) || about.layers != forms {
+            return Err(refuse(path, "is a checkpoint with a film of another shape"));
+        }
+        let unreadable = |error: io::Error| refuse(path, format!("cannot be read: {error}"));
+        file.seek(SeekFrom::Start(*tiles)).map_err(unreadable)?;
+        let (mut reader, mut bytes) = (BufReader::with_capacity(1 << 16, &*file), Vec::new());
+        for (index, length) in about.tiles.iter().enumerate() {
+            bytes.resize(*length as usize, 0);
+            reader.read_exact(&mut bytes).map_err(unreadable)?;
+            film.tile(index).read(&bytes).ok_or_else(|| refuse(path, "is a damaged checkpoint"))?;
+        }
+        Ok(())
     }
 
     /// What differs between its render and that of `session`, as far as that is known before it is prepared.
@@ -151,11 +197,34 @@ impl Checkpoint {
     }
 }
 
+/// Bytes of every tile of a film.
+fn lengths(film: &Film) -> Vec<u64> {
+    let pixels = (0..film.tile_count()).map(|index| film.tile(index).region().pixels());
+    pixels.map(|pixels| Tile::bytes(film.layers(), pixels)).collect()
+}
+
 impl Session {
     /// What its samples and the shape of its film depend on.
     fn own_identity(&self) -> Vec<Entry> {
-        let first = ("first_sample".to_string(), self.settings.first_sample.to_string());
-        self.identity().into_iter().chain([first]).collect()
+        let more = [
+            ("first_sample", self.settings.first_sample.to_string()),
+            ("adaptive", self.settings.adaptive.to_string()),
+        ];
+        self.identity().into_iter().chain(more.map(|(name, text)| (name.to_string(), text))).collect()
+    }
+
+    /// How far it is now.
+    fn progress(&self) -> Progress {
+        let Dropped { count: dropped, first: first_dropped } = self.dropped();
+        Progress {
+            limits: self.limits(),
+            until: self.until.load(Ordering::Relaxed),
+            seconds: self.elapsed().as_secs_f64(),
+            dropped,
+            first_dropped,
+            probings: self.plan().probings().to_vec(),
+            written: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs()),
+        }
     }
 
     /// Writes a checkpoint to `path`, whole or not at all; the render may be running.
@@ -163,18 +232,8 @@ impl Session {
     /// # Errors
     /// If it cannot be written; what was at `path` is then still there.
     pub fn write_checkpoint(&self, path: &Path) -> Result<()> {
-        let layers = self.film.layers();
-        let tiles = (0..self.film.tile_count()).map(|index| self.film.tile(index).region().pixels());
-        let Dropped { count: dropped, first: first_dropped } = self.dropped();
-        let about = About {
-            identity: self.own_identity(),
-            layers: layers.iter().map(LayerForm::of).collect(),
-            tiles: tiles.map(|pixels| Tile::bytes(layers, pixels)).collect(),
-            until: self.until.load(Ordering::Relaxed),
-            seconds: self.elapsed().as_secs_f64(),
-            dropped,
-            first_dropped,
-        };
+        let layers = self.film.layers().iter().map(LayerForm::of).collect();
+        let about = About { identity: self.own_identity(), layers, tiles: lengths(&self.film) };
         let header = serde_json::to_vec(&about).expect("numbers and names");
         output::rewrite(path, |file| {
             let mut hasher = blake3::Hasher::new();
@@ -193,6 +252,7 @@ impl Session {
                 self.film.tile(index).write(&mut bytes);
                 write(&bytes)?;
             }
+            write(&serde_json::to_vec(&self.progress()).expect("numbers and names"))?;
             let checksum = hasher.finalize();
             file.write_all(checksum.as_bytes()).map_err(|error| error.to_string())
         })
@@ -207,26 +267,13 @@ impl Session {
         if let Some(difference) = difference {
             return Err(checkpoint.foreign(&difference));
         }
-        let Checkpoint { path, file, about, tiles } = checkpoint;
-        let layers = self.film.layers();
-        let pixels = (0..self.film.tile_count()).map(|index| self.film.tile(index).region().pixels());
-        let lengths: Vec<_> = pixels.map(|pixels| Tile::bytes(layers, pixels)).collect();
-        let forms: Vec<_> = layers.iter().map(LayerForm::of).collect();
-        if about.tiles != lengths || about.layers != forms {
-            return Err(refuse(path, "is a checkpoint with a film of another shape"));
-        }
-        let unreadable = |error: io::Error| refuse(path, format!("cannot be read: {error}"));
-        file.seek(SeekFrom::Start(*tiles)).map_err(unreadable)?;
-        let (mut reader, mut bytes) = (BufReader::with_capacity(1 << 16, &*file), Vec::new());
-        for (index, length) in lengths.into_iter().enumerate() {
-            bytes.resize(length as usize, 0);
-            reader.read_exact(&mut bytes).map_err(unreadable)?;
-            self.film.tile(index).read(&bytes).ok_or_else(|| refuse(path, "is a damaged checkpoint"))?;
-        }
-        let time = Duration::try_from_secs_f64(about.seconds).unwrap_or_default();
+        checkpoint.read(&self.film)?;
+        let Progress { until, seconds, dropped, first_dropped, probings, .. } = checkpoint.progress.clone();
+        self.plan().restore(probings).ok_or_else(|| refuse(&checkpoint.path, "has probes of another film"))?;
+        let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.earlier = Earlier { time, samples: self.film.samples() };
-        self.monitor.note_dropped(Dropped { count: about.dropped, first: about.first_dropped });
-        *self.until.get_mut() = about.until;
+        self.monitor.note_dropped(Dropped { count: dropped, first: first_dropped });
+        *self.until.get_mut() = until;
         Ok(())
     }
 }

@@ -2,17 +2,21 @@
 
 pub mod checkpoint;
 pub mod identity;
+mod limits;
+mod plan;
 mod report;
 mod rounds;
+mod watch;
 
 use std::path::Path;
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicU32;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::{self, Pipeline, Stage};
 
+use crate::adaptive::Plan;
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
 use crate::frame::Frame;
@@ -24,8 +28,9 @@ use crate::scene::LoadedScene;
 use crate::stats::Stats;
 use crate::truncation::{self, Truncation};
 use crate::{metering, output};
+pub use limits::{End, Limits, Target};
 pub use report::Report;
-pub use rounds::{State, Target};
+pub use watch::State;
 
 /// Side of a tile where twins run: they are slow, and a tile is what an interruption and progress wait for.
 const REFERENCE_TILE_SIZE: u32 = 8;
@@ -66,8 +71,11 @@ impl Reference {
 pub struct Settings {
     /// The part of the image to render; all of it if absent.
     pub region: Option<Region>,
-    /// Number of the first sample of every pixel: sample numbers are what random numbers depend on.
+    /// Number of the first sample of every pixel: sample numbers are what random numbers depend on. In adaptive renders
+    /// the level at which they begin.
     pub first_sample: u32,
+    /// Whether noisy tiles get more samples than others; see [`crate::adaptive`].
+    pub adaptive: bool,
     /// Worker threads; 0 for one per processor.
     pub threads: usize,
     /// Whether to time stages and count the fate of connections.
@@ -92,6 +100,10 @@ pub struct Session {
     earlier: Earlier,
     /// Samples of every pixel after which the noise is to be looked at next; 0 if it is not.
     until: AtomicU32,
+    /// How many samples which tile gets.
+    plan: Mutex<Plan>,
+    /// What it was last told to render until.
+    limits: Mutex<Limits>,
     /// The hash of the scene, once it is known.
     hash: OnceLock<String>,
 }
@@ -120,6 +132,8 @@ pub struct Preparation {
 pub struct Outcome {
     /// Counters.
     pub stats: Stats,
+    /// What ended it.
+    pub end: End,
     /// Time since the session began, and that of the runs before it was resumed.
     pub elapsed: Duration,
     /// Time since the first sample was begun; what came before is preparation.
@@ -152,12 +166,19 @@ impl Session {
         })?;
         let (preparation, start, monitor) = (Preparation::default(), Instant::now(), Monitor::default());
         let (earlier, until, hash) = (Earlier::default(), AtomicU32::new(0), OnceLock::new());
-        Ok(Self { scene, film, renderer, settings, preparation, start, monitor, earlier, until, hash })
+        let pixels = region.tiles(tile_size).map(Region::pixels).collect();
+        let (plan, limits) = (Mutex::new(Plan::new(pixels, settings.adaptive)), Mutex::default());
+        Ok(Self { scene, film, renderer, settings, preparation, start, monitor, earlier, until, plan, limits, hash })
     }
 
     /// Time that it has taken so far, that of the runs before it was resumed included.
     pub fn elapsed(&self) -> Duration {
         self.earlier.time.saturating_add(self.start.elapsed())
+    }
+
+    /// What it is, or was last, rendered until.
+    pub fn limits(&self) -> Limits {
+        *self.limits.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Worker threads.

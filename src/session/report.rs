@@ -12,6 +12,7 @@ use super::identity::Entry;
 use super::{Outcome, Session};
 use crate::error::Result;
 use crate::figures::{starts, survival};
+use crate::film::Film;
 use crate::output;
 use crate::pilot::Trial;
 use crate::stats::{ConnectionStats, Stats};
@@ -63,13 +64,16 @@ impl Report<'_> {
     /// Entries of an image's header.
     pub fn header(&self) -> Vec<(String, String)> {
         let Session { film, settings, .. } = self.session;
-        let (first, elapsed) = (settings.first_sample, self.outcome.elapsed);
+        let (elapsed, coverage) = (self.outcome.elapsed, self.session.coverage());
+        let hull = coverage.hull().map_or(settings.first_sample..settings.first_sample, |hull| hull.samples);
         let entries = [
             ("left_out", self.left_out()),
+            ("adaptive", settings.adaptive.to_string()),
+            ("ended_by", self.outcome.end.to_string()),
             // The last ones perhaps not of every pixel.
-            ("sample_range", format!("{first}..{}", first + film.most_samples())),
+            ("sample_range", format!("{}..{}", hull.start, hull.end)),
             // All of them.
-            ("coverage", film.coverage(first).to_string()),
+            ("coverage", coverage.to_string()),
             ("samples", film.samples().to_string()),
             ("seconds", format!("{:.3}", elapsed.as_secs_f64())),
             ("threads", self.session.threads().to_string()),
@@ -95,7 +99,7 @@ impl Report<'_> {
     /// Statistics as JSON.
     fn statistics(&self) -> Value {
         let Session { scene, film, settings, preparation, .. } = self.session;
-        let Outcome { stats, elapsed, sampling } = self.outcome;
+        let Outcome { stats, end, elapsed, sampling } = self.outcome;
         let (seconds, sampling, frame) = (elapsed.as_secs_f64(), sampling.as_secs_f64(), &scene.frame);
         let stages: Vec<_> = Stage::ALL
             .iter()
@@ -125,9 +129,12 @@ impl Report<'_> {
             "exposure": preparation.exposure.map(|exposure| exposure.0),
             "noise": Some(film.relative_noise()).filter(|noise| noise.is_finite()),
             "threads": self.session.threads(),
+            "ended_by": end.to_string(),
+            "adaptive": settings.adaptive,
             "seconds": seconds,
             "seconds_of_preparation": seconds - sampling,
             "samples": film.samples(),
+            "samples_per_pixel": samples_per_pixel(film),
             "samples_per_second": stats.samples as f64 / sampling,
             "segments": stats.segments,
             "segments_per_second": stats.segments as f64 / sampling,
@@ -138,6 +145,12 @@ impl Report<'_> {
             "dropped_non_finite": dropped(self),
         })
     }
+}
+
+/// Of the pixels with the fewest and the most, and the mean.
+fn samples_per_pixel(film: &Film) -> Value {
+    let mean = film.samples() as f64 / film.region().pixels() as f64;
+    json!({ "least": film.fewest_samples(), "mean": mean, "most": film.most_samples() })
 }
 
 /// The number, or the list of numbers by octave of depth.

@@ -30,7 +30,7 @@ fn drawn_with(flags: &str, columns: [u32; 2]) -> Option<String> {
 /// The bars among what was written: from the first bracket to the last column.
 fn bars(written: &str) -> Vec<&str> {
     let pieces = written.split(['\r', '\n', '\x1b']).map(|piece| piece.trim_start_matches("[2K").trim_end());
-    pieces.filter(|piece| piece.contains(" %") && piece.contains('[') && !piece.contains("noise")).collect()
+    pieces.filter(|piece| piece.contains(" %") && piece.contains('[')).collect()
 }
 
 #[test]
@@ -47,13 +47,14 @@ fn a_bar_fits_any_width_from_20_columns_on() {
             assert!(width <= columns as usize, "{width} of {columns} columns: {bar:?}");
             let tells = bar.contains("samples/s") || bar.ends_with("preparing");
             assert_eq!(tells, columns >= 56, "{columns} columns: {bar:?}");
+            assert!(!bar.contains("noise") || columns >= 80, "{columns} columns: {bar:?}");
         }
     }
 }
 
-/// The number before the last of `unit` in a bar.
+/// The number before the first of `unit` in a bar.
 fn before(bar: &str, unit: &str) -> Option<f64> {
-    bar.rsplit_once(unit)?.0.rsplit(' ').next()?.parse().ok()
+    bar.split_once(unit)?.0.rsplit(' ').next()?.parse().ok()
 }
 
 #[test]
@@ -71,6 +72,16 @@ fn a_bar_and_the_time_behind_it_belong_together() {
         // The time is rounded to a tenth of a second, the share to a hundredth.
         assert!((percent / 100.0 + left / 2.0 - 1.0).abs() < 0.04, "{bar:?} in {written:?}");
     }
+}
+
+#[test]
+fn a_bar_says_how_noisy_it_is_and_when_it_is_done() {
+    let Some(written) = drawn_with("--noise 1e-7 --samples 1000000000 --time 1500ms --size 32x32", [110; 2]) else {
+        println!("not run: there is no script");
+        return;
+    };
+    let last = *bars(&written).last().expect("a bar");
+    assert!(last.contains(" samples/s  noise ") && last.ends_with(" left of 1.5 s"), "{last:?}");
 }
 
 #[test]

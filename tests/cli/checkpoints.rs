@@ -166,11 +166,44 @@ mod on_signals {
     #[test]
     fn a_render_until_a_noise_is_resumed_to_the_same_bits() {
         let folder = Folder::with_scene();
-        whole(&folder, &["--noise", "0.07"]);
-        let child = started(&folder, "a.exr", &["--noise", "0.07", "--checkpoint", "20ms"]);
+        for more in [&["--noise", "0.05"][..], &["--noise", "0.05", "--adaptive", "--samples", "100000"]] {
+            whole(&folder, more);
+            let resumed = [more, &["--checkpoint", "5ms", "--resume"]].concat();
+            for wait in [0, 90, 40] {
+                let child = started(&folder, "a.exr", &resumed);
+                sleep(Duration::from_millis(wait));
+                assert_eq!(ended_by("-KILL", child).0, None);
+            }
+            let child = started(&folder, "a.exr", &resumed);
+            assert_eq!(ended_by("-TERM", child).0, Some(75));
+            folder.done(&flags("a.exr", &resumed));
+            assert_same_bits(&folder, "a.exr", "whole.exr");
+            assert_eq!(header(&folder.image("a.exr"), "ended_by"), "noise");
+        }
+        let child = started(&folder, "a.exr", &["--samples", "100000", "--adaptive", "--checkpoint", "20ms"]);
         assert_eq!(ended_by("-TERM", child).0, Some(75));
-        folder.done(&flags("a.exr", &["--noise", "0.07", "--resume"]));
-        assert_same_bits(&folder, "a.exr", "whole.exr");
+        let foreign = "a.exr.checkpoint: is the checkpoint of another render: adaptive is true there and false here";
+        folder.refused(&flags("a.exr", &["--samples", "100000", "--resume"]), 1, foreign);
+        let run = folder.run(&flags("a.exr", &["--samples", "1", "--adaptive", "--resume"]));
+        assert!(run.code == Some(1) && run.stderr.contains("already, more than the 1 that are asked for"), "{run}");
+    }
+
+    #[test]
+    fn renders_that_are_expected_to_be_long_have_checkpoints_unasked() {
+        for (more, code) in [
+            (&["--time", "1h", "--noise", "1e-9", "--samples", "1000000000"][..], 75),
+            (&["--time", "1h", "--adaptive"], 75),
+            (&["--time", "100s", "--noise", "1e-9", "--samples", "1000000000"], 143),
+        ] {
+            let folder = Folder::with_scene();
+            let child = spawn(&folder, "a.exr", more);
+            wait_for("the handler", || handles_sigusr1(&child));
+            sleep(Duration::from_secs(1));
+            let (found, stderr) = ended_by("-TERM", child);
+            assert_eq!(found, Some(code), "{more:?}: {stderr}");
+            let left = if code == 75 { "a.exr.checkpoint" } else { "a.exr" };
+            assert_eq!(folder.names(), [left, "scene.toml"], "{more:?}");
+        }
     }
 
     #[test]

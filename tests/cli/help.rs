@@ -48,6 +48,7 @@ fn help_lists_every_flag_that_scripts_rely_on() {
         "--sample-range",
         "--time",
         "--noise",
+        "--adaptive",
         "--size",
         "--crop",
         "--seed",

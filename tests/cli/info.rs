@@ -59,3 +59,71 @@ fn what_is_neither_scene_nor_image_is_refused() {
     let beginning = format!("{}: light[0].radius is 0.0\n", folder.place("radius"));
     folder.refused(&["info", "scene.toml"], 1, &beginning);
 }
+
+/// What `fogbow info` says of the checkpoint of a render with these flags that was told to stop.
+#[cfg(unix)]
+fn info_of_checkpoint(flags: &[&str]) -> (Folder, String) {
+    let folder = Folder::with_scene();
+    let base = ["render", "scene.toml", "-o", "a.exr", "--checkpoint", "20ms", "--progress", "none", "--size", "64x64"];
+    let mut child = super::support::program(&folder).args(base).args(flags).spawn().expect("the program starts");
+    let start = std::time::Instant::now();
+    while !folder.path("a.exr.checkpoint").exists() {
+        assert!(start.elapsed().as_secs() < 60, "there is no checkpoint");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed = std::process::Command::new("kill").arg(child.id().to_string()).status();
+    assert!(killed.is_ok_and(|status| status.success()));
+    child.wait().expect("a child");
+    let run = folder.done(&["info", "a.exr.checkpoint"]);
+    (folder, run.stdout)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_checkpoint_says_what_it_is_of() {
+    let (folder, text) =
+        info_of_checkpoint(&["--samples", "1000000", "--noise", "1e-6", "--time", "9h", "--seed", "7"]);
+    for line in [
+        "a.exr.checkpoint: checkpoint of ",
+        "size: 64x64 pixels",
+        "scene_hash: ",
+        "technique: mvnee",
+        "seed: 7",
+        "samples: ",
+        "progress: ",
+        "noise: ",
+        "time: ",
+        "written: 20",
+    ] {
+        assert!(text.lines().any(|other| other.starts_with(line)), "{line} is not in {text}");
+    }
+    assert!(text.contains(" per pixel, ") && text.contains(" in 64 tiles; "), "{text}");
+    assert!(text.contains(" of 1000000 samples per pixel, or "), "{text}");
+    assert!(text.contains(" % of 9h, or about ") && text.contains(" of the way to a noise of 0.000100 %\n"), "{text}");
+    assert!(text.contains("Z, ") && text.ends_with(" ago\n"), "{text}");
+    // The hash is that of the image.
+    folder.done(&["render", "scene.toml", "-o", "b.exr", "--size", "64x64", "--seed", "7"]);
+    let hash = super::support::header(&folder.image("b.exr"), "scene_hash").to_string();
+    assert!(text.contains(&format!("scene_hash: {hash}\n")), "{text}");
+    // Whatever it is called; and a torn one is told for what it is.
+    std::fs::rename(folder.path("a.exr.checkpoint"), folder.path("x")).expect("a file");
+    folder.done(&["info", "x"]);
+    let bytes = std::fs::read(folder.path("x")).expect("a file");
+    for (length, finding) in
+        [(bytes.len() / 2, "is a truncated or damaged checkpoint"), (20, "is a truncated checkpoint")]
+    {
+        folder.write("y", &bytes[..length]);
+        folder.refused(&["info", "y"], 1, &format!("y: {finding}"));
+    }
+    folder.write("z.checkpoint", "");
+    folder.refused(&["info", "z.checkpoint"], 1, "z.checkpoint: is empty");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_checkpoint_says_which_samples_it_has() {
+    let flags = ["--adaptive", "--sample-range", "40..1000000", "--crop", "8,8,48,64"];
+    let (_, text) = info_of_checkpoint(&flags);
+    assert!(text.contains("size: 64x64 pixels, of which 8,8,48,64\n"), "{text}");
+    assert!(text.contains(" tiles, adaptive, from sample 40 on; "), "{text}");
+}

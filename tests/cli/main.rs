@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod adaptive;
 mod bar;
 mod bare;
 mod checkpoints;
@@ -15,6 +16,7 @@ mod images;
 mod info;
 mod lamps;
 mod left_out;
+mod limits;
 mod merge;
 mod models;
 mod phases;

@@ -19,7 +19,7 @@ fn plain_progress_is_a_line_now_and_then_and_a_summary() {
     assert_eq!((lines.len(), run.stdout.as_str()), (2, ""), "{run}");
     let percent = lines[0].split_once('%').and_then(|(number, _)| number.trim().parse::<f64>().ok());
     assert!(percent.is_some_and(|percent| (80.0..=100.0).contains(&percent)), "{run}");
-    assert!(lines[0].contains("samples/s") && lines[0].ends_with(" left"), "{run}");
+    assert!(lines[0].contains("samples/s") && lines[0].contains("  noise ") && lines[0].ends_with(" left"), "{run}");
     assert!(lines[1].starts_with("a.exr: mvnee, ") && lines[1].contains("samples per pixel in 2."), "{run}");
 }
 
@@ -32,10 +32,27 @@ fn json_progress_is_one_object_per_line_on_standard_error() {
     assert_eq!((events.as_slice(), run.stdout.as_str()), (&["progress", "progress", "status"][..], ""), "{run}");
     let fractions = [&messages[0], &messages[1]].map(|message| message["fraction"].as_f64().expect("a fraction"));
     assert!(fractions[0] > 0.8 && fractions[1] == 1.0, "{run}");
-    for name in ["samples", "samples_per_second", "seconds", "seconds_left"] {
+    for name in ["samples", "samples_per_second", "seconds", "seconds_left", "noise"] {
         assert!(messages[0][name].is_number(), "{name}: {run}");
     }
+    assert!(messages[0]["until"] == "time" && messages[0]["noise_target"].is_null(), "{run}");
     assert!(messages[2]["message"].as_str().is_some_and(|text| text.starts_with("a.exr: mvnee, ")), "{run}");
+}
+
+#[test]
+fn progress_says_how_noisy_it_is_and_what_comes_first() {
+    let flags = ["--noise", "1e-6", "--time", "2500ms", "--samples", "1000000000", "--size", "32x32"];
+    let with = |style: &str| {
+        let base = ["render", "scene.toml", "-o", "a.exr", "--progress", style];
+        Folder::with_scene().done(&[&base[..], &flags].concat())
+    };
+    let run = with("plain");
+    let line = run.stderr.lines().next().expect("a line");
+    assert!(line.contains(" samples/s  noise ") && line.ends_with(" left of 2.5 s"), "{run}");
+    let run = with("json");
+    let message: Value = serde_json::from_str(run.stderr.lines().next().expect("a line")).expect("JSON");
+    assert!(message["until"] == "time" && message["noise_target"] == 1e-6, "{run}");
+    assert!(message["noise"].as_f64().is_some_and(|noise| (1e-4..1.0).contains(&noise)), "{run}");
 }
 
 #[test]

@@ -1,0 +1,97 @@
+//! `--adaptive`, in files.
+
+use super::support::{Folder, assert_same_bits, header, mean, plane};
+
+fn render(folder: &Folder, name: &str, flags: &[&str]) {
+    let base = ["render", "scene.toml", "-o", name, "--size", "80x72", "--progress", "none"];
+    folder.done(&[&base[..], flags].concat());
+}
+
+/// A small lamp: noise that differs between tiles.
+fn folder() -> Folder {
+    let folder = Folder::with_edited_scene("radius = 1.5", "radius = 0.1");
+    render(&folder, "whole.exr", &["--adaptive", "--samples", "60"]);
+    folder
+}
+
+#[test]
+fn the_number_of_samples_is_that_of_the_mean_pixel() {
+    let folder = folder();
+    let image = folder.image("whole.exr");
+    assert!((mean(&image, "N") - 60.0).abs() < 0.5, "{}", mean(&image, "N"));
+    let samples = plane(&image, "N");
+    assert!(samples.iter().any(|n| *n < 50.0) && samples.iter().any(|n| *n > 75.0));
+    let total: f64 = samples.iter().map(|n| f64::from(*n)).sum();
+    assert_eq!(header(&image, "samples"), total.to_string());
+    assert_eq!(header(&image, "adaptive"), "true");
+    // What the header says of samples is what the pixels have.
+    for part in header(&image, "coverage").split(' ') {
+        let (region, range) = part.split_once(':').expect("a part");
+        let region: Vec<usize> = region.split(',').map(|n| n.parse().expect("a number")).collect();
+        let end = range.strip_prefix("0..").and_then(|end| end.parse::<f32>().ok()).expect("from 0 on");
+        for y in region[1]..region[3] {
+            assert!((region[0]..region[2]).all(|x| samples[80 * y + x] == end), "{part}");
+        }
+    }
+}
+
+#[test]
+fn parts_of_the_samples_merge_to_the_bits_of_one_run() {
+    let folder = folder();
+    for (name, samples) in [("a.exr", "0..25"), ("b.exr", "25..40"), ("c.exr", "40..60")] {
+        render(&folder, name, &["--adaptive", "--sample-range", samples]);
+    }
+    let run = folder.done(&["merge", "c.exr", "a.exr", "b.exr", "-o", "merged.exr"]);
+    assert!(!run.stderr.contains("warning"), "{run}");
+    assert_same_bits(&folder, "merged.exr", "whole.exr");
+    for name in ["coverage", "samples", "adaptive", "sample_range"] {
+        let [merged, whole] = ["merged.exr", "whole.exr"].map(|file| header(&folder.image(file), name).to_string());
+        assert_eq!(merged, whole, "{name}");
+    }
+    let run = folder.done(&["merge", "a.exr", "c.exr", "-o", "holes.exr"]);
+    assert!(run.stderr.contains("warning: 5760 of 5760 pixels lack samples before their last one"), "{run}");
+    // Samples that are there already are refused, whether tiles have as many of them or not.
+    render(&folder, "even.exr", &["--samples", "60"]);
+    folder.refused(&["merge", "a.exr", "even.exr", "-o", "x.exr"], 1, "even.exr: has samples ");
+}
+
+#[test]
+fn crops_merge_to_their_own_pixels() {
+    let folder = folder();
+    render(&folder, "left.exr", &["--adaptive", "--samples", "40", "--crop", "0,0,33,72"]);
+    render(&folder, "right.exr", &["--adaptive", "--samples", "40", "--crop", "33,0,80,72"]);
+    let run = folder.done(&["merge", "left.exr", "right.exr", "-o", "merged.exr"]);
+    assert!(!run.stderr.contains("warning"), "{run}");
+    let [merged, left, right] = ["merged.exr", "left.exr", "right.exr"].map(|name| folder.image(name));
+    for name in ["R", "SE.G", "N"] {
+        let [whole, left, right] = [&merged, &left, &right].map(|image| plane(image, name));
+        for (place, value) in whole.iter().enumerate() {
+            let (x, y) = (place % 80, place / 80);
+            let part = if x < 33 { left[33 * y + x] } else { right[47 * y + x - 33] };
+            assert_eq!(value.to_bits(), part.to_bits(), "{name} of ({x}, {y})");
+        }
+    }
+    let run = folder.done(&["merge", "left.exr", "-o", "half.exr"]);
+    assert!(run.stderr.contains("3384 of 5760 pixels lack samples"), "{run}");
+}
+
+#[test]
+fn few_samples_are_not_adaptive() {
+    let folder = Folder::with_scene();
+    let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--adaptive", "--samples", "16"]);
+    assert!(run.stderr.contains("warning: --adaptive has no effect: the first 16 samples"), "{run}");
+    folder.done(&["render", "scene.toml", "-o", "b.exr", "--samples", "16"]);
+    assert_same_bits(&folder, "a.exr", "b.exr");
+}
+
+#[test]
+fn a_noise_is_met_with_fewer_samples() {
+    let folder = folder();
+    for (name, flags) in [("even.exr", &["--noise", "0.2"][..]), ("adaptive.exr", &["--noise", "0.2", "--adaptive"])] {
+        render(&folder, name, flags);
+        assert_eq!(header(&folder.image(name), "ended_by"), "noise", "{name}");
+    }
+    let [even, adaptive] = ["even.exr", "adaptive.exr"].map(|name| mean(&folder.image(name), "N"));
+    println!("{even} and {adaptive} samples per pixel");
+    assert!(adaptive < even, "{adaptive} and {even}");
+}
