@@ -101,6 +101,8 @@ pub struct Arrival<'a, M> {
     pub inverse_area: f32x8,
     /// Squared length of the last segment, l_{n-1}^2 [m^2].
     pub last_squared: f32x8,
+    /// Its optical depth, in the channel of the row's medium.
+    pub last_depth: f32x8,
     /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
     pub cos_light: f32x8,
     /// What optical depths count beyond vertex 0: 0 where that is on the light.

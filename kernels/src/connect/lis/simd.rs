@@ -40,6 +40,8 @@ pub fn ratios<M: MediumX8>(
         hues: hues.as_ref(),
         inverse_area: arrival.inverse_area * emission * vertex.inverse_density,
         last_squared: (vertex.position - before.position).length_squared(),
+        // Nobody asks for it beyond the companion.
+        last_depth: f32x8::ZERO,
         cos_light: f32x8::ONE,
         skipped,
     };
