@@ -27,7 +27,7 @@ use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::lis::{self, Lis};
-use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
+use crate::connect::suffix::{Arrival, Passed, Suffix, SuffixVertex};
 use crate::connect::{Densities, bridge, distant, mvnee, nee, omnee};
 use crate::lanes::LANES;
 use crate::media::{MediumLanes, MediumX8};
@@ -93,7 +93,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             last_squared,
             last_depth: medium.optical_depth_along(last.arc, last.depth),
             cos_light,
-            skipped: f32x8::ZERO,
+            skipped: Passed::NOTHING,
         };
         for a in fewest_edges..=needed {
             let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
