@@ -101,7 +101,7 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 3] {
 }
 
 /// The sets of techniques that grids have.
-pub const IN_FIELDS: [Active; 9] = [
+pub const IN_FIELDS: [Active; 11] = [
     Active::Path,
     Active::Nee,
     Active::Mvnee,
@@ -111,4 +111,6 @@ pub const IN_FIELDS: [Active; 9] = [
     Active::Omnee,
     Active::Bridge,
     Active::BridgeUniform,
+    Active::Lis,
+    Active::LisMvnee,
 ];
