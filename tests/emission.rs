@@ -188,7 +188,7 @@ fn with(frame: &Frame, active: Active) -> Frame {
     frames::with_techniques(frame, active, 4.0)
 }
 
-const TECHNIQUES: [Active; 4] = [Active::Path, Active::Nee, Active::Both, Active::Bridge];
+const TECHNIQUES: [Active; 5] = [Active::Path, Active::Nee, Active::Both, Active::Bridge, Active::Lis];
 
 #[test]
 fn every_stage_agrees_with_its_twin() {

@@ -11,10 +11,12 @@ use fogbow_kernels::connect::lis::reference::{density, vertex_density};
 use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
 use fogbow_kernels::emission::reference::normal;
-use fogbow_kernels::media::reference::Homogeneous;
+use fogbow_kernels::media::field::Shape;
+use fogbow_kernels::media::reference::{Homogeneous, Medium as _, depth_until};
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_testing::frames;
+use fogbow_testing::frames::clouds::{ball, solid, with_volumes};
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
 use fogbow_testing::walks::{after_walks, vector};
@@ -40,6 +42,15 @@ fn lit(g: f32, lights: Lights, connector: impl Fn(&Frame) -> Connector) -> Frame
     frame.lengths = PathLengths { min: 1, max: 60 };
     frame.lights = lights;
     frame.techniques = Techniques::default();
+    frame.techniques.lis = Some(Lis::new(&frame.medium, connector(&frame)));
+    frame
+}
+
+/// The same with a ball and a box in thinner fog: extinction that varies along the flights from the light.
+fn in_volumes(frame: &Frame, connector: impl Fn(&Frame) -> Connector) -> Frame {
+    let block = Shape::block([[-0.5, -1.0, 2.4], [1.5, 0.6, 3.0]]);
+    let volumes = vec![ball(DVec3::new(0.4, 0.2, 3.4), 0.5, 1.5), solid(block, 0.9)];
+    let mut frame = with_volumes(frame, volumes, 0.8 * EXTINCTION as f32);
     frame.techniques.lis = Some(Lis::new(&frame.medium, connector(&frame)));
     frame
 }
@@ -79,7 +90,9 @@ fn vertices_made_from_lights_follow_emission_and_flight() {
         let triangle = Emitter::triangle(corners, 0, both, [80.0; 3]);
         lit(0.6, Lights::with_meshes(Vec::new(), vec![vec![triangle]], Selection::Uniform), bridge)
     };
-    for frame in disks.into_iter().chain([sphere, panel(false), panel(true)]) {
+    let beams = [&disks[2], &disks[3], &sphere].map(|frame| in_volumes(frame, bridge));
+    for frame in disks.into_iter().chain([sphere, panel(false), panel(true)]).chain(beams) {
+        let medium = frame.medium.twin(0);
         let emitter = &frame.lights.emitters()[0];
         let mut found = vec![0.0; if emitter.double_sided { 2 } else { 1 } * CELLS.pow(3)];
         connections(&frame, SAMPLES, |_, chain| {
@@ -92,7 +105,8 @@ fn vertices_made_from_lights_follow_emission_and_flight() {
             let sine_squared = w.cross(normal).length_squared();
             let cosine = -(0.5 * (f64::from(emitter.exponent) + 2.0) * (-sine_squared).ln_1p()).exp_m1();
             let azimuth = w.dot(bitangent).atan2(w.dot(tangent)).rem_euclid(TAU) / TAU;
-            let shares = [cosine, azimuth, (-EXTINCTION * t).exp()];
+            let passed = depth_until(&medium.strata_of_ray(*point, w), t);
+            let shares = [cosine, azimuth, (-passed).exp()];
             let cell = |share: f64| ((share * CELLS as f64) as usize).min(CELLS - 1);
             found[shares.map(cell).into_iter().fold(usize::from(back), |index, cell| index * CELLS + cell)] += 1.0;
         });
@@ -150,6 +164,7 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
     for frame in [
         frame(0.5, None, bridge),
         frame(0.4, Some(20.0), bridge),
+        in_volumes(&frame(0.4, Some(5.0), bridge), bridge),
         frame(0.6, None, mvnee),
         frame(0.6, Some(20.0), mvnee),
     ] {
@@ -174,5 +189,5 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
             p_values.push(p_of_z(z));
         }
     }
-    assert!(p_values.len() == 24 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
+    assert!(p_values.len() == 30 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
 }

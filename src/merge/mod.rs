@@ -74,6 +74,11 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
     let all = parts.iter().flat_map(|part| part.coverage.parts()).cloned().collect();
     let (coverage, About { size, layers, .. }) = (Coverage::of(all), &parts[0]);
     if let Some(samples) = request.expected {
+        if is_adaptive(&parts) {
+            let finding = "is for pixels that all have the same samples, but these parts are adaptive";
+            let remedy = "leave it out: a warning says whether parts of an adaptive render leave a hole";
+            return Err(Error::usage(format!("--expect {}..{}", samples.start, samples.end), finding, remedy));
+        }
         check_complete(&coverage, &crate::film::Part { region, samples })?;
     }
     let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
@@ -241,10 +246,15 @@ fn holes(coverage: &Coverage, film: &Film) -> u64 {
     ends.into_iter().zip(film.pixels()).filter(is_hole).count() as u64
 }
 
+/// Whether tiles of these parts have numbers of samples of their own.
+fn is_adaptive(parts: &[About]) -> bool {
+    parts.iter().any(|part| part.entry("adaptive") == Some("true"))
+}
+
 /// What a person should know of an image of these parts.
 fn warnings(parts: &[About], coverage: &Coverage, film: &Film) -> Vec<String> {
     let [width, height] = parts[0].size;
-    let is_adaptive = parts.iter().any(|part| part.entry("adaptive") == Some("true"));
+    let is_adaptive = is_adaptive(parts);
     let gaps = if is_adaptive { Vec::new() } else { coverage.gaps([width, height]) };
     let all = u64::from(width) * u64::from(height);
     let named = gaps.iter().take(MOST_NAMED).map(|gap| {

@@ -78,8 +78,7 @@ impl Walk<'_> {
     fn vertices_from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Vec<DVec3>> {
         let Frame { lights, lengths, seed, .. } = self.frame;
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
-        let vertex =
-            lis_sample::place(&lights.emitters()[emitter], &self.frame.medium.homogeneous_twin(self.hero), point, u);
+        let vertex = lis_sample::place(&lights.emitters()[emitter], &self.medium(), point, u)?;
         if !lis_sample::is_within_reach(lis, self.last(), vertex) {
             return None;
         }

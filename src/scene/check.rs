@@ -145,10 +145,6 @@ impl Check<'_> {
         if scene.volume.is_empty() {
             return Ok((around, Vec::new()));
         }
-        if scene.render.technique.0.contains(&Technique::Lis) {
-            let remedy = "leave lis out: nee, mvnee, omnee and bridge go with volumes";
-            return Err(self.wrong("render.technique", "lis, which does not go with volumes yet", remedy));
-        }
         let volume = |(index, keys): (usize, _)| {
             let keys: &schema::Volume = keys;
             let table = format!("volume[{index}]");

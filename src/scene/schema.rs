@@ -220,8 +220,8 @@ pub struct Render {
     pub perturbation: Perturbation,
     /// How MVNEE spreads its seeds in volumes; without any, both are the same.
     pub seeds: Seeds,
-    /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc and
-    /// perturbation, apply to it.
+    /// What joins a vertex of the path to the one that lis makes from the light. The settings for bridges, or mesc,
+    /// perturbation and seeds, apply to it.
     pub lis: LisConnector,
     /// How a connection picks its light. Lights at infinity, the sky and suns, have connections of their own.
     pub light_selection: LightSelection,
@@ -271,8 +271,7 @@ pub enum Technique {
     Omnee,
     /// Bridges: connections shaped by a random walk.
     Bridge,
-    /// Light importance sampling: connections that end at a vertex made from the light; for spotlights. It does not go
-    /// with volumes yet.
+    /// Light importance sampling: connections that end at a vertex made from the light; for spotlights.
     Lis,
 }
 

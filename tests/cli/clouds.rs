@@ -21,7 +21,7 @@ fn with_cloud(keys: &str) -> Folder {
 #[test]
 fn a_cloud_is_rendered_by_every_technique() {
     let folder = with_cloud(", translate = [0, 0, 1.5]");
-    for technique in ["path", "nee", "mvnee", "nee,omnee", "bridge"] {
+    for technique in ["path", "nee", "mvnee", "nee,omnee", "bridge", "lis", "nee,mvnee,omnee,bridge,lis"] {
         let run = folder.done(&["render", "scene.toml", "--technique", technique, "-o", "a.exr"]);
         assert!(!run.stderr.contains("dropped"), "{run}");
         assert_eq!(header(&folder.image("a.exr"), "technique").split(", ").collect::<Vec<_>>().join(","), technique);
@@ -73,13 +73,16 @@ fn no_result_replaces_the_voxels() {
 }
 
 #[test]
-fn what_grids_do_not_go_with_is_refused() {
-    let folder = with_cloud("");
-    folder.refused(
-        &["render", "scene.toml", "--technique", "lis"],
-        2,
-        "--technique lis: render.technique is lis, which",
-    );
+fn vertices_from_the_light_are_joined_through_a_cloud_as_the_scene_says() {
+    let folder = with_cloud(", translate = [0, 0, 1.5]");
+    let rendered = |connector: &str| {
+        let args = ["render", "scene.toml", "--technique", "lis", "--set", connector, "-o", "a.exr"];
+        let run = folder.done(&args);
+        assert!(!run.stderr.contains("dropped"), "{run}");
+        assert_eq!(header(&folder.image("a.exr"), "technique"), "lis");
+        std::fs::read(folder.path("a.exr")).expect("an image")
+    };
+    assert_ne!(rendered("render.lis=bridge"), rendered("render.lis=mvnee"));
 }
 
 /// The test scene with these volumes in fog that is given by `medium`.
@@ -98,7 +101,7 @@ fn volumes_in_fog_are_rendered_and_described() {
     let ball = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nscattering = 3\npriority = 2";
     let hole = "name = \"hole\"\nshape = { type = \"box\", min = [-1, -1, 1], max = [0.2, 1, 2] }\npriority = 3";
     let folder = with_volumes("[medium]\nscattering = 0.2\nabsorption = 0.1", &[ball, hole]);
-    for technique in ["path", "nee", "mvnee", "bridge"] {
+    for technique in ["path", "nee", "mvnee", "bridge", "lis"] {
         let run = folder.done(&["render", "scene.toml", "--technique", technique, "-o", "a.exr"]);
         assert!(!run.stderr.contains("dropped"), "{run}");
     }

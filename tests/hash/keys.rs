@@ -173,7 +173,7 @@ impl Keys {
     pub fn with_volume() -> Self {
         let [medium, volume] = MEDIUM;
         assert!(SCENE.contains(medium));
-        Self::of(&SCENE.replace(medium, volume).replace(", \"lis\"]", "]"))
+        Self::of(&SCENE.replace(medium, volume))
     }
 
     pub fn file(&self) -> PathBuf {

@@ -47,7 +47,7 @@ fn assert_that_keys_change_the_hash(keys: &Keys, seen: &mut BTreeSet<String>) {
 #[test]
 fn corners_of_a_box_change_the_hash() {
     let volume = "[[volume]]\nscattering = 1\nshape = { type = 'box', min = [0, 0, 1], max = [1, 2, 3] }\n";
-    let keys = Keys::of(&SCENE.replace(MEDIUM[0], volume).replace(", \"lis\"]", "]"));
+    let keys = Keys::of(&SCENE.replace(MEDIUM[0], volume));
     for (corner, axis) in ["min", "max"].into_iter().flat_map(|corner| (0..3).map(move |axis| (corner, axis))) {
         let change = (format!("volume[0].shape.{corner}[{axis}]"), Value::from(0.5 + f64::from(axis)));
         let change = if corner == "max" { (change.0, Value::from(4.5)) } else { change };
@@ -61,9 +61,7 @@ fn balls_and_the_order_of_volumes_change_the_hash() {
         let shape = format!("shape = {{ type = 'sphere', center = [{x}, 0, 2], radius = {radius} }}");
         format!("[[volume]]\nscattering = {radius}\n{shape}\npriority = {priority}\n")
     };
-    let hash = |volumes: [String; 2]| {
-        Keys::of(&SCENE.replace(MEDIUM[0], &volumes.concat()).replace(", \"lis\"]", "]")).base().hash()
-    };
+    let hash = |volumes: [String; 2]| Keys::of(&SCENE.replace(MEDIUM[0], &volumes.concat())).base().hash();
     let base = hash([ball(0.0, 1.0, 0), ball(1.0, 2.0, 0)]);
     for other in [
         [ball(0.5, 1.0, 0), ball(1.0, 2.0, 0)],
@@ -104,9 +102,8 @@ fn what_an_image_of_the_sky_shows_changes_the_hash_and_not_its_name() {
 fn the_radiance_of_the_sky_changes_the_hash() {
     let sky = "[[volume]]\nscattering = 1\nshape = { type = 'box', min = [0, 0, 1], max = [1, 2, 3] }\n\
                [environment]\nradiance = [1, 2, 3]\n";
-    let keys = Keys::of(&SCENE.replace(MEDIUM[0], sky).replace(", \"lis\"]", "]"));
-    let without =
-        Keys::of(&SCENE.replace(MEDIUM[0], sky.split("[env").next().expect("a part")).replace(", \"lis\"]", "]"));
+    let keys = Keys::of(&SCENE.replace(MEDIUM[0], sky));
+    let without = Keys::of(&SCENE.replace(MEDIUM[0], sky.split("[env").next().expect("a part")));
     assert_ne!(without.base().hash(), keys.base().hash());
     for channel in 0..3 {
         let change = (format!("environment.radiance[{channel}]"), Value::from(1.5));

@@ -101,8 +101,38 @@ pub struct Arrival<'a, M> {
     pub inverse_area: f32x8,
     /// Squared length of the last segment, l_{n-1}^2 [m^2].
     pub last_squared: f32x8,
+    /// Its optical depth, in the channel of the row's medium.
+    pub last_depth: f32x8,
     /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
     pub cos_light: f32x8,
-    /// What optical depths count beyond vertex 0: 0 where that is on the light.
-    pub skipped: f32x8,
+    /// What the suffix counts beyond vertex 0: nothing where that is on the light.
+    pub skipped: Passed,
+}
+
+impl<M> Arrival<'_, M> {
+    /// What the path passes from `start` to vertex 0.
+    #[inline(always)]
+    pub fn way(&self, start: &SuffixVertex) -> Passed {
+        Passed {
+            arc: start.arc - self.skipped.arc,
+            depth: start.depth - self.skipped.depth,
+            log_extinction: start.log_extinction - self.skipped.log_extinction,
+        }
+    }
+}
+
+/// What a path passes on the way from one of its vertices to another.
+#[derive(Clone, Copy)]
+pub struct Passed {
+    /// Length `[m]`.
+    pub arc: f32x8,
+    /// Optical depth, in the channel of the row's medium.
+    pub depth: f32x8,
+    /// ln of the product of the extinctions at the vertices between; known where extinction varies.
+    pub log_extinction: f32x8,
+}
+
+impl Passed {
+    /// Nothing.
+    pub const NOTHING: Self = Self { arc: f32x8::ZERO, depth: f32x8::ZERO, log_extinction: f32x8::ZERO };
 }

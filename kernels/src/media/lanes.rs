@@ -33,6 +33,9 @@ pub trait MediumX8: Copy {
     /// The segment from `from` to `to`, of this `length` `[m]`, as weights see the medium along it.
     fn axis(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self::Axis;
 
+    /// The ray from `from` in the unit `direction`, which has no end, as weights see the medium along it.
+    fn ray(self, from: Vec3x8, direction: Vec3x8) -> Self::Axis;
+
     /// Optical depth of the straight segment from `from` to `to`, of this `length` `[m]`, as weights count it: exact in
     /// a homogeneous medium.
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8;
@@ -67,7 +70,8 @@ pub trait AxisX8: Copy {
     /// Optical depth.
     fn depth(&self) -> f32x8;
 
-    /// Optical depths of its part up to a distance `along` it `[m]`, and of all of it.
+    /// Optical depths of its part up to a distance `along` it `[m]`, and of all of it; of a ray, only the first has a
+    /// meaning.
     fn depths(&self, along: f32x8) -> [f32x8; 2];
 
     /// Extinction at a distance `along` it [1/m].
@@ -77,7 +81,7 @@ pub trait AxisX8: Copy {
     /// lead beyond its end.
     fn advance(&mut self, depth: f32x8) -> f32x8;
 
-    /// Extinction at the place reached [1/m].
+    /// Extinction at the place reached [1/m]: 0 where a depth is never reached, on a ray that leaves everything.
     fn reached(&self) -> f32x8;
 }
 

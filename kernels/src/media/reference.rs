@@ -11,6 +11,9 @@ pub trait Medium {
     /// The segment between two points as weights see it: pieces of one extinction each, from its start to its end.
     fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum>;
 
+    /// The ray from a point in a unit direction, which has no end, as weights see it: the same.
+    fn strata_of_ray(&self, from: DVec3, direction: DVec3) -> Vec<Stratum>;
+
     /// Optical depth of the segment between two points, as weights count it.
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64;
 
@@ -109,6 +112,10 @@ impl Medium for Homogeneous<'_> {
         vec![Stratum { length: from.distance(to), extinction: self.extinction }]
     }
 
+    fn strata_of_ray(&self, _: DVec3, _: DVec3) -> Vec<Stratum> {
+        vec![Stratum { length: f64::INFINITY, extinction: self.extinction }]
+    }
+
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
         self.extinction * from.distance(to)
     }
@@ -143,6 +150,10 @@ impl Twin<'_> {
 impl Medium for Twin<'_> {
     fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
         self.kind().strata(from, to)
+    }
+
+    fn strata_of_ray(&self, from: DVec3, direction: DVec3) -> Vec<Stratum> {
+        self.kind().strata_of_ray(from, direction)
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {

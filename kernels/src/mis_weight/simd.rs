@@ -27,7 +27,7 @@ use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::lis::{self, Lis};
-use crate::connect::suffix::{Arrival, Suffix, SuffixVertex};
+use crate::connect::suffix::{Arrival, Passed, Suffix, SuffixVertex};
 use crate::connect::{Densities, bridge, distant, mvnee, nee, omnee};
 use crate::lanes::LANES;
 use crate::media::{MediumLanes, MediumX8};
@@ -85,13 +85,15 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         }
         let colours = M::COLOURED.then(|| Colours::new(batch.lane_of, bucket.inserted, media, log_posterior, suffix));
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
+        let last = &suffix.vertices[1];
         let arrival = Arrival {
             medium,
             hues: colours.as_ref().map(|colours| &colours.hues),
             inverse_area: lights.gather(&batch.emitter_of, |emitter| emitter.density),
             last_squared,
+            last_depth: medium.optical_depth_along(last.arc, last.depth),
             cos_light,
-            skipped: f32x8::ZERO,
+            skipped: Passed::NOTHING,
         };
         for a in fewest_edges..=needed {
             let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
@@ -129,9 +131,8 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         }
         if reaches_far {
             let start = &suffix.vertices[1];
-            let depth = medium.optical_depth_along(start.arc, start.depth);
             let seen = distant::simd::see(lights, &batch.emitter_of, start.leaving);
-            let connected = seen.density * batch.reach(&starts, 1) * start.inverse_density * exp(depth);
+            let connected = seen.density * batch.reach(&starts, 1) * start.inverse_density * exp(arrival.last_depth);
             let connects = if techniques.any() { far } else { f32x8::ZERO };
             sum = far.select(walked + (connects & connected), sum);
             if lights.has_panorama() {

@@ -70,8 +70,9 @@ pub fn ratios<M: MediumX8>(
                 hues.mean(suffix.shares[a], counts)
             }
         };
-        let crowding = medium.crowding(a, start.arc, start.depth, start.log_extinction);
-        let likelihood = suffix.likelihoods[a].inverse(start.depth - arrival.skipped, crowding.log);
+        let way = arrival.way(start);
+        let crowding = medium.crowding(a, way.arc, way.depth, way.log_extinction);
+        let likelihood = suffix.likelihoods[a].inverse(way.depth, crowding.log);
         let crowded = crowding.scale * distance;
         let ratio = start.attempt * count * likelihood * distance_squared * crowded * turn;
         let most = f32x8::splat(bridge.max_depth) * arrival.medium.over_clearest();

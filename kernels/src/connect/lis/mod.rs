@@ -24,11 +24,38 @@
 //! and what y brings in is a factor without t. From a start x_i the path has N = N' + 1 >= 2 edges, N' of them the
 //! connector's; whatever the connector calls s, L, l_{n-1} and m belongs to the way to y.
 //!
+//! **Where extinction varies.** A flight that is tracked through a field has a density that nobody can evaluate, but one
+//! through its means has: the ray from x_n in the direction w has strata as every segment has
+//! ([`field`](crate::media::field)), of extinction mu~(t) and optical depth tau~(t), which follow from x_n and w alone,
+//! and so from x_n and y. Flights are drawn there,
+//!
+//! ```text
+//! tau~(t) = -ln(1 - u),      p(y) = p_dir(w) mu~(t) e^{-tau~(t)} / t^2
+//! ```
+//!
+//! and path tracing's density, as weights take it, is that of arriving at y from the start, with the true mu_t(y), and
+//! `phase(c_y) e^{-tau~(y, x_n)} cos theta / t^2` from there on. What is left is one factor for all starts,
+//!
+//! ```text
+//! r_i = p_A P_l p_dir(w) / (phase(c_y) cos theta) * mu~(t) / mu_t(y) * e^{tau~(y, x_n) - tau~(t)} * [ .. ]
+//! ```
+//!
+//! which is 1 in a homogeneous medium: tau~ of the segment and tau~(t) of the ray differ only because their strata do.
+//! `[ .. ]` counts what lies between start and y. Nothing of this is an estimate: a ratio holds the density with which y
+//! is drawn, the connector's is exact given y, and the transmittance of all segments, that from y to the light among
+//! them, is in the candidate's factor F. So the weights of all techniques add up to 1 for every path, and no mean
+//! depends on mu~. A flight that leaves everything makes no path, and one that ends in vacuum a path that is worth
+//! nothing: such connections are given up before anything is joined, and count 0. Where mu~(t) is 0, so is the ratio,
+//! and others make the path. With coloured extinction flights are drawn for the hero, and `mu~ e^{-tau~}` has
+//! its mean over the channels, as MVNEE's seeds have.
+//!
 //! **Counts.** `depth + N' + 1 <= K`: the connector has one edge less to spend. What is longer is dropped, not redrawn.
 //!
 //! **Companion.** Paths of a single edge cannot be made so. Starts within [`Lis::near`] of the light point, four mean
 //! free paths as in the paper, also connect by next event estimation, at whose ratio these paths are weighed; beyond,
 //! path tracing alone makes them. Where `nee` itself is active the companion would say the same twice and is left out.
+//! In a field there is no one mean free path, and walks rarely meet a lamp that stands in vacuum: all starts have the
+//! companion.
 
 pub mod reference;
 pub mod sample;
@@ -58,7 +85,7 @@ pub enum Connector {
 pub struct Lis {
     /// What joins a start with the vertex made from the light; its limits are on the way to that vertex.
     pub connector: Connector,
-    /// Distance from start to light point up to which the companion connects `[m]`, >= 0.
+    /// Distance from start to light point up to which the companion connects `[m]`, >= 0; infinite in a field.
     pub near: f32,
 }
 

@@ -5,13 +5,14 @@
 //! between w and the normal, and k the exponent of the light,
 //!
 //! ```text
-//! p = p_A P_l * p_dir(w) mu_t exp(-mu_t t) / t^2 * q(x_i .. y)      (volume and area measure)
+//! p = p_A P_l * p_dir(w) mu~(t) exp(-tau~(t)) / t^2 * q(x_i .. y)   (volume and area measure)
 //! p_dir(w) = (k + 2) / (2 pi) cos^{k+1} theta                       (solid angle, over the hemisphere of the front,
 //!                                                                    half of it on either side where both shine)
 //! ```
 //!
-//! where q is the density of a bridge or of MVNEE without that of its light point. The companion has that of next event
-//! estimation, within its distance.
+//! where mu~(t) and tau~(t) are extinction and optical depth at and up to t along the ray from x_n in the direction w, as
+//! weights see it, and q is the density of a bridge or of MVNEE without that of its light point. The companion has that
+//! of next event estimation, within its distance.
 
 use glam::DVec3;
 
@@ -20,7 +21,7 @@ use crate::connect::bridge::reference::Start;
 use crate::connect::density::Density;
 use crate::connect::{bridge, mvnee, nee};
 use crate::emission::reference::direction_density;
-use crate::media::reference::Medium;
+use crate::media::reference::{Medium, depth_until, extinction_along};
 use crate::tables::lights::Emitter;
 
 /// Density of making `vertex` from `point` on the emitter (volume measure) [1/m^3].
@@ -29,9 +30,11 @@ pub fn vertex_density(emitter: &Emitter, medium: &dyn Medium, point: DVec3, vert
     if flight == 0.0 {
         return Density::ZERO;
     }
-    Density::new(direction_density(emitter, point, (vertex - point) / flight))
-        .times(medium.extinction(vertex) / (flight * flight))
-        .times_exp(-medium.optical_depth(point, vertex))
+    let direction = (vertex - point) / flight;
+    let strata = medium.strata_of_ray(point, direction);
+    Density::new(direction_density(emitter, point, direction))
+        .times(extinction_along(&strata, flight) / (flight * flight))
+        .times_exp(-depth_until(&strata, flight))
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light, in a path of at most `longest`

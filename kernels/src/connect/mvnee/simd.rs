@@ -87,10 +87,11 @@ fn sum<M: MediumX8>(
             after += projection.segment_squared;
         }
         let [log_seeds, depth, whole] = density.finish(distance);
-        let mut log = start.depth - arrival.skipped - depth;
+        let way = arrival.way(&start);
+        let mut log = way.depth - depth;
         let mut possible = axial.possible;
         if M::VARIES {
-            log += log_seeds - arrival.medium.log_extinction_along(a - 1, start.log_extinction);
+            log += log_seeds - arrival.medium.log_extinction_along(a - 1, way.log_extinction);
             let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
             possible &= whole.simd_le(most);
         }

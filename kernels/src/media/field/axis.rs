@@ -10,6 +10,8 @@
 //! 2. A segment and its reverse have the same strata, but for rounding.
 //! 3. Before the first stratum and behind the last is what is around; behind the last it has no end, so that every
 //!    depth is somewhere.
+//! 4. A ray is a segment of the length of its direction, 1 m, of which shares may be larger than 1: its strata are over
+//!    all of its part within the box.
 
 use wide::f32x8;
 
@@ -61,9 +63,21 @@ impl<'a> FieldAxis<'a> {
     #[inline(always)]
     pub fn new(field: &'a Field, hue: f32x8, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self {
         let (start, end) = (field.in_cells(from), field.in_cells(to));
-        let way = end - start;
+        Self::until(field, hue, start, end - start, length, f32x8::ONE)
+    }
+
+    /// From `from` on in the unit `direction`.
+    #[inline(always)]
+    pub fn ray(field: &'a Field, hue: f32x8, from: Vec3x8, direction: Vec3x8) -> Self {
+        let (start, way) = (field.in_cells(from), field.to_cells.directions(direction));
+        Self::until(field, hue, start, way, f32x8::ONE, f32x8::splat(f32::INFINITY))
+    }
+
+    /// From `start` on along `way`, both in cells, of this `length` `[m]`, with strata up to the share `end` of it.
+    #[inline(always)]
+    fn until(field: &'a Field, hue: f32x8, start: Vec3x8, way: Vec3x8, length: f32x8, end: f32x8) -> Self {
         let [below, above] = field.margins();
-        let [enter, exit] = within(start, way, [-below; 3], field.cells.dims.map(|dim| dim as f32 + above), f32x8::ONE);
+        let [enter, exit] = within(start, way, [-below; 3], field.cells.dims.map(|dim| dim as f32 + above), end);
         let part = (exit - enter).fast_max(f32x8::ZERO);
         let crossed = way.length_squared().sqrt() * part;
         let inside = part.simd_gt(f32x8::ZERO);

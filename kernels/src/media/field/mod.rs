@@ -31,7 +31,8 @@
 //! The stage [`transmittance`](crate::transmittance) finds F.
 //!
 //! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are flights through the
-//! means along the axis, of which density and count are exact ([`Seeds`](crate::connect::mvnee::Seeds)).
+//! means along the axis, of which density and count are exact ([`Seeds`](crate::connect::mvnee::Seeds)); so are flights
+//! from lights, along rays ([`lis`](crate::connect::lis)).
 
 mod axis;
 mod bricks;

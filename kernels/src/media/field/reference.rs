@@ -72,12 +72,12 @@ impl Field {
         [0, 1, 2].map(|axis| at[axis].clamp(0.0, f64::from(self.cells.dims[axis] - 1)) as u32)
     }
 
-    /// A segment as weights see it, where the hue is 1.
-    fn strata_between(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
-        let (start, way, around) = (self.cells_of(from), self.cells_along(to - from), f64::from(self.around));
-        let piece = |share: f64, extinction: f64| Stratum { length: share * from.distance(to), extinction };
-        let Some((enter, exit)) = self.part_within(start, way, self.margins().map(f64::from), 1.0) else {
-            return vec![piece(1.0, around)];
+    /// The way from `from` along `edge`, up to the share `end` of it, as weights see it, where the hue is 1.
+    fn strata_along(&self, from: DVec3, edge: DVec3, end: f64) -> Vec<Stratum> {
+        let (start, way, around) = (self.cells_of(from), self.cells_along(edge), f64::from(self.around));
+        let piece = |share: f64, extinction: f64| Stratum { length: share * edge.length(), extinction };
+        let Some((enter, exit)) = self.part_within(start, way, self.margins().map(f64::from), end) else {
+            return vec![piece(end, around)];
         };
         let most = if self.is_known() { 1.0 } else { f64::from(MOST_STRATA) };
         let count = (way.length() * (exit - enter)).ceil().clamp(1.0, most);
@@ -88,16 +88,26 @@ impl Field {
         };
         let mut strata = vec![piece(enter, around)];
         strata.extend((0..count as u32).map(|i| piece((exit - enter) / count, mean_at(i))));
-        strata.push(piece(1.0 - exit, around));
+        strata.push(piece(end - exit, around));
+        strata
+    }
+}
+
+impl FieldTwin<'_> {
+    /// Strata of the field, in the twin's channel.
+    fn coloured(&self, mut strata: Vec<Stratum>) -> Vec<Stratum> {
+        strata.iter_mut().for_each(|stratum| stratum.extinction *= self.hue);
         strata
     }
 }
 
 impl Medium for FieldTwin<'_> {
     fn strata(&self, from: DVec3, to: DVec3) -> Vec<Stratum> {
-        let mut strata = self.field.strata_between(from, to);
-        strata.iter_mut().for_each(|stratum| stratum.extinction *= self.hue);
-        strata
+        self.coloured(self.field.strata_along(from, to - from, 1.0))
+    }
+
+    fn strata_of_ray(&self, from: DVec3, direction: DVec3) -> Vec<Stratum> {
+        self.coloured(self.field.strata_along(from, direction, f64::INFINITY))
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {

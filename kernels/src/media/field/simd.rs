@@ -96,6 +96,11 @@ impl<'a> MediumX8 for FieldX8<'a> {
         FieldAxis::new(self.field, self.hue, from, to, length)
     }
 
+    #[inline(always)]
+    fn ray(self, from: Vec3x8, direction: Vec3x8) -> FieldAxis<'a> {
+        FieldAxis::ray(self.field, self.hue, from, direction)
+    }
+
     #[inline(never)]
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
         self.axis(from, to, length).depth()

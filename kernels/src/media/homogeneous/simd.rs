@@ -116,6 +116,11 @@ impl MediumX8 for HomogeneousX8 {
     }
 
     #[inline(always)]
+    fn ray(self, _: Vec3x8, _: Vec3x8) -> HomogeneousAxis {
+        HomogeneousAxis { medium: self, length: f32x8::splat(f32::INFINITY) }
+    }
+
+    #[inline(always)]
     fn optical_depth(self, _: Vec3x8, _: Vec3x8, length: f32x8) -> f32x8 {
         self.extinction * length
     }

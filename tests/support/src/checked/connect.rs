@@ -203,11 +203,30 @@ pub(super) fn check_lis_vertex(step: Step, columns: lis_sample::VertexColumns<'_
             ends: &mut *ends,
         }
     );
-    // Points come from directions and flights, both drawn by powers and logarithms.
-    check_queue("lis_vertex", &connections_both, &[("point", tolerances::CHAIN)]);
+    match medium.field() {
+        Some(_) => check_found_vertices(&connections_both),
+        // Points come from directions and flights, both drawn by powers and logarithms.
+        None => check_queue("lis_vertex", &connections_both, &[("point", tolerances::CHAIN)]),
+    }
     check_queue("lis_vertex", &ends_both, &[]);
     if connections.lane.rows()[..connections.len] != ends.lane.rows()[..ends.len] {
         fail("lis_vertex", 0, "    connections and the points behind them are not in the same rows");
+    }
+}
+
+/// Compares vertices made from lights in a field, where the stratum that a flight ends in is a decision.
+fn check_found_vertices(both: &Both<Saved>) {
+    let mut others = both.clone();
+    others.0.forget("point");
+    others.1.forget("point");
+    check_queue("lis_vertex", &others, &[]);
+    let [kernel_lanes, twin_lanes] = [&both.0, &both.1].map(|queue| queue.indices("lane"));
+    for (at, lane) in kernel_lanes.iter().enumerate() {
+        let Some(other) = twin_lanes.iter().position(|other| other == lane) else { continue };
+        let close = &[("point", tolerances::TRACKED)];
+        if difference(&both.0.row(0, at), &both.1.row(0, other), close).is_some() {
+            count_decisions(1);
+        }
     }
 }
 

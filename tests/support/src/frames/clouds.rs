@@ -111,7 +111,7 @@ fn turning(room: &Frame) -> Frame {
 }
 
 /// The sets of techniques that grids have.
-pub const IN_FIELDS: [Active; 9] = [
+pub const IN_FIELDS: [Active; 11] = [
     Active::Path,
     Active::Nee,
     Active::Mvnee,
@@ -121,4 +121,6 @@ pub const IN_FIELDS: [Active; 9] = [
     Active::Omnee,
     Active::Bridge,
     Active::BridgeUniform,
+    Active::Lis,
+    Active::LisMvnee,
 ];

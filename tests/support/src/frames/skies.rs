@@ -72,7 +72,8 @@ pub fn rooms(size: [u32; 2]) -> Vec<(String, Frame)> {
     frames
 }
 
-/// Clouds under a sky: with three lights, and with the sky alone and a floor; techniques have to be set anew.
+/// Clouds under a sky: with three lights, one of them coloured, and with the sky alone and a floor; techniques have to be
+/// set anew.
 pub fn clouds(size: [u32; 2]) -> Vec<(String, Frame)> {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let [floor, ..] = walls();
@@ -81,6 +82,9 @@ pub fn clouds(size: [u32; 2]) -> Vec<(String, Frame)> {
     };
     let open = cloud(3.0, DVec3::new(0.1, 0.0, 1.6), 6.0, Interpolation::Trilinear).with_cells(3, 1.0, 1.0);
     let mut frames = Vec::new();
+    let [(name, a_sky), ..] = sources();
+    let tinted = with_field(&under(&lights, &a_sky, Selection::Intensity), open.clone().coloured([0.4, 1.0, 0.7]));
+    frames.push((format!("coloured cloud among lights under {name}"), tinted));
     for (name, sources) in sources() {
         let lit = with_field(&under(&lights, &sources, Selection::Intensity), open.clone());
         frames.push((format!("cloud among lights under {name}"), lit));

@@ -24,7 +24,8 @@ pub struct VertexColumns<'a, 'q> {
     pub paths: &'a PathColumns<'q>,
     /// Read where extinction is coloured: hero.
     pub immersion: &'a ImmersionColumns<'q>,
-    /// Filled: `point`, which becomes the vertex; connections whose start is too far from it are left out.
+    /// Filled: `point`, which becomes the vertex; connections are left out whose start is too far from it, or whose
+    /// flight leaves everything or ends in vacuum.
     pub connections: &'a mut CandidateQueue<'q>,
     /// Filled, at the same rows: the points on the light.
     pub ends: &'a mut EndQueue<'q>,
@@ -34,7 +35,7 @@ pub struct VertexColumns<'a, 'q> {
 ///
 /// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a
 /// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the
-/// third the flight, for the hero of the path; where both sides of a light shine, it is the back if the fourth is below
+/// third the flight, for the hero of the path, through the medium as weights see it along the ray; where both sides of a light shine, it is the back if the fourth is below
 /// 1/2.
 pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);
 

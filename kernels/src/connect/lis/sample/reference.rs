@@ -1,7 +1,7 @@
 //! Making the connections of light importance sampling, in f64 (after Weber, Hanika, Dachsbacher 2017).
 //!
 //! ```text
-//! cos theta = u_1^{1 / (k + 2)},   phi = 2 pi u_2,   t = flight of u_3
+//! cos theta = u_1^{1 / (k + 2)},   phi = 2 pi u_2,   tau~(t) = -ln(1 - u_3) along the ray
 //! y = x_n + t (cos theta normal + sin theta (cos phi tangent + sin phi bitangent))
 //! ```
 //!
@@ -13,7 +13,7 @@ use super::{JoinColumns, VertexColumns};
 use crate::columns::queues::{Candidate, End};
 use crate::connect::lis::Lis;
 use crate::emission::reference::emit;
-use crate::media::reference::Homogeneous;
+use crate::media::reference::{Medium, flight, reach};
 use crate::tables::lights::Emitter;
 use crate::{Step, random};
 
@@ -27,9 +27,9 @@ pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
-        let medium = medium.homogeneous_twin(immersion.hero.rows()[lane] as usize);
+        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
         let vertex = place(&lights.emitters()[connection.emitter as usize], &medium, end, u);
-        if is_within_reach(lis, start, vertex) {
+        if let Some(vertex) = vertex.filter(|vertex| is_within_reach(lis, start, *vertex)) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });
             ends.push(End { lane: connection.lane, point: connection.point });
         }
@@ -41,10 +41,12 @@ pub fn uniforms(pixel: u32, sample: u32, depth: u32, seed: u32) -> [f64; 4] {
     random::words(pixel, sample, random::block(depth, random::LIS_VERTEX), seed).map(random::uniform)
 }
 
-/// The vertex made from `point` on the emitter `[m]`.
-pub fn place(emitter: &Emitter, medium: &Homogeneous<'_>, point: DVec3, u: [f64; 4]) -> DVec3 {
+/// The vertex made from `point` on the emitter `[m]`; none where the flight leaves everything or ends in vacuum.
+pub fn place(emitter: &Emitter, medium: &dyn Medium, point: DVec3, u: [f64; 4]) -> Option<DVec3> {
     let direction = emit(emitter, point, u);
-    point + medium.flight(u[2]) * direction
+    let length = reach(&medium.strata_of_ray(point, direction), flight(u[2], 1.0));
+    let vertex = point + length * direction;
+    (length.is_finite() && medium.extinction(vertex) > 0.0).then_some(vertex)
 }
 
 /// Whether the connector may join `start` with `vertex`.
@@ -68,6 +70,11 @@ pub fn join(_: Step, columns: JoinColumns<'_, '_>) {
 mod tests {
     use super::*;
     use crate::connect::lis::reference::vertex_density;
+    use crate::media::reference::Homogeneous;
+
+    fn made(emitter: &Emitter, medium: &dyn Medium, u: [f64; 4]) -> DVec3 {
+        place(emitter, medium, DVec3::ONE, u).expect("a flight that ends")
+    }
 
     /// Cells of the unit cube of random numbers are mapped to cells of space; where the map has the Jacobian J, the
     /// density must be 1 / |J|.
@@ -83,12 +90,12 @@ mod tests {
                     let moved = |by: f64| {
                         let mut u = u;
                         u[k] += by;
-                        place(&disk, &medium, DVec3::ONE, u)
+                        made(&disk, &medium, u)
                     };
                     (moved(step) - moved(-step)) / (2.0 * step)
                 };
                 let jacobian = slope(0).cross(slope(1)).dot(slope(2)).abs();
-                let p = vertex_density(&disk, &medium, DVec3::ONE, place(&disk, &medium, DVec3::ONE, u)).value();
+                let p = vertex_density(&disk, &medium, DVec3::ONE, made(&disk, &medium, u)).value();
                 assert!((p * jacobian - 1.0).abs() < 1e-5, "{disk:?}, u = {u:?}: {}", p * jacobian);
             }
         }
