@@ -53,6 +53,11 @@ fn parts_of_the_samples_merge_to_the_bits_of_one_run() {
     // Samples that are there already are refused, whether tiles have as many of them or not.
     render(&folder, "even.exr", &["--samples", "60"]);
     folder.refused(&["merge", "a.exr", "even.exr", "-o", "x.exr"], 1, "even.exr: has samples ");
+    folder.refused(
+        &["merge", "a.exr", "c.exr", "-o", "x.exr", "--expect", "0..64"],
+        2,
+        "--expect 0..64: is for pixels",
+    );
 }
 
 #[test]
