@@ -5,8 +5,8 @@ use wide::f32x8;
 use super::nodes::{Leaf, Tree};
 use crate::lanes::LANES;
 
-/// Most triangles that rays do without a tree for: from about here on, the tree is as fast (BENCHMARKS.md, *Few
-/// triangles*).
+/// Most triangles for which rays do without a tree. With more of them it is as fast where rays are near nothing
+/// (BENCHMARKS.md, *Few triangles*).
 pub const FEW: usize = 32;
 
 /// The triangles of a tree without its inner nodes.
