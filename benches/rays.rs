@@ -1,14 +1,21 @@
-//! Rays against a million triangles: how fast the tree is built, and how fast rays of every kind go through it.
+//! Rays against a million triangles: how fast the tree is built, and how fast rays of every kind go through it. Eight
+//! rays at a time against few triangles, with the tree and without.
 //!
 //! ```text
 //! cargo bench --bench rays
+//! cargo bench --bench rays -- few
 //! ```
 
 use std::hint::black_box;
+use std::time::Duration;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use fogbow_kernels::trace::{self, Ray};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use fogbow_kernels::lanes::{self, LANES};
+use fogbow_kernels::tables::geometry::Few;
+use fogbow_kernels::trace::{self, OneByOne, Ray, Rays, Search};
+use fogbow_testing::both_ways::batches;
 use fogbow_testing::meshes;
+use wide::u32x8;
 
 /// Side of the camera's image, and square root of the number of the other rays.
 const SIDE: u32 = 512;
@@ -39,6 +46,42 @@ fn tracing(c: &mut Criterion) {
     }
 }
 
+/// Numbers of triangles in a room, and sides of landscapes of twice the square.
+const ROOMS: [usize; 8] = [2, 10, 32, 64, 96, 128, 256, 1024];
+const LANDSCAPES: [u32; 8] = [1, 2, 4, 6, 7, 8, 12, 23];
+/// Rays by eight, so many that they stay in cache.
+const BATCHES: usize = 1024;
+
+/// Closest and any hits of eight rays at a time.
+fn search(c: &mut Criterion, group: &str, way: &str, triangles: usize, search: &impl Search, rays: &[(Rays, u32)]) {
+    let mut group = c.benchmark_group(group);
+    group.sample_size(10).warm_up_time(Duration::from_millis(100)).measurement_time(Duration::from_millis(400));
+    group.throughput(Throughput::Elements((LANES * rays.len()) as u64));
+    let met = |(rays, live): &(Rays, u32)| lanes::bits(search.closest(black_box(rays), *live).met).count_ones();
+    group.bench_function(BenchmarkId::new(format!("closest, {way}"), triangles), |b| {
+        b.iter(|| rays.iter().map(met).sum::<u32>());
+    });
+    let none = u32x8::splat(u32::MAX);
+    let met = |(rays, live): &(Rays, u32)| search.any_but(black_box(rays), *live, none).count_ones();
+    group.bench_function(BenchmarkId::new(format!("any, {way}"), triangles), |b| {
+        b.iter(|| rays.iter().map(met).sum::<u32>());
+    });
+}
+
+fn few(c: &mut Criterion) {
+    let rooms = ROOMS.map(|count| ("room", meshes::room(count)));
+    let landscapes = LANDSCAPES.map(|side| ("landscape", meshes::landscape(side)));
+    for (name, flight) in [("short", 0.1), ("long", f64::INFINITY)] {
+        let rays = batches(&meshes::flights(LANES * BATCHES, flight, 7));
+        for (place, mesh) in rooms.iter().chain(&landscapes) {
+            let geometry = mesh.geometry();
+            let (group, triangles) = (format!("few/{place}/{name}"), geometry.len());
+            search(c, &group, "tree", triangles, &OneByOne(&geometry), &rays);
+            search(c, &group, "no tree", triangles, &Few::new(geometry.tree()), &rays);
+        }
+    }
+}
+
 fn building(c: &mut Criterion) {
     let mesh = meshes::million();
     let mut group = c.benchmark_group("rays");
@@ -46,5 +89,5 @@ fn building(c: &mut Criterion) {
     group.bench_function("build", |b| b.iter(|| black_box(mesh.geometry())));
 }
 
-criterion_group!(benches, tracing, building);
+criterion_group!(benches, tracing, few, building);
 criterion_main!(benches);

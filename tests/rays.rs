@@ -1,8 +1,8 @@
 //! Rays meet what they should: kernel against twin, watertightness, ties, edges of all kinds, and leaving surfaces.
 
-use fogbow_kernels::tables::geometry::Geometry;
-use fogbow_kernels::tables::geometry::TriangleHit;
+use fogbow_kernels::tables::geometry::{FEW, Geometry, TriangleHit};
 use fogbow_kernels::trace::{self, Ray};
+use fogbow_testing::both_ways::assert_same_both_ways;
 use fogbow_testing::meshes::{self, Mesh, Random, point, ray};
 use fogbow_testing::rays::{Departures, compare, depart, leaks, may_meet};
 use fogbow_testing::tolerances::DIFFERENT_HITS;
@@ -92,6 +92,38 @@ fn rays_far_from_everything_are_passed_by() {
     assert!(met(&ray(DVec3::ZERO, DVec3::X, 0.95)) && met(&ray(DVec3::ZERO, -DVec3::X, 0.95)));
     assert!(!met(&ray(2.0 * DVec3::X, DVec3::X, f64::INFINITY)), "leads away");
     assert!(!may_meet(&Geometry::new(Vec::new(), Vec::new()), &ray(DVec3::ZERO, DVec3::X, 1.0)), "nothing is there");
+}
+
+#[test]
+fn with_and_without_a_tree_hits_are_the_same_bits() {
+    let mut random = Random::new(21);
+    for (name, mesh) in variety() {
+        // Two of every triangle, as far away; others without area; and a corner of each as where a ray starts.
+        let twice = mesh.clone().and(&mesh);
+        let line = |i: usize| [mesh.corners[i][0], mesh.corners[i][0], mesh.corners[i][1]];
+        let lines = (0..mesh.corners.len()).step_by(3).map(line);
+        let corners = lines.chain(twice.corners.iter().copied()).collect();
+        let geometry = Mesh { corners, ..twice }.geometry();
+        let corner = |random: &mut Random| point(mesh.positions[random.index(mesh.positions.len())]);
+        let mut rays = random_rays(1000, 22);
+        rays.extend(axis_rays());
+        rays.extend(aimed_rays(&mesh, 1000, 23));
+        rays.extend((0..500).map(|_| ray(corner(&mut random), random.direction(), f64::INFINITY)));
+        rays.extend((0..500).map(|_| {
+            let [from, to] = [corner(&mut random), corner(&mut random)];
+            ray(from, to - from, 1.0)
+        }));
+        assert_same_both_ways(&name, &geometry, &rays);
+    }
+}
+
+#[test]
+fn few_triangles_are_known_to_be_few() {
+    for count in [0, 1, FEW - 1, FEW, FEW + 1] {
+        let geometry = meshes::soup(count, 1.0, 24).geometry();
+        let triangles = geometry.few().map(|few| few.clusters.iter().map(|cluster| cluster.triangles.len()).sum());
+        assert_eq!(triangles, (count <= FEW).then_some(count));
+    }
 }
 
 #[test]

@@ -5,8 +5,9 @@
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number.
-//! 2. Triangles are traced one ray at a time, of those that are near any, up to the light or the end of the flight: as
-//!    far as anything may matter. Where triangles shine, the camera looks at all distances.
+//! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
+//!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
+//!    ([`Search`]).
 //! 3. In fog most batches meet nothing, and have nothing to list.
 //! 4. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
@@ -14,16 +15,24 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHit, SurfaceHitQueue};
+use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, FAR, Lights, Shape};
-use crate::tables::surfaces::Surfaces;
-use crate::trace::{self, Ray};
+use crate::trace::{Hits, OneByOne, Rays, Search};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let geometry = columns.surfaces.geometry();
+    match geometry.few() {
+        Some(few) => run_with(few, step, columns),
+        None => run_with(&OneByOne(geometry), step, columns),
+    }
+}
+
+#[inline(always)]
+fn run_with(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, live, paths, vertex, ray, flight, on_surface, hits, surface_hits } = columns;
     on_surface.clear();
     let n = live.batches();
@@ -57,7 +66,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         };
         if !surfaces.is_empty() {
             let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
-            on_surface.insert_batch(b, beams.trace(lights, surfaces, live, &mut found, surface_hits));
+            on_surface.insert_batch(b, beams.trace(search, lights, live, &mut found, surface_hits));
         }
         if found.open != 0 {
             found.list(b, lights, direction, hits);
@@ -80,6 +89,24 @@ struct Found {
 }
 
 impl Found {
+    /// Forgets what some rays met.
+    #[inline(always)]
+    fn forget(&mut self, hidden: u32) {
+        self.bits &= !hidden;
+        self.open &= !hidden;
+    }
+
+    /// Of the rays that met triangles, those whose triangle shines have found a light.
+    #[inline(always)]
+    fn shine(&mut self, lights: &Lights, met: u32, triangle: u32x8, distance: f32x8) {
+        for i in lanes::each(met) {
+            if let Some(emitter) = lights.of_triangle(triangle.to_array()[i]) {
+                self.bits |= 1 << i;
+                (self.emitter[i], self.distance[i]) = (emitter, distance.to_array()[i]);
+            }
+        }
+    }
+
     /// Lists what the rays of batch `b` meet, of which some go on to infinity.
     fn list(&self, b: usize, lights: &Lights, direction: Vec3x8, hits: &mut HitQueue<'_>) {
         let direction = direction.to_arrays();
@@ -114,35 +141,25 @@ impl Beams {
     #[inline(always)]
     fn trace(
         &self,
+        search: &impl Search,
         lights: &Lights,
-        surfaces: &Surfaces,
         live: u32,
         found: &mut Found,
         surface_hits: &mut SurfaceHitQueue<'_>,
     ) -> u32 {
-        let ([x, y, z], [dx, dy, dz]) = (self.origin.to_arrays(), self.direction.to_arrays());
         // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
         let distance = f32x8::new(found.distance);
         let sees = if lights.has_meshes() { lanes::ALL } else { found.bits | found.open };
         let max = lanes::mask(self.at_camera & sees).select(distance, self.flight.fast_min(distance));
-        let near = trace::may_meet(surfaces.geometry(), self.origin, self.direction, max);
-        let (flight, max) = (self.flight.to_array(), max.to_array());
-        let mut on_surface = 0;
-        for i in lanes::each(live & near) {
-            let ray = Ray { origin: [x[i], y[i], z[i]], direction: [dx[i], dy[i], dz[i]], max: max[i] };
-            let Some(hit) = trace::closest(surfaces.geometry(), &ray) else { continue };
-            found.bits &= !(1 << i);
-            found.open &= !(1 << i);
-            if let Some(emitter) = lights.of_triangle(hit.triangle) {
-                found.bits |= 1 << i;
-                (found.emitter[i], found.distance[i]) = (emitter, hit.distance);
-            }
-            if hit.distance < flight[i] {
-                on_surface |= 1 << i;
-                let (lane, [second, third]) = ((self.b * LANES + i) as u32, hit.barycentric);
-                surface_hits.push(SurfaceHit { lane, triangle: hit.triangle, distance: hit.distance, second, third });
-            }
+        let rays = Rays { origin: self.origin, direction: self.direction, max };
+        let Hits { met, triangle, distance, second, third } = search.closest(&rays, live);
+        found.forget(lanes::bits(met));
+        if lights.has_meshes() {
+            found.shine(lights, lanes::bits(met), triangle, distance);
         }
+        let on_surface = lanes::bits(met & distance.simd_lt(self.flight));
+        let lane = lanes::indices(self.b);
+        surface_hits.push_batch(on_surface, SurfaceHitBatch { lane, triangle, distance, second, third });
         on_surface
     }
 }

@@ -8,21 +8,30 @@
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
-//! 3. Triangles are traced for what no disk or sphere blocks, one segment at a time, of those that are near any; a row
-//!    is done with at the first that is blocked.
+//! 3. Triangles are traced for what no disk or sphere blocks; a row is done with at the first segment that is blocked.
+//!    How eight segments look for triangles is chosen once, outside the loop ([`Search`]).
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
+use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, Lights, Shape};
-use crate::tables::surfaces::Surfaces;
-use crate::trace::{self, Ray};
+use crate::trace::{OneByOne, Rays, Search};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
+    let geometry = columns.surfaces.geometry();
+    match geometry.few() {
+        Some(few) => run_with(few, columns),
+        None => run_with(&OneByOne(geometry), columns),
+    }
+}
+
+#[inline(always)]
+fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
     for (b, rows) in bucket.batches() {
         let weight = worth.weight.batch(b);
@@ -42,7 +51,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
             from = to;
         }
         if !surfaces.is_empty() {
-            free &= lanes::mask(unhidden(lights, surfaces, bucket.inserted, b, lanes::bits(free), candidates, chains));
+            free &= lanes::mask(unhidden(search, lights, bucket.inserted, b, lanes::bits(free), candidates, chains));
         }
         let blocked = !free & !weight.simd_eq(f32x8::ZERO);
         for factor in worth.factor.channels_mut() {
@@ -54,15 +63,14 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 /// Which of the rows `free` of batch `b` no triangle hides.
 #[inline(always)]
 fn unhidden(
+    search: &impl Search,
     lights: &Lights,
-    surfaces: &Surfaces,
     inserted: usize,
     b: usize,
     mut free: u32,
     candidates: &CandidateQueue<'_>,
     chains: &ChainTable<'_>,
 ) -> u32 {
-    let emitter_of = candidates.emitter.batch(b).to_array();
     let mut from = candidates.start.batch(b);
     for segment in 0..=inserted {
         if free == 0 {
@@ -70,19 +78,23 @@ fn unhidden(
         }
         let last = segment == inserted;
         let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
-        let near = trace::may_meet(surfaces.geometry(), from, to - from, f32x8::ONE);
-        let (origins, directions) = (from.to_arrays(), (to - from).to_arrays());
-        for i in lanes::each(free & near) {
-            let origin = origins.map(|component| component[i]);
-            let direction = directions.map(|component| component[i]);
-            let spared = if last { lights.emitters()[emitter_of[i] as usize].triangle } else { u32::MAX };
-            if trace::any_but(surfaces.geometry(), &Ray { origin, direction, max: 1.0 }, spared) {
-                free &= !(1 << i);
-            }
-        }
+        let spared =
+            if last { own_triangles(lights, free, candidates.emitter.batch(b)) } else { u32x8::splat(u32::MAX) };
+        let rays = Rays { origin: from, direction: to - from, max: f32x8::ONE };
+        free &= !search.any_but(&rays, free, spared);
         from = to;
     }
     free
+}
+
+/// The triangles that the emitters of the rows `live` are; `u32::MAX` for all else.
+#[inline(always)]
+fn own_triangles(lights: &Lights, live: u32, emitter: u32x8) -> u32x8 {
+    let mut own = [u32::MAX; LANES];
+    if lights.has_meshes() {
+        lanes::each(live).for_each(|i| own[i] = lights.emitters()[emitter.to_array()[i] as usize].triangle);
+    }
+    u32x8::new(own)
 }
 
 /// Whether the segment from `a` to `b` crosses a disk or enters a sphere.

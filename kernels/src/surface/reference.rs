@@ -28,7 +28,7 @@
 //! ```
 //!
 //! The point itself needs none of it in f64. But it is kept in f32, so every component is rounded, and then moved to
-//! the next number in the direction of n: it ends strictly on n's side.
+//! the next number in the direction of n, or, next to 0, to 2^-96 m: it ends strictly on n's side.
 
 use glam::DVec3;
 
@@ -121,13 +121,27 @@ pub fn reflect(normal: DVec3, u: [f64; 2]) -> DVec3 {
     phase::turn(normal, (1.0 - u[0]).sqrt(), u[1])
 }
 
-/// A position in f32, rounded and then moved to the next number wherever `normal` points: strictly on its side.
+/// A position in f32, rounded and then moved to the next number wherever `normal` points, but none so near 0 that it is
+/// hardly a number: strictly on its side.
 fn round_along(position: DVec3, normal: DVec3) -> [f32; 3] {
+    let least = 0.5_f32.powi(96);
     [0, 1, 2].map(|axis| {
         let rounded = position[axis] as f32;
         match normal[axis] {
-            component if component > 0.0 => rounded.next_up(),
-            component if component < 0.0 => rounded.next_down(),
+            component if component > 0.0 => {
+                if rounded.abs() < least {
+                    least
+                } else {
+                    rounded.next_up()
+                }
+            }
+            component if component < 0.0 => {
+                if rounded.abs() < least {
+                    -least
+                } else {
+                    rounded.next_down()
+                }
+            }
             _ => rounded,
         }
     })

@@ -1,28 +1,37 @@
 //! Rays against triangles: the closest hit, and whether there is any.
 //!
-//! One ray at a time, eight boxes or eight triangles at a time. Rays of a scattering medium are short and point
-//! everywhere, so neighbours in a batch would share few nodes. They share the root: eight rays at a time meet its boxes
-//! first ([`cull`]), and those that enter none are done.
+//! Stages ask for eight rays at once ([`Search`]), in one of two ways, which is chosen once, outside their loops:
+//!
+//! - **Few triangles** meet eight rays each ([`few`]): lanes are full, and nothing has to be found.
+//! - **Many triangles** are in a tree. Rays of a scattering medium are short and point everywhere, so neighbours in a
+//!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time. They
+//!   share the root: eight rays at a time meet its boxes first ([`cull`]), and those that enter none are done.
 //!
 //! What is promised:
 //!
 //! - **Closed meshes do not leak.** Two triangles that share an edge decide about it in the same arithmetic, so that no
 //!   ray passes between them, and boxes are as much wider as triangles may be misplaced by rounding ([`ray`]).
 //! - **The tree does not show.** A hit is a function of ray and triangle alone, on equal distances the smaller index
-//!   wins, and no box that contains a winner is passed by. `any` is `closest(..).is_some()`.
+//!   wins, and no box that contains a winner is passed by. With or without a tree, hits are the same bits. `any` is
+//!   `closest(..).is_some()`.
 //! - **No length is built in.** There is no epsilon: rays start beyond the surface they leave by the bound of the
 //!   position's rounding ([`surface`]).
 //!
 //! Both sides of a triangle are hit.
 
 pub mod cull;
+pub mod few;
 pub mod ray;
+pub mod rays;
 pub mod reference;
+pub mod search;
 pub mod simd;
 pub mod surface;
 pub mod triangles;
 
 pub use cull::may_meet;
+pub use rays::Rays;
+pub use search::{Hits, OneByOne, Search};
 pub use simd::{any, any_but, closest};
 
 /// A ray: the points `origin + t direction` for t in `(0, max)`.

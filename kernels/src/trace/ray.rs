@@ -39,14 +39,14 @@ pub(super) const WIDENING: f32 = 12.0 * UNIT;
 pub(super) const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// Axes of the view by whether y is longest, + 2 if z is.
-const VIEWS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+pub(super) const VIEWS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 /// What the tests need of a ray.
 pub(super) struct Ready {
     /// The origin `[m]`.
     pub origin: [f32x8; 3],
-    /// The direction.
-    pub direction: [f32; 3],
+    /// The ray itself.
+    pub ray: Ray,
     /// Axes x, y and z of the view along the ray: z is the longest.
     pub axes: [usize; 3],
     /// `d_x / d_z`, `d_y / d_z` and `1 / d_z` along those axes.
@@ -85,7 +85,7 @@ impl Ready {
         let over_z = inverse[axes[2]];
         Some(Self {
             origin: o.map(f32x8::splat),
-            direction: d,
+            ray: *ray,
             axes,
             shear: [d[axes[0]] * over_z, d[axes[1]] * over_z, over_z].map(f32x8::splat),
             inverse: inverse.map(f32x8::splat),

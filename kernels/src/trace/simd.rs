@@ -5,7 +5,7 @@
 //!     leaf: for each of its triangles that the ray crosses before the best hit: it is the best hit
 //! ```
 //!
-//! 1. Eight boxes and eight triangles at a time ([`ray`](super::ray), [`triangles`](super::triangles)).
+//! 1. One ray at a time, eight boxes and eight triangles ([`ray`](super::ray), [`triangles`](super::triangles)).
 //! 2. The nearest box is entered at once and does not go over the stack. An entry is one number, distance before child,
 //!    so that sorting compares distances: they are not negative, so their bits are in their order.
 //! 3. A node leaves at most 7 of its children on the stack while the eighth is visited, and no leaf lies below more
@@ -14,15 +14,15 @@
 //!    index.
 
 use arrayvec::ArrayVec;
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::Ray;
 use super::ray::Ready;
-use super::triangles::cross;
+use super::triangles::{Crossings, Pairs, cross};
 use crate::lanes;
 use crate::lanes::LANES;
 use crate::tables::geometry::TriangleHit;
-use crate::tables::geometry::{Child, DEPTH, Geometry, Node};
+use crate::tables::geometry::{Child, DEPTH, Geometry, Leaf, Node};
 
 /// Most entries of the stack.
 const STACK: usize = (LANES - 1) * DEPTH;
@@ -43,12 +43,13 @@ pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<TriangleHit> {
     loop {
         if child.is_leaf() {
             let leaf = &leaves[child.index()];
-            if let Some(crossings) = cross(leaf, &ready, best.distance) {
+            if let Some(Crossings { met, distance, second, third }) = cross_leaf(leaf, &ready, best.distance) {
                 let triangles = leaf.triangles.to_array();
-                for lane in lanes::each(crossings.bits) {
-                    let (distance, triangle) = (crossings.distance[lane], triangles[lane]);
+                let (distances, [u, v]) = (distance.to_array(), [second, third].map(f32x8::to_array));
+                for lane in lanes::each(lanes::bits(met)) {
+                    let (distance, triangle) = (distances[lane], triangles[lane]);
                     if distance < best.distance || (distance == best.distance && triangle < best.triangle) {
-                        best = TriangleHit { triangle, distance, barycentric: [crossings.u[lane], crossings.v[lane]] };
+                        best = TriangleHit { triangle, distance, barycentric: [u[lane], v[lane]] };
                         found = true;
                     }
                 }
@@ -102,13 +103,11 @@ pub fn any_but(geometry: &Geometry, ray: &Ray, spared: u32) -> bool {
     loop {
         if child.is_leaf() {
             let leaf = &leaves[child.index()];
-            let counts = |bits: u32, distance: &[f32; LANES]| {
-                lanes::each(bits).any(|lane| distance[lane] < ray.max && leaf.triangles.as_array()[lane] != spared)
-            };
-            if let Some(crossings) = cross(leaf, &ready, ray.max)
-                && counts(crossings.bits, &crossings.distance)
-            {
-                return true;
+            if let Some(Crossings { met, distance, .. }) = cross_leaf(leaf, &ready, ray.max) {
+                let own = lanes::as_mask(leaf.triangles.simd_eq(u32x8::splat(spared)));
+                if (!own & met & distance.simd_lt(f32x8::splat(ray.max))).any() {
+                    return true;
+                }
             }
         } else {
             let node = &nodes[child.index()];
@@ -129,6 +128,47 @@ fn enter(node: &Node, ray: &Ready, max: f32) -> ([f32; LANES], u32) {
     let entered = near(0).fast_max(near(1)).fast_max(near(2).fast_max(f32x8::ZERO));
     let left = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(max)));
     (entered.to_array(), lanes::bits(entered.simd_le(left)))
+}
+
+/// Where the ray crosses the triangles of a leaf with t in `(0, max]`; `None` where nowhere.
+#[inline(always)]
+fn cross_leaf(leaf: &Leaf, ray: &Ready, max: f32) -> Option<Crossings> {
+    cross(&Sheaf { leaf, ray }, f32x8::splat(max), lanes::mask(lanes::ALL))
+}
+
+/// One ray and eight triangles.
+struct Sheaf<'a> {
+    leaf: &'a Leaf,
+    ray: &'a Ready,
+}
+
+impl Pairs for Sheaf<'_> {
+    #[inline(always)]
+    fn relative(&self, corner: usize, axis: usize) -> f32x8 {
+        let axis = self.ray.axes[axis];
+        self.leaf.corners[corner][axis] - self.ray.origin[axis]
+    }
+
+    #[inline(always)]
+    fn shear(&self) -> [f32x8; 3] {
+        self.ray.shear
+    }
+
+    #[inline(always)]
+    fn entry(&self) -> f32x8 {
+        let axis = |axis: usize| {
+            let [a, b, c] = self.leaf.corners.map(|corner| corner[axis]);
+            let upwards = self.ray.near_planes[axis] < 3;
+            let near = if upwards { a.fast_min(b).fast_min(c) } else { a.fast_max(b).fast_max(c) };
+            near.mul_add(self.ray.inverse[axis], self.ray.near[axis])
+        };
+        axis(0).fast_max(axis(1)).fast_max(axis(2))
+    }
+
+    #[inline(always)]
+    fn pair(&self, lane: usize) -> ([[f32; 3]; 3], Ray) {
+        (self.leaf.at(lane), self.ray.ray)
+    }
 }
 
 /// Sorts a handful of entries.

@@ -23,6 +23,10 @@
 //! product, and every component is then moved to the next number in its direction, which makes up for the last sum and
 //! leaves the plane where all errors are 0. All of it goes the way of n, so nothing takes the start back.
 //!
+//! Next to 0 the next number would be a subnormal one, with which a product takes some processors a hundred times as
+//! long, and a wall in a plane of coordinates is where models are put. So a component that would be nearer to 0 than
+//! 2^-96 m, beyond all that rounding leaves of any coordinate, is moved to there.
+//!
 //! The tracer settles in f64 on which side of its plane the start is, where that is close. What this cannot do: a start
 //! within D of a second surface, in the corner that it makes with the first, may lie beyond that. D is a few u of the
 //! coordinates.
@@ -31,6 +35,9 @@ use glam::DVec3;
 
 /// Half a unit in the last place of 1.
 const UNIT: f32 = f32::EPSILON / 2.0;
+
+/// How far starts are from 0, by component, unless they are at 0 `[m]`: 2^-96.
+const LEAST: f32 = 1.0 / (1_u128 << 96) as f32;
 
 /// Bound of the relative error of n roundings.
 const fn gamma(n: u32) -> f32 {
@@ -86,9 +93,10 @@ pub fn leave(point: &Point, normal: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|axis| {
         let moved = point.position[axis] + clearance * outwards[axis];
         match outwards[axis] {
+            0.0 => point.position[axis],
+            component if moved.abs() < LEAST => LEAST.copysign(component),
             component if component > 0.0 => moved.next_up(),
-            component if component < 0.0 => moved.next_down(),
-            _ => point.position[axis],
+            _ => moved.next_down(),
         }
     })
 }
@@ -124,6 +132,15 @@ mod tests {
                 let off = (f64::from(found.position[axis]) - exact).abs();
                 assert!(off <= f64::from(found.error[axis]), "{corners:?} at {b1}, {b2}, axis {axis}: off by {off:e}");
             }
+        }
+    }
+
+    #[test]
+    fn starts_from_planes_of_coordinates_are_normal_numbers() {
+        let floor = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        for side in [1.0, -1.0] {
+            let [x, y, z] = leave(&point(floor, [0.25, 0.5]), normal(floor), [0.3, 0.4, side]);
+            assert!([x, y] == [0.25, 0.5] && z * side > 0.0 && z.is_normal(), "{z:e}");
         }
     }
 

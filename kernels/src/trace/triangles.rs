@@ -1,4 +1,4 @@
-//! Eight triangles against a ray, watertight.
+//! Eight pairs of a ray and a triangle, watertight: one ray and eight triangles, or eight rays and one triangle.
 //!
 //! ```text
 //! in the view along the ray (see `ray`), with corners A, B, C:
@@ -21,97 +21,106 @@
 use glam::{DVec2, DVec3};
 use wide::f32x8;
 
-use super::ray::Ready;
+use super::Ray;
 use crate::lanes;
-use crate::tables::geometry::Leaf;
 
-/// Crossings of the ray and the triangles of a leaf.
-pub(super) struct Crossings {
-    /// Lanes that cross.
-    pub bits: u32,
-    /// Parameter of the ray.
-    pub distance: [f32; 8],
-    /// Weight of the second corner.
-    pub u: [f32; 8],
-    /// Weight of the third corner.
-    pub v: [f32; 8],
+/// Eight pairs of a ray and a triangle.
+pub(super) trait Pairs {
+    /// A corner less the origin along an axis of the view along the ray `[m]`.
+    fn relative(&self, corner: usize, axis: usize) -> f32x8;
+
+    /// `d_x / d_z`, `d_y / d_z` and `1 / d_z` along the axes of the view.
+    fn shear(&self) -> [f32x8; 3];
+
+    /// Where the rays enter the triangles' own boxes.
+    fn entry(&self) -> f32x8;
+
+    /// Corners and ray of one pair.
+    fn pair(&self, lane: usize) -> ([[f32; 3]; 3], Ray);
 }
 
-/// Where the ray crosses the triangles of a leaf with t in `(0, max]`; `None` where nowhere.
+/// Crossings of rays and triangles.
+pub(super) struct Crossings {
+    /// Pairs that cross, as a mask.
+    pub met: f32x8,
+    /// Parameter of the ray.
+    pub distance: f32x8,
+    /// Weight of the second corner.
+    pub second: f32x8,
+    /// Weight of the third corner.
+    pub third: f32x8,
+}
+
+/// Where the rays of the `live` pairs cross their triangles with t in `(0, max]`; `None` where nowhere.
 #[inline(always)]
-pub(super) fn cross(leaf: &Leaf, ray: &Ready, max: f32) -> Option<Crossings> {
-    let [kx, ky, kz] = ray.axes;
-    let relative = |corner: usize, axis: usize| leaf.corners[corner][axis] - ray.origin[axis];
-    let z = [relative(0, kz), relative(1, kz), relative(2, kz)];
-    let shear = |corner: usize, axis: usize, slope: f32x8| slope.mul_neg_add(z[corner], relative(corner, axis));
-    let x = [shear(0, kx, ray.shear[0]), shear(1, kx, ray.shear[0]), shear(2, kx, ray.shear[0])];
-    let y = [shear(0, ky, ray.shear[1]), shear(1, ky, ray.shear[1]), shear(2, ky, ray.shear[1])];
+pub(super) fn cross(pairs: &impl Pairs, max: f32x8, live: f32x8) -> Option<Crossings> {
+    let shear = pairs.shear();
+    let relative = |axis: usize| [0, 1, 2].map(|corner| pairs.relative(corner, axis));
+    let z = relative(2);
+    let sheared = |axis: usize| {
+        let along = relative(axis);
+        [0, 1, 2].map(|corner| shear[axis].mul_neg_add(z[corner], along[corner]))
+    };
+    let (x, y) = (sheared(0), sheared(1));
     let u = x[2] * y[1] - y[2] * x[1];
     let v = x[0] * y[2] - y[0] * x[2];
     let w = x[1] * y[0] - y[1] * x[0];
     let least = u.fast_min(v).fast_min(w);
     let most = u.fast_max(v).fast_max(w);
-    let inside = least.simd_ge(f32x8::ZERO) | most.simd_le(f32x8::ZERO);
+    let inside = live & (least.simd_ge(f32x8::ZERO) | most.simd_le(f32x8::ZERO));
     if !inside.any() {
         return None;
     }
-    finish(leaf, ray, max, Seen { x, y, z, edges: [u, v, w], inside })
+    finish(pairs, max, Seen { x, y, z, edges: [u, v, w], inside })
 }
 
-/// The triangles of a leaf along the ray.
+/// Triangles along the rays.
 struct Seen {
     x: [f32x8; 3],
     y: [f32x8; 3],
     z: [f32x8; 3],
     edges: [f32x8; 3],
-    /// Lanes whose edge functions have one sign, or are 0.
+    /// Pairs whose edge functions have one sign, or are 0, as a mask.
     inside: f32x8,
 }
 
 #[inline(always)]
-fn finish(leaf: &Leaf, ray: &Ready, max: f32, seen: Seen) -> Option<Crossings> {
+fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
     let [u, v, w] = seen.edges;
-    let t = seen.z.map(|z| z * ray.shear[2]);
+    let over_z = pairs.shear()[2];
+    let t = seen.z.map(|z| z * over_z);
     let first = t[0].fast_min(t[1]).fast_min(t[2]);
     let last = t[0].fast_max(t[1]).fast_max(t[2]);
     let zero = f32x8::ZERO;
     let tie = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
-    let ahead = seen.inside & last.simd_gt(zero);
-    let unclear = ahead & (tie | first.simd_le(zero));
+    let mut met = seen.inside & last.simd_gt(zero);
+    let unclear = met & (tie | first.simd_le(zero));
     let inverse = f32x8::ONE / (u + v + w);
     let [a, b, c] = [u * inverse, v * inverse, w * inverse];
     let mut distance = a.mul_add(t[0], b.mul_add(t[1], c * t[2]));
-    let mut weights = [b.to_array(), c.to_array()];
-    let mut bits = lanes::bits(ahead);
+    let mut weights = [b, c];
     if unclear.any() {
-        let decided = distance.as_mut_array();
+        let [second, third] = &mut weights;
+        let decided = [&mut distance, second, third].map(f32x8::as_mut_array);
+        let mut missed = 0;
         for lane in lanes::each(lanes::bits(unclear)) {
-            match decide(leaf, ray, &seen, lane) {
-                Some(hit) => [decided[lane], weights[0][lane], weights[1][lane]] = hit,
-                None => bits &= !(1 << lane),
+            let (corners, ray) = pairs.pair(lane);
+            match decide(corners, &ray, &seen, over_z, lane) {
+                Some(hit) => (0..3).for_each(|i| decided[i][lane] = hit[i]),
+                None => missed |= 1 << lane,
             }
         }
+        met &= !lanes::mask(missed);
     }
-    let distance = distance.fast_max(entry(leaf, ray));
-    bits &= lanes::bits(distance.simd_gt(zero) & distance.simd_le(f32x8::splat(max)));
-    (bits != 0).then(|| Crossings { bits, distance: distance.to_array(), u: weights[0], v: weights[1] })
-}
-
-/// Where the ray enters the triangles' own boxes.
-#[inline(always)]
-fn entry(leaf: &Leaf, ray: &Ready) -> f32x8 {
-    let axis = |axis: usize| {
-        let [a, b, c] = leaf.corners.map(|corner| corner[axis]);
-        let near = if ray.near_planes[axis] < 3 { a.fast_min(b).fast_min(c) } else { a.fast_max(b).fast_max(c) };
-        near.mul_add(ray.inverse[axis], ray.near[axis])
-    };
-    axis(0).fast_max(axis(1)).fast_max(axis(2))
+    let distance = distance.fast_max(pairs.entry());
+    let met = met & distance.simd_gt(zero) & distance.simd_le(max);
+    met.any().then(|| Crossings { met, distance, second: weights[0], third: weights[1] })
 }
 
 /// Distance and barycentrics of one lane in f64, from the same view along the ray.
 #[cold]
 #[inline(never)]
-fn decide(leaf: &Leaf, ray: &Ready, seen: &Seen, lane: usize) -> Option<[f32; 3]> {
+fn decide(corners: [[f32; 3]; 3], ray: &Ray, seen: &Seen, over_z: f32x8, lane: usize) -> Option<[f32; 3]> {
     let at = |rows: &[f32x8; 3]| rows.map(|row| f64::from(row.to_array()[lane]));
     let (x, y, z) = (at(&seen.x), at(&seen.y), at(&seen.z));
     let corner = |i: usize| DVec2::new(x[i], y[i]);
@@ -122,20 +131,20 @@ fn decide(leaf: &Leaf, ray: &Ready, seen: &Seen, lane: usize) -> Option<[f32; 3]
         return None;
     }
     let weights = edges.map(|edge| edge / sum);
-    let over_z = f64::from(ray.shear[2].to_array()[lane]);
+    let over_z = f64::from(over_z.to_array()[lane]);
     let t = z.map(|z| z * over_z);
     let first = t.into_iter().fold(f64::INFINITY, f64::min);
     let last = t.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let mean = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
-    let distance = if first > 0.0 { mean } else { to_plane(leaf, ray, lane).unwrap_or(mean).clamp(first, last) };
+    let distance = if first > 0.0 { mean } else { to_plane(corners, ray).unwrap_or(mean).clamp(first, last) };
     (distance > 0.0).then_some([distance as f32, weights[1] as f32, weights[2] as f32])
 }
 
-/// Parameter at which the ray meets the plane of one lane's triangle, unless it runs along it.
-fn to_plane(leaf: &Leaf, ray: &Ready, lane: usize) -> Option<f64> {
-    let vector = |rows: &[f32x8; 3]| DVec3::from(rows.map(|row| f64::from(row.to_array()[lane])));
-    let [a, b, c] = [vector(&leaf.corners[0]), vector(&leaf.corners[1]), vector(&leaf.corners[2])];
+/// Parameter at which the ray meets the plane of the triangle, unless it runs along it.
+fn to_plane(corners: [[f32; 3]; 3], ray: &Ray) -> Option<f64> {
+    let [a, b, c, origin, direction] =
+        [corners[0], corners[1], corners[2], ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
     let normal = (b - a).cross(c - a);
-    let distance = normal.dot(a - vector(&ray.origin)) / normal.dot(DVec3::from(ray.direction.map(f64::from)));
+    let distance = normal.dot(a - origin) / normal.dot(direction);
     distance.is_finite().then_some(distance)
 }

@@ -1,6 +1,7 @@
 //! Frames to test with: the scenes of the published evaluation, and variations that visit every branch.
 
 pub mod clouds;
+mod crowd;
 pub mod skies;
 mod variety;
 
@@ -16,12 +17,13 @@ use fogbow_kernels::connect::mvnee::{Mvnee, Offset, Seeds};
 use fogbow_kernels::media::{Kind, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
-use fogbow_kernels::tables::geometry::Geometry;
+use fogbow_kernels::tables::geometry::{FEW, Geometry};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, WalkLimits};
 use glam::DVec3;
 
+pub use crowd::crowded;
 pub use variety::variety;
 
 /// Opening angle whose image plane is 1 x 1 at distance 1.

@@ -1,6 +1,7 @@
 //! What the tests and benchmarks of fogbow share.
 
 pub mod agreement;
+pub mod both_ways;
 pub mod checked;
 pub mod compare;
 pub mod frames;

@@ -180,6 +180,14 @@ pub fn soup(count: usize, size: f64, seed: u32) -> Mesh {
     mesh
 }
 
+/// Triangles of a room: the walls of the cube from -1 to 1 but for one, and small triangles in it.
+pub fn room(count: usize) -> Mesh {
+    let walls = cube();
+    let walls = Mesh { corners: walls.corners[..count.min(10)].to_vec(), ..walls };
+    let rest = count - walls.corners.len();
+    walls.and(&soup(rest, 2.0 / (rest as f64).sqrt(), 3))
+}
+
 /// A million triangles in the cube from -1 to 1: a landscape, a bumpy sphere, and small triangles everywhere.
 pub fn million() -> Mesh {
     let mesh = landscape(500).and(&bumpy_sphere(7).map(|p| 0.6 * p));

@@ -3,11 +3,12 @@
 use fogbow_kernels::lanes;
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::geometry::TriangleHit;
-use fogbow_kernels::trace::{self, Ray, reference, surface};
+use fogbow_kernels::trace::{self, Ray, Rays, reference, surface};
 use fogbow_kernels::vec3x8::Vec3x8;
 use glam::DVec3;
 use wide::f32x8;
 
+use crate::both_ways::assert_same_both_ways;
 use crate::meshes::{Mesh, Random, point, ray};
 use crate::tolerances::{EDGE, RAY_DISTANCE};
 
@@ -55,18 +56,20 @@ fn distance_tolerance(corners: [[f32; 3]; 3], ray: &Ray, reach: f64) -> f64 {
 /// Whether a ray, among eight alike, may meet something.
 pub fn may_meet(geometry: &Geometry, ray: &Ray) -> bool {
     let [origin, direction] = [ray.origin, ray.direction].map(Vec3x8::splat);
-    let bits = trace::may_meet(geometry, origin, direction, f32x8::splat(ray.max));
+    let bits = trace::may_meet(geometry, &Rays { origin, direction, max: f32x8::splat(ray.max) });
     assert!(bits == 0 || bits == lanes::ALL, "{ray:?} is not itself in all lanes");
     bits != 0
 }
 
-/// Compares the closest hits of rays, and whether there are any, with the twin's.
+/// Compares the closest hits of rays, and whether there are any, with the twin's: those of single rays, which are the
+/// same bits as those of eight.
 ///
 /// # Panics
 ///
 /// Where they differ by more than rounding explains.
 pub fn compare(name: &str, mesh: &Mesh, rays: &[Ray]) -> Agreement {
     let geometry = mesh.geometry();
+    assert_same_both_ways(name, &geometry, rays);
     let mut agreement = Agreement::default();
     for ray in rays {
         let (found, expected) = (trace::closest(&geometry, ray), reference::closest(&geometry, ray));

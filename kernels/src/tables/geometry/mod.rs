@@ -1,4 +1,4 @@
-//! Surfaces: indexed triangles, and a tree of boxes over them.
+//! Surfaces: indexed triangles, and a tree of boxes over them, which few triangles do without.
 //!
 //! | what | bytes per triangle |
 //! |---|---|
@@ -7,15 +7,18 @@
 //! | leaves | 320 per 8 triangles and fewer: 40 where full, 60 to 80 as a rule |
 //! | nodes | 256 per 8 boxes and fewer, of which 7 are taken as a rule: about 9 |
 //!
-//! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many). The corners in the leaves repeat the positions,
+//! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many); up to [`FEW`] triangles are there once more, without
+//! a tree. The corners in the leaves repeat the positions,
 //! so that a ray meets eight triangles without a gather; the indexed ones serve shading.
 
 mod build;
 mod collapse;
+mod few;
 mod groups;
 mod nodes;
 mod pages;
 
+pub use few::{Cluster, FEW, Few, Triangle};
 pub use nodes::{Child, DEPTH, Leaf, Node, Tree};
 pub use pages::Pages;
 
@@ -25,6 +28,7 @@ pub struct Geometry {
     positions: Vec<[f32; 3]>,
     corners: Vec<[u32; 3]>,
     tree: Tree,
+    few: Option<Few>,
 }
 
 /// Where a ray meets a triangle.
@@ -48,7 +52,8 @@ impl Geometry {
     /// If a corner names no position.
     pub fn new(positions: Vec<[f32; 3]>, corners: Vec<[u32; 3]>) -> Self {
         let tree = build::tree(&positions, &corners);
-        Self { positions, corners, tree }
+        let few = Few::of(&tree);
+        Self { positions, corners, tree, few }
     }
 
     /// Number of triangles.
@@ -84,11 +89,18 @@ impl Geometry {
         &self.tree
     }
 
+    /// The triangles that have an area, if they are so few that eight rays at a time need no tree.
+    #[inline(always)]
+    pub fn few(&self) -> Option<&Few> {
+        self.few.as_ref()
+    }
+
     /// Memory of the table in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.positions)
             + size_of_val(&*self.corners)
             + size_of_val(self.tree.nodes.rows())
             + size_of_val(self.tree.leaves.rows())
+            + self.few.as_ref().map_or(0, Few::bytes)
     }
 }

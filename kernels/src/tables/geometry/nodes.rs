@@ -74,8 +74,8 @@ impl Child {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. A vacant lane has lower +inf and upper -inf: no ray is in
-    /// it.
+    /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. Vacant lanes are last; they have lower +inf and upper
+    /// -inf: no ray is in them.
     pub planes: [f32x8; 6],
     /// [Bits](Child::bits) of the children.
     pub children: [u32; LANES],
@@ -123,5 +123,10 @@ impl Leaf {
             }
         }
         self.triangles.as_mut_array()[lane] = triangle;
+    }
+
+    /// The corners in a lane `[m]`.
+    pub fn at(&self, lane: usize) -> [[f32; 3]; 3] {
+        self.corners.map(|rows| rows.map(|row| row.to_array()[lane]))
     }
 }

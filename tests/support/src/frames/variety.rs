@@ -68,6 +68,11 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
             with_techniques(&lamps(1.0, 0.5, selection, size), active, 3.0),
         );
     }
+    for active in [Active::Mvnee, Active::Every] {
+        let frame = with_techniques(&room(0.6, Selection::Intensity, size), active, 3.0);
+        add(format!("crowded room, {active:?}"), crowded(&frame));
+    }
+    add("crowded lamps".into(), crowded(&lamps(1.0, 0.5, Selection::Intensity, size)));
     let medium = Medium::vacuum();
     let vacuum = room(0.0, Selection::Uniform, size);
     add("room in vacuum".into(), Frame { medium, techniques: vacuum.techniques.without_vertices(), ..vacuum });

@@ -1,0 +1,86 @@
+//! What eight rays at a time hit, and how they look for it.
+
+use wide::{f32x8, u32x8};
+
+use super::Rays;
+use super::cull::may_meet;
+use super::simd::{any_but, closest};
+use super::triangles::Crossings;
+use crate::lanes;
+use crate::tables::geometry::Geometry;
+
+/// A way to look for triangles. Both ways find the same bits; stages match on [`Geometry::few`] once, outside their
+/// loops, and run a kernel that is generic over this.
+pub trait Search {
+    /// The closest hits of the `live` rays, with the smallest index among equals.
+    fn closest(&self, rays: &Rays, live: u32) -> Hits;
+
+    /// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none.
+    fn any_but(&self, rays: &Rays, live: u32, spared: u32x8) -> u32;
+}
+
+/// What eight rays hit; as [`TriangleHit`](crate::tables::geometry::TriangleHit).
+#[derive(Clone, Copy, Debug)]
+pub struct Hits {
+    /// Rays that hit anything, as a mask.
+    pub met: f32x8,
+    /// Index of the triangle.
+    pub triangle: u32x8,
+    /// Parameter t of the ray; its bound where nothing is hit.
+    pub distance: f32x8,
+    /// Weight of the second corner.
+    pub second: f32x8,
+    /// Weight of the third corner.
+    pub third: f32x8,
+}
+
+impl Hits {
+    /// None yet, of rays with these bounds.
+    #[inline(always)]
+    pub(super) fn none(max: f32x8) -> Self {
+        let (zero, triangle) = (f32x8::ZERO, u32x8::splat(0));
+        Self { met: zero, triangle, distance: max, second: zero, third: zero }
+    }
+
+    /// Takes those `crossings` of a triangle that are nearer, or as near and of a smaller index. No index is smaller
+    /// than that of no hit, so that bounds are exclusive.
+    #[inline(always)]
+    pub(super) fn take_nearer(&mut self, crossings: &Crossings, triangle: u32) {
+        let Crossings { met, distance, second, third } = *crossings;
+        let triangle = u32x8::splat(triangle);
+        let smaller = lanes::as_mask(triangle.simd_lt(self.triangle));
+        let nearer = met & (distance.simd_lt(self.distance) | (distance.simd_eq(self.distance) & smaller));
+        self.met |= nearer;
+        self.triangle = lanes::as_integer_mask(nearer).select(triangle, self.triangle);
+        self.distance = nearer.select(distance, self.distance);
+        self.second = nearer.select(second, self.second);
+        self.third = nearer.select(third, self.third);
+    }
+}
+
+/// Through the tree, one ray after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct OneByOne<'a>(pub &'a Geometry);
+
+impl Search for OneByOne<'_> {
+    #[inline(always)]
+    fn closest(&self, rays: &Rays, live: u32) -> Hits {
+        let mut hits = Hits::none(rays.max);
+        let mut met = 0;
+        for lane in lanes::each(may_meet(self.0, rays) & live) {
+            let Some(hit) = closest(self.0, &rays.at(lane)) else { continue };
+            met |= 1 << lane;
+            hits.triangle.as_mut_array()[lane] = hit.triangle;
+            hits.distance.as_mut_array()[lane] = hit.distance;
+            [hits.second.as_mut_array()[lane], hits.third.as_mut_array()[lane]] = hit.barycentric;
+        }
+        Hits { met: lanes::mask(met), ..hits }
+    }
+
+    #[inline(always)]
+    fn any_but(&self, rays: &Rays, live: u32, spared: u32x8) -> u32 {
+        let spared = spared.to_array();
+        let met = |lane: usize| any_but(self.0, &rays.at(lane), spared[lane]);
+        lanes::each(may_meet(self.0, rays) & live).fold(0, |all, lane| all | u32::from(met(lane)) << lane)
+    }
+}

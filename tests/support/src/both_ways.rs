@@ -1,0 +1,82 @@
+//! Eight rays at a time, with a tree and without: hits must be the same bits as one ray's through the tree.
+
+use fogbow_kernels::lanes::{self, LANES};
+use fogbow_kernels::tables::geometry::{Few, Geometry, TriangleHit};
+use fogbow_kernels::trace::{self, Hits, OneByOne, Ray, Rays, Search};
+use fogbow_kernels::vec3x8::Vec3x8;
+use wide::{f32x8, u32x8};
+
+/// What is in dead lanes, in turn: nothing of it may show.
+const POISON: [f32; 3] = [f32::NAN, f32::INFINITY, -3e38];
+
+/// Rays by eight, poison in the lanes that are left.
+pub fn batches(rays: &[Ray]) -> Vec<(Rays, u32)> {
+    rays.chunks(LANES).map(|rays| batch(rays, [0, 1, 2, 3, 4, 5, 6, 7], f32::NAN)).collect()
+}
+
+/// Up to eight rays in the lanes `order[0]`, `order[1]` .., and poison in the others; and which lanes are live.
+fn batch(rays: &[Ray], order: [usize; LANES], poison: f32) -> (Rays, u32) {
+    let dead = Ray { origin: [poison; 3], direction: [poison; 3], max: poison };
+    let mut lane_rays = [dead; LANES];
+    let places = order.iter().take(rays.len());
+    places.clone().zip(rays).for_each(|(lane, ray)| lane_rays[*lane] = *ray);
+    let row = |of: fn(&Ray) -> f32| f32x8::new(lane_rays.each_ref().map(of));
+    let origin = Vec3x8::new(row(|ray| ray.origin[0]), row(|ray| ray.origin[1]), row(|ray| ray.origin[2]));
+    let direction = Vec3x8::new(row(|ray| ray.direction[0]), row(|ray| ray.direction[1]), row(|ray| ray.direction[2]));
+    (Rays { origin, direction, max: row(|ray| ray.max) }, places.fold(0, |live, lane| live | 1 << lane))
+}
+
+/// The hit of one lane.
+fn hit(hits: &Hits, lane: usize) -> Option<TriangleHit> {
+    let at = |row: f32x8| row.to_array()[lane];
+    let (triangle, barycentric) = (hits.triangle.to_array()[lane], [at(hits.second), at(hits.third)]);
+    (lanes::bits(hits.met) >> lane & 1 == 1).then(|| TriangleHit { triangle, distance: at(hits.distance), barycentric })
+}
+
+/// Everything in bits, so that zeros of different signs differ, too.
+fn bits(hit: Option<TriangleHit>) -> Option<[u32; 4]> {
+    let TriangleHit { triangle, distance, barycentric: [u, v] } = hit?;
+    Some([triangle, distance.to_bits(), u.to_bits(), v.to_bits()])
+}
+
+/// Asserts that both ways find what single rays find: the closest hits, whether there are any, and whether there are
+/// any but the closest; with every number of live lanes, in several orders.
+///
+/// # Panics
+///
+/// Where any bit differs.
+pub fn assert_same_both_ways(name: &str, geometry: &Geometry, rays: &[Ray]) {
+    let few = Few::new(geometry.tree());
+    for (i, rays) in rays.chunks(LANES).enumerate() {
+        let rays = &rays[..if i % 4 == 0 { rays.len() } else { rays.len().min(1 + i % LANES) }];
+        let order = core::array::from_fn(|place| (place * [1, 3, 5, 7][i % 4] + i / 4) % LANES);
+        let (batch, live) = batch(rays, order, POISON[i % POISON.len()]);
+        assert_same(&format!("{name}, without a tree"), geometry, &few, rays, (&batch, live, order));
+        assert_same(&format!("{name}, one by one"), geometry, &OneByOne(geometry), rays, (&batch, live, order));
+    }
+}
+
+fn assert_same(
+    name: &str,
+    geometry: &Geometry,
+    search: &impl Search,
+    rays: &[Ray],
+    (batch, live, order): (&Rays, u32, [usize; LANES]),
+) {
+    let hits = search.closest(batch, live);
+    let closest = rays.iter().map(|ray| trace::closest(geometry, ray));
+    let closest: Vec<_> = closest.collect();
+    let mut spared = [u32::MAX; LANES];
+    for (place, expected) in closest.iter().enumerate() {
+        let found = hit(&hits, order[place]);
+        assert_eq!(bits(found), bits(*expected), "{name}: {found:?} for {expected:?} on {:?}", rays[place]);
+        spared[order[place]] = expected.map_or(u32::MAX, |hit| hit.triangle);
+    }
+    assert_eq!(lanes::bits(hits.met) & !live, 0, "{name}: dead lanes hit something");
+    for spared in [[u32::MAX; LANES], spared] {
+        let any = search.any_but(batch, live, u32x8::new(spared));
+        let one = |place: usize| trace::any_but(geometry, &rays[place], spared[order[place]]);
+        let expected = (0..rays.len()).fold(0, |all, place| all | u32::from(one(place)) << order[place]);
+        assert_eq!(any, expected, "{name}: {any:08b} for {expected:08b}, sparing {spared:?}, of {rays:?}");
+    }
+}
