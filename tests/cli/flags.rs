@@ -159,7 +159,7 @@ fn a_stage_that_does_not_exist_is_answered_with_those_that_do() {
     let folder = Folder::with_scene();
     let beginning = "--reference nosuchstage: is not a stage\n";
     let run = folder.refused(&["render", "scene.toml", "--reference", "nosuchstage"], 2, beginning);
-    assert!(run.stderr.contains("mis_weight, roulette, occlusion"), "{run}");
+    assert!(run.stderr.contains("mis_weight, phase_quotient, roulette, occlusion"), "{run}");
 }
 
 #[test]

@@ -27,7 +27,8 @@ fn statistics_tell_what_every_stage_did() {
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
     // Nothing is solid in this scene, and its extinction is grey and the same everywhere; lamps has what is solid.
-    let elsewhere = ["surface", "spectral_weight", "flight_hue", "passage", "transmittance", "glow"];
+    let elsewhere =
+        ["surface", "spectral_weight", "flight_hue", "passage", "phase_quotient", "transmittance", "glow", "outline"];
     let others = |(_, name): &(usize, &&str)| !elsewhere.contains(name);
     for (index, name) in names.iter().enumerate().filter(others) {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
@@ -37,6 +38,16 @@ fn statistics_tell_what_every_stage_did() {
         assert!(stage("seconds") > 0.0, "{name}: {statistics:#}");
     }
     assert_eq!(number(&statistics, "/stages/0/rows"), 16.0 * 64.0, "every sample is generated once");
+}
+
+/// The lamp of the test scene fills its image.
+#[test]
+fn outlines_of_lamps_are_looked_at() {
+    let folder = Folder::with_scene();
+    let calls =
+        |flags: &[&str]| number(&statistics(&folder, flags), &format!("/stages/{}/calls", Stage::Outline as usize));
+    assert_eq!(calls(&["--samples", "4"]), 0.0);
+    assert!(calls(&["--samples", "4", "--size", "32x32", "--set", "light[0].radius=0.4"]) >= 16.0);
 }
 
 #[test]
