@@ -129,10 +129,12 @@ fn all_techniques_have_the_same_means_at_short_lengths() {
     volumes(SMALL).iter().for_each(|(name, several)| assert_equal_means(name, several, 2..=3));
 }
 
-/// Majorants, means and the size of cells are our own affair.
+/// Majorants, means and the size of cells are our own affair. On long paths through means that are twice too large, what
+/// connections count has tails of which so few samples say little.
 #[test]
 fn the_coarse_field_changes_no_mean() {
     for (name, base) in all() {
+        let base = Frame { lengths: PathLengths { min: 1, max: 4 }, ..base };
         let grid = base.medium.field().expect("a cloud").clone();
         let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 1600);
         for (change, other) in [
