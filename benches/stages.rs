@@ -11,7 +11,7 @@ mod plain;
 use bumpalo::Bump;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fogbow::frame::Frame;
-use fogbow::wavefront::{Rays, Source, Wavefront};
+use fogbow::wavefront::{RaysOf, Source, Wavefront};
 use fogbow_kernels::columns::queues::{Bucket, Request};
 use fogbow_kernels::connect::{lis, nee, omnee};
 use fogbow_kernels::media::Medium;
@@ -53,7 +53,7 @@ const LANE_STAGES: [(&str, Stage); 11] = [
     ("remember", |w| w.remember()),
     ("medium_sample", |w| w.medium_sample()),
     ("first_flight", |w| w.first_flight()),
-    ("extend", |w| w.extend(Rays::Paths)),
+    ("extend", |w| w.extend(RaysOf::Paths)),
     ("prune", |w| w.prune()),
     ("flight_weight", |w| w.flight_weight()),
     ("spectral_weight", |w| w.spectral_weight()),

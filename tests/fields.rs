@@ -6,7 +6,6 @@ use core::iter;
 
 use bumpalo::Bump;
 use fogbow::frame::Frame;
-use fogbow::render::Workers;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::columns::queues::Bucket;
@@ -20,7 +19,8 @@ use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_testing::agreement::{
-    assert_equal_means, assert_equal_means_in, assert_same, assert_stages_agree, assert_whole_paths_agree, means,
+    assert_equal_means, assert_equal_means_in, assert_same, assert_same_on_all_workers, assert_stages_agree,
+    assert_whole_paths_agree, means,
 };
 use fogbow_testing::frames::clouds::{
     IN_FIELDS, ball, centred, cloud, clouds, leaves, solid, volumes, with_field, with_volumes,
@@ -113,13 +113,7 @@ fn factors_beyond_all_numbers_are_dropped_and_counted() {
 fn images_do_not_depend_on_threads_or_lanes() {
     for (name, cloud) in all() {
         let frame = frames::with_techniques(&cloud, Active::Every, 4.0);
-        let image = |threads: usize, lanes: usize| {
-            let workers = Workers { threads, lanes: Some(lanes), ..WORKERS };
-            let (film, _) = render_with(&frame, &SIMD, workers, SMALL, 8, 0..5);
-            film.pixels().map(|pixel| pixel.mean.map(f64::to_bits)).collect::<Vec<_>>()
-        };
-        let one = image(1, 256);
-        assert!(one == image(2, 256) && one == image(2, 24), "{name}");
+        assert_same_on_all_workers(name, &frame);
     }
 }
 
@@ -130,11 +124,14 @@ fn all_techniques_have_the_same_means_at_short_lengths() {
 }
 
 /// Majorants, means and the size of cells are our own affair. On long paths through means that are twice too large, what
-/// connections count has tails of which so few samples say little.
+/// `lis` counts has tails of which so few samples say little: it goes along as far as four segments.
 #[test]
 fn the_coarse_field_changes_no_mean() {
-    for (name, base) in all() {
-        let base = Frame { lengths: PathLengths { min: 1, max: 4 }, ..base };
+    let shorter = |(name, frame): (&'static str, Frame)| {
+        (name, Frame { lengths: PathLengths { min: 1, max: 4 }, ..frame }, &[Active::Lis][..])
+    };
+    let whole = all().map(|(name, frame)| (name, frame, &[Active::Both, Active::Bridge][..]));
+    for (name, base, techniques) in whole.chain(all().map(shorter)) {
         let grid = base.medium.field().expect("a cloud").clone();
         let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 1600);
         for (change, other) in [
@@ -143,7 +140,7 @@ fn the_coarse_field_changes_no_mean() {
             ("means doubled", grid.clone().with_cells(3, 1.0, 2.0)),
             ("larger cells", grid.clone().with_cells(5, 1.0, 1.0)),
         ] {
-            for active in [Active::Both, Active::Bridge, Active::Lis] {
+            for active in techniques.iter().copied() {
                 let frame = frames::with_techniques(&with_field(&base, other.clone()), active, 4.0);
                 assert_same(&format!("{name}, {change}, {active:?}"), means(&frame, 1000), truth);
             }

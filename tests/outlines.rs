@@ -1,14 +1,14 @@
 //! Pixels that outlines of lamps pass through: lamps there are seen by many rays per sample.
 
 use fogbow::frame::Frame;
-use fogbow::render::Workers;
 use fogbow_kernels::media::Medium;
-use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_testing::agreement::{assert_same, assert_stages_agree, assert_whole_paths_agree, means};
+use fogbow_testing::agreement::{
+    assert_same, assert_same_on_all_workers, assert_stages_agree, assert_whole_paths_agree, means,
+};
 use fogbow_testing::frames::{self, Active, clouds};
-use fogbow_testing::render::{WORKERS, render, render_with};
+use fogbow_testing::render::render;
 use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
@@ -72,12 +72,6 @@ fn a_lamp_has_a_fiftieth_of_the_variance() {
 fn images_do_not_depend_on_threads_or_lanes() {
     for (name, frame) in all() {
         let frame = frames::with_techniques(&frame, Active::Nee, 4.0);
-        let image = |threads: usize, lanes: usize| {
-            let workers = Workers { threads, lanes: Some(lanes), ..WORKERS };
-            let (film, _) = render_with(&frame, &SIMD, workers, SMALL, 8, 0..5);
-            film.pixels().map(|pixel| pixel.mean.map(f64::to_bits)).collect::<Vec<_>>()
-        };
-        let one = image(1, 256);
-        assert!(one == image(2, 256) && one == image(2, 24), "{name}");
+        assert_same_on_all_workers(name, &frame);
     }
 }

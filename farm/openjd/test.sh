@@ -2,17 +2,10 @@
 # Runs farm/openjd/fogbow.yaml for real, with openjd-cli, which it installs into a folder of its own. FOGBOW is the
 # program (default: the release build). Takes less than a minute. Exit code 77: not run.
 set -euo pipefail
-trap 'echo "FAILED in line $LINENO" >&2' ERR
 here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
-fogbow=${FOGBOW:-${CARGO_TARGET_DIR:-$root/target}/release/fogbow}
-scene=$root/farm/scene.toml job=$here/fogbow.yaml
-
-not_run() { echo "not run: $*" && exit 77; }
-fail() { echo "FAILED: $*" >&2 && exit 1; }
-step() { printf '\n== %s\n' "$*"; }
-
-[ -x "$fogbow" ] || not_run "there is no $fogbow; build it, or name it in FOGBOW"
+# shellcheck source-path=SCRIPTDIR source=../testing.sh
+. "$here/../testing.sh"
+job=$here/fogbow.yaml
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -26,15 +19,7 @@ run() {
     local folder=$1 samples=$2 chunk=$3
     shift 3
     "$openjd" run "$job" -p "Scene=$scene" -p "Parts=$work/$folder/parts" -p "Output=$work/$folder/out.exr" \
-        -p "Samples=$samples" -p "Chunk=$chunk" -p "Fogbow=$fogbow" -p Threads=1 -p "Flags=$flags" "$@"
-}
-# Fails unless images $1 and $2 have the same bits.
-same() {
-    local report
-    report=$("$fogbow" compare "$1" "$2" --json)
-    grep -q '"same_sums":true' <<<"$report" || fail "$1 and $2 have other sums: $report"
-    [ "$(grep -o '"rmse":0.0' <<<"$report" | wc -l)" = 3 ] || fail "$1 and $2 differ: $report"
-    echo "$1 and $2: the same bits"
+        -p "Samples=$samples" -p "Chunk=$chunk" -p "Fogbow=$FOGBOW" -p Threads=1 -p "Flags=$flags" "$@"
 }
 # Fails unless line $2 is in the log $1.
 says() { grep -q -- "$2" "$1" || { tail -n 40 "$1" && fail "$1 does not say: $2"; }; }
@@ -45,7 +30,7 @@ step "the template is valid"
 step "render and merge are one render"
 flags='--size 32x32 --seed 7'
 # shellcheck disable=SC2086
-"$fogbow" render "$scene" $flags --samples 10 -o whole.exr --progress none
+"$FOGBOW" render "$scene" $flags --samples 10 -o whole.exr --progress none
 run a 10 4 --step Merge --run-dependencies >a.log || { cat a.log && fail "the job"; }
 ls a/parts
 same a/out.exr whole.exr
@@ -65,7 +50,7 @@ step "a task that is killed leaves no file, and no merge"
 rm a/out.exr "$part"
 flags='--size 512x512'
 if run a 100000 100000 --step Render --task-param Sample=5-100000 >c.log 2>&1; then fail "not killed"; fi &
-killed() { pgrep -f "^$fogbow render .*/0000000004-0000100000.exr" >pid; }
+killed() { pgrep -f "^$FOGBOW render .*/0000000004-0000100000.exr" >pid; }
 for _ in $(seq 300); do
     if killed; then break; fi
     sleep 0.1
@@ -87,10 +72,10 @@ same a/out.exr whole.exr
 step "a task that is canceled goes on later"
 long='--size 128x128'
 # shellcheck disable=SC2086
-"$fogbow" render "$scene" $long --samples 300 -o long.exr --progress none
+"$FOGBOW" render "$scene" $long --samples 300 -o long.exr --progress none
 flags=$long
 if run f 300 300 -p Checkpoint=1s --step Render >f.log 2>&1; then fail "not stopped"; fi &
-stopped() { pgrep -f "^$fogbow render .*f/parts/0000000000-0000000300.exr" >pid && ls f/parts/*.checkpoint; }
+stopped() { pgrep -f "^$FOGBOW render .*f/parts/0000000000-0000000300.exr" >pid && ls f/parts/*.checkpoint; }
 for _ in $(seq 300); do
     if stopped >/dev/null 2>&1; then break; fi
     sleep 0.1

@@ -2,20 +2,13 @@
 # Runs farm/slurm for real: munged, slurmctld and slurmd of Debian's packages, in a folder of their own, as root.
 # FOGBOW is the program (default: the release build). Takes about two minutes. Exit code 77: not run.
 set -euo pipefail
-trap 'echo "FAILED in line $LINENO" >&2' ERR
 here=$(cd "$(dirname "$0")" && pwd)
-root=$(cd "$here/../.." && pwd)
-export FOGBOW=${FOGBOW:-${CARGO_TARGET_DIR:-$root/target}/release/fogbow}
-scene=$root/farm/scene.toml
+# shellcheck source-path=SCRIPTDIR source=../testing.sh
+. "$here/../testing.sh"
 
-not_run() { echo "not run: $*" && exit 77; }
-fail() { echo "FAILED: $*" >&2 && exit 1; }
-step() { printf '\n== %s\n' "$*"; }
-
-[ -x "$FOGBOW" ] || not_run "there is no $FOGBOW; build it, or name it in FOGBOW"
 [ "$(id -u)" = 0 ] || not_run "Slurm is started as root"
-if ! command -v slurmctld slurmd sbatch munged >/dev/null; then
-    command -v apt-get >/dev/null || not_run "it needs slurmctld, slurmd and munge"
+if ! has slurmctld slurmd sbatch munged; then
+    has apt-get || not_run "it needs slurmctld, slurmd and munge"
     step "install Slurm"
     { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends slurm-wlm munge; } \
         >/dev/null 2>&1 || not_run "slurm-wlm and munge cannot be installed"
@@ -97,14 +90,6 @@ await() {
 state() { scontrol show job "$1" 2>/dev/null | grep -o 'JobState=[A-Z_]*' | sort -u | tr '\n' ' '; }
 is() { [ "$(state "$1")" = "JobState=$2 " ]; }
 says() { grep -q "$2" "$1" 2>/dev/null; }
-# Fails unless images $1 and $2 have the same bits.
-same() {
-    local report
-    report=$("$FOGBOW" compare "$1" "$2" --json)
-    grep -q '"same_sums":true' <<<"$report" || fail "$1 and $2 have other sums: $report"
-    [ "$(grep -o '"rmse":0.0' <<<"$report" | wc -l)" = 3 ] || fail "$1 and $2 differ: $report"
-    echo "$1 and $2: the same bits"
-}
 
 step "an array and its merge are one render"
 "$FOGBOW" render "$scene" --size 32x32 --samples 10 -o whole.exr --progress none

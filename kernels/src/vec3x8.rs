@@ -4,6 +4,9 @@ use core::ops::{Add, Mul, Neg, Sub};
 
 use wide::f32x8;
 
+/// Shortest length by which a direction is normalised.
+const LEAST_LENGTH: f32 = 1e-30;
+
 /// Eight vectors of R^3, one per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3x8 {
@@ -47,6 +50,19 @@ impl Vec3x8 {
     #[inline(always)]
     pub fn length_squared(self) -> f32x8 {
         self.dot(self)
+    }
+
+    /// Length, and unit direction: of the zero vector that is zero.
+    #[inline(always)]
+    pub fn length_and_direction(self) -> (f32x8, Self) {
+        let length = self.length_squared().sqrt();
+        (length, self.over(length))
+    }
+
+    /// The unit direction of a vector of this `length`: of the zero vector that is zero.
+    #[inline(always)]
+    pub fn over(self, length: f32x8) -> Self {
+        self * (f32x8::ONE / length.fast_max(f32x8::splat(LEAST_LENGTH)))
     }
 
     /// `self * s + v`.

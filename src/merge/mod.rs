@@ -79,7 +79,7 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
             let remedy = "leave it out: a warning says whether parts of an adaptive render leave a hole";
             return Err(Error::usage(format!("--expect {}..{}", samples.start, samples.end), finding, remedy));
         }
-        check_complete(&coverage, &crate::film::Part { region, samples })?;
+        check_complete(&coverage, &Part { region, samples })?;
     }
     let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
         let finding = format!("an image of {} pixels does not fit into memory: {error}", region.pixels());
@@ -130,7 +130,7 @@ fn again(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<
 }
 
 /// Fails unless there are all samples of `whole`, and no others.
-fn check_complete(coverage: &Coverage, whole: &crate::film::Part) -> Result<()> {
+fn check_complete(coverage: &Coverage, whole: &Part) -> Result<()> {
     let Range { start, end } = whole.samples;
     let fault = |finding, remedy| Err(Error::failure(format!("--expect {start}..{end}"), finding, remedy));
     let (missing, all) = (coverage.missing(whole), whole.region.pixels());

@@ -65,8 +65,8 @@ impl Walk<'_> {
     fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
         let (start, medium) = (self.last(), self.medium());
         let draws = Draws { seed, ..self.draws() };
-        let arriving = (start - self.path[self.path.len() - 2]).normalize();
-        let on_surface = self.first_start() == self.depth() && self.last_surface.is_some();
+        let arriving = self.arriving();
+        let on_surface = self.is_on_surface();
         let from = bridge::reference::Start { depth: self.depth(), position: start, arriving, on_surface };
         let count = bridge_sample::count_edges(bridge, &medium, lengths, &from, point, &draws)?;
         let mut inserted = vec![point; count as usize];
@@ -127,8 +127,7 @@ impl Walk<'_> {
 
     /// What the turns of a chain from the last vertex count by the phase functions of the media that they are in.
     fn turns(&self, chain: &[DVec3]) -> f64 {
-        let scatters = self.first_start() < self.depth() || self.last_surface.is_none();
-        let arriving = scatters.then(|| (self.last() - self.path[self.path.len() - 2]).normalize());
+        let arriving = (!self.is_on_surface()).then(|| self.arriving());
         let medium = &self.frame.medium;
         medium.phases.as_ref().map_or(1.0, |_| phase_quotient::reference::quotient(medium, arriving, chain))
     }

@@ -277,6 +277,16 @@ impl Walk<'_> {
         }
     }
 
+    /// Whether the last vertex is on a surface.
+    fn is_on_surface(&self) -> bool {
+        self.last_surface.is_some_and(|(depth, _)| depth == self.depth())
+    }
+
+    /// Unit direction in which the path arrives at the last vertex.
+    fn arriving(&self) -> DVec3 {
+        (self.last() - self.path[self.path.len() - 2]).normalize()
+    }
+
     /// Depth of the first vertex that may start a connection.
     fn first_start(&self) -> u32 {
         self.last_surface.map_or(1, |(depth, _)| depth)

@@ -3,7 +3,7 @@
 use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random;
 
-use super::{Rays, Source, Wavefront};
+use super::{RaysOf, Source, Wavefront};
 
 impl Wavefront<'_> {
     /// One segment of every live path, and everything that connects from its end.
@@ -12,7 +12,7 @@ impl Wavefront<'_> {
         self.look_at_outlines();
         self.remember();
         self.fly();
-        self.extend(Rays::Paths);
+        self.extend(RaysOf::Paths);
         self.glow();
         self.note_glow();
         self.hit_lights();
@@ -44,8 +44,8 @@ impl Wavefront<'_> {
         }
         for cell in 0..LOOKS {
             self.outline(cell);
-            self.extend(Rays::Looks);
-            self.light_hit(Rays::Looks);
+            self.extend(RaysOf::Looks);
+            self.light_hit(RaysOf::Looks);
             self.count_views();
         }
     }
@@ -62,7 +62,7 @@ impl Wavefront<'_> {
         if self.hits.len == 0 {
             return;
         }
-        self.light_hit(Rays::Paths);
+        self.light_hit(RaysOf::Paths);
         self.count_views();
         let bucket = self.candidates.light_hits.direct();
         self.mis_weight(Source::LightHits, bucket);

@@ -7,7 +7,7 @@ use fogbow_kernels::lanes::LaneSet;
 
 /// Whose rays a stage takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rays {
+pub enum RaysOf {
     /// Those by which paths go on.
     Paths,
     /// [`Looks`].

@@ -29,7 +29,7 @@ use fogbow_kernels::lanes::{self, LANES, LaneSet};
 use fogbow_kernels::pipeline::Pipeline;
 
 pub use self::candidates::{Candidates, Source};
-pub use self::looks::{Looks, Rays};
+pub use self::looks::{Looks, RaysOf};
 use self::work::Work;
 use crate::film::Tile;
 use crate::frame::Frame;

@@ -38,9 +38,6 @@ use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 use crate::{PathLengths, Step, WalkLimits, lanes, with_medium, with_phase};
 
-/// Shortest length by which a segment's direction is normalised `[m]`.
-const LEAST_LENGTH: f32 = 1e-30;
-
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let phase = &columns.medium.phase;
@@ -160,14 +157,6 @@ struct Batch<'a, P> {
     survival: LogSurvival<'a>,
 }
 
-/// Length and unit direction of the segment from `from` to `to`.
-#[inline(always)]
-fn segment(from: Vec3x8, to: Vec3x8) -> (f32x8, Vec3x8) {
-    let edge = to - from;
-    let length = edge.length_squared().sqrt();
-    (length, edge * (f32x8::ONE / length.fast_max(f32x8::splat(LEAST_LENGTH))))
-}
-
 /// l^2 / (pi p_w) of a vertex where a segment of squared length l^2 arrives.
 #[inline(always)]
 fn spread(length_squared: f32x8, inverse_density: f32x8) -> f32x8 {
@@ -194,7 +183,7 @@ impl<P: PhaseX8> Batch<'_, P> {
             let is_start = a > self.inserted;
             let position =
                 if is_start { candidates.start.batch(b) } else { chains.vertices[self.inserted - a].batch(b) };
-            let (length, direction) = segment(position, next);
+            let (length, direction) = (next - position).length_and_direction();
             if a == 1 {
                 (last, cos_light) = (length, self.lights.cosine(&self.emitter_of, point, direction));
             } else if self.densities || a == 2 && self.last_density {

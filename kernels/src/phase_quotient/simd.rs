@@ -15,9 +15,6 @@ use crate::phase::PhaseX8;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, with_phase};
 
-/// Shortest length by which a direction is normalised `[m]`.
-const LEAST_LENGTH: f32 = 1e-30;
-
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, mut columns: Columns<'_, '_>) {
     let Some(places) = columns.medium.phases_by_place() else { return };
@@ -47,10 +44,11 @@ fn multiply(step: Step, columns: &mut Columns<'_, '_>, turn: usize, quantity: im
         }
     };
     for (b, _) in bucket.batches() {
-        let (at, behind) = (vertex(turn).batch(b), direction(vertex(turn).batch(b), vertex(turn + 1).batch(b)));
+        let at = vertex(turn).batch(b);
+        let (_, behind) = (vertex(turn + 1).batch(b) - at).length_and_direction();
         let weighs = !worth.weight.batch(b).simd_eq(f32x8::ZERO);
         let (before, turns) = if turn > 0 {
-            (direction(vertex(turn - 1).batch(b), at), weighs)
+            ((at - vertex(turn - 1).batch(b)).length_and_direction().1, weighs)
         } else if *solid {
             let lane_of = candidates.lane.batch(b).to_array();
             let on_surface = Sequence::new(step, paths, &lane_of).on_surface(last_surface, &lane_of);
@@ -63,11 +61,4 @@ fn multiply(step: Step, columns: &mut Columns<'_, '_>, turn: usize, quantity: im
             channel.set_batch(b, channel.batch(b) * factor);
         }
     }
-}
-
-/// Unit direction between two points; zero where they are one.
-#[inline(always)]
-fn direction(from: Vec3x8, to: Vec3x8) -> Vec3x8 {
-    let way = to - from;
-    way * (f32x8::ONE / way.length_squared().sqrt().fast_max(f32x8::splat(LEAST_LENGTH)))
 }

@@ -128,20 +128,9 @@ fn round_along(position: DVec3, normal: DVec3) -> [f32; 3] {
     [0, 1, 2].map(|axis| {
         let rounded = position[axis] as f32;
         match normal[axis] {
-            component if component > 0.0 => {
-                if rounded.abs() < least {
-                    least
-                } else {
-                    rounded.next_up()
-                }
-            }
-            component if component < 0.0 => {
-                if rounded.abs() < least {
-                    -least
-                } else {
-                    rounded.next_down()
-                }
-            }
+            component if component != 0.0 && rounded.abs() < least => least * component.signum() as f32,
+            component if component > 0.0 => rounded.next_up(),
+            component if component < 0.0 => rounded.next_down(),
             _ => rounded,
         }
     })

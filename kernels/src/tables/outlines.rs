@@ -18,6 +18,9 @@ const MOST_RAYS: u64 = 1 << 26;
 /// are worth.
 const SHARE_DIVISOR: usize = 8;
 
+/// Rows of pixels that one thread looks at.
+const BAND: u32 = 32;
+
 /// A set of pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outlines {
@@ -43,15 +46,18 @@ impl Outlines {
             };
             (0..=width).map(corner).collect()
         };
-        let rows = (0..height).into_par_iter().flat_map_iter(|y| {
-            let (above, below) = (seen(y), seen(y + 1));
-            (0..width as usize).filter_map(move |x| {
-                let corners = [above[x], above[x + 1], below[x], below[x + 1]];
-                let differ = corners.iter().any(|corner| *corner != corners[0]);
-                differ.then_some(y as usize * width as usize + x)
-            })
-        });
-        let pixels: Vec<usize> = rows.collect();
+        let in_band = |band: u32| {
+            let (first, mut pixels) = (band * BAND, Vec::new());
+            let mut above = seen(first);
+            for y in first..height.min(first + BAND) {
+                let below = seen(y + 1);
+                let differ = |x: &usize| [above[x + 1], below[*x], below[x + 1]].iter().any(|seen| *seen != above[*x]);
+                pixels.extend((0..width as usize).filter(differ).map(|x| y as usize * width as usize + x));
+                above = below;
+            }
+            pixels
+        };
+        let pixels: Vec<usize> = (0..height.div_ceil(BAND)).into_par_iter().flat_map_iter(in_band).collect();
         let count = width as usize * height as usize;
         if pixels.is_empty() || pixels.len() > count / SHARE_DIVISOR {
             return None;

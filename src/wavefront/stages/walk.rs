@@ -7,7 +7,7 @@ use fogbow_kernels::{
 };
 
 use super::rows;
-use crate::wavefront::{Rays, Wavefront};
+use crate::wavefront::{RaysOf, Wavefront};
 
 impl Wavefront<'_> {
     /// Camera rays for the requested lanes.
@@ -110,14 +110,14 @@ impl Wavefront<'_> {
     }
 
     /// Closest light and closest triangle within the flight.
-    pub fn extend(&mut self, rays: Rays) {
+    pub fn extend(&mut self, of: RaysOf) {
         (self.hits.len, self.surface_hits.len) = (0, 0);
-        let (live, vertex, ray, flight) = match rays {
-            Rays::Paths => {
+        let (live, vertex, ray, flight) = match of {
+            RaysOf::Paths => {
                 let clock = self.step.clock;
                 (&self.live, self.vertices.at(clock), self.rays.at(clock), &self.flights.flight)
             }
-            Rays::Looks => (&self.looks.lanes, &self.looks.vertex, &self.looks.ray, &self.looks.flight),
+            RaysOf::Looks => (&self.looks.lanes, &self.looks.vertex, &self.looks.ray, &self.looks.flight),
         };
         let size = self.stats.lane_rows(live);
         self.stats.run(Stage::Extend, size, || {

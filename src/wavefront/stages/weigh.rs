@@ -9,20 +9,20 @@ use fogbow_kernels::roulette::Threshold;
 use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, phase_quotient, roulette, transmittance};
 
 use super::rows;
-use crate::wavefront::{Looks, Rays, Source, Wavefront};
+use crate::wavefront::{Looks, RaysOf, Source, Wavefront};
 
 impl Wavefront<'_> {
     /// Hits become candidates, and end paths.
-    pub fn light_hit(&mut self, rays: Rays) {
+    pub fn light_hit(&mut self, of: RaysOf) {
         (self.candidates.views.len, self.candidates.light_hits.len) = (0, 0);
         let [before, ray] = self.rays.last_two(self.step.clock);
         let Looks { vertex: from, ray: along, flight: none, lanes, nobody } = &mut self.looks;
-        let (vertex, ray, flight, live, outlined, share) = match rays {
-            Rays::Paths => {
+        let (vertex, ray, flight, live, outlined, share) = match of {
+            RaysOf::Paths => {
                 let vertex = self.vertices.at(self.step.clock);
                 (vertex, ray, &self.flights.flight, &mut self.live, &self.outlined, 1.0)
             }
-            Rays::Looks => (&*from, &*along, &*none, lanes, &*nobody, 1.0 / LOOKS as f32),
+            RaysOf::Looks => (&*from, &*along, &*none, lanes, &*nobody, 1.0 / LOOKS as f32),
         };
         self.stats.run(Stage::LightHit, rows(self.hits.len), || {
             let columns = light_hit::Columns {

@@ -4,12 +4,13 @@ use core::ops::RangeInclusive;
 
 use fogbow::frame::Frame;
 use fogbow::reference;
+use fogbow::render::Workers;
 use fogbow_kernels::pipeline::SIMD;
 
 use crate::checked::{CHECKED, take_log};
 use crate::frames::clouds::IN_FIELDS;
 use crate::frames::{self, Active};
-use crate::render::{render, render_here};
+use crate::render::{WORKERS, render, render_here, render_with};
 use crate::statistics::z_of_means;
 
 const SMALL: [u32; 2] = [16, 16];
@@ -43,6 +44,17 @@ pub fn assert_whole_paths_agree(case: &str, frame: &Frame) -> f64 {
     }
     assert!(apart <= 3, "{case}: {apart} of 256 samples are apart");
     sum
+}
+
+/// A small image is the same bits for any number of threads and lanes.
+pub fn assert_same_on_all_workers(name: &str, frame: &Frame) {
+    let image = |threads: usize, lanes: usize| {
+        let workers = Workers { threads, lanes: Some(lanes), ..WORKERS };
+        let (film, _) = render_with(frame, &SIMD, workers, SMALL, 8, 0..5);
+        film.pixels().map(|pixel| pixel.mean.map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    let one = image(1, 256);
+    assert!(one == image(2, 256) && one == image(2, 24), "{name}");
 }
 
 /// Mean and standard error of a small image, per channel.

@@ -3,7 +3,7 @@
 use bumpalo::Bump;
 use fogbow::film::{Region, Tile, layers};
 use fogbow::frame::Frame;
-use fogbow::wavefront::{Rays, Wavefront};
+use fogbow::wavefront::{RaysOf, Wavefront};
 use fogbow_kernels::connect::bridge::Bridge;
 use fogbow_kernels::connect::lis::{self, Lis};
 use fogbow_kernels::connect::mvnee::Mvnee;
@@ -19,8 +19,8 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &'q Frame, lanes: usize, bounces: u
     wavefront.requested.clear();
     wavefront.remember();
     wavefront.medium_sample();
-    wavefront.extend(Rays::Paths);
-    wavefront.light_hit(Rays::Paths);
+    wavefront.extend(RaysOf::Paths);
+    wavefront.light_hit(RaysOf::Paths);
     wavefront.turn();
     wavefront.step.clock += 1;
     wavefront.light_survey();

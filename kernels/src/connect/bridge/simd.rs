@@ -20,9 +20,6 @@ use crate::media::MediumX8;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::vec3x8::Vec3x8;
 
-/// Shortest length by which the axis is normalised `[m]`.
-const LEAST_LENGTH: f32 = 1e-30;
-
 /// Sum of the ratios of `starts`, counted from the light; `room(a)` are the most edges that a bridge from start `a` may
 /// have.
 #[inline(always)]
@@ -45,7 +42,7 @@ pub fn ratios<M: MediumX8>(
         let distance_squared = to_light.length_squared();
         let possible = start.eligible & distance_squared.simd_le(longest_squared);
         let distance = distance_squared.sqrt();
-        let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST_LENGTH)));
+        let axis = to_light.over(distance);
 
         let arriving = suffix.vertices[a + 1].leaving;
         let turn = match bridge.roll {

@@ -28,7 +28,7 @@ use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium, with_phase};
 
-/// Shortest length by which a direction is normalised.
+/// Least sine or length that is divided by.
 const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`CountKernel`](super::CountKernel).
@@ -51,9 +51,7 @@ fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, medium: impl M
         let room = (u32x8::splat(lengths.max) - sequence.depth).min(u32x8::splat(most));
         let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
         let (start, point) = (connections.start.batch(b), connections.point.batch(b));
-        let to_light = point - start;
-        let distance = to_light.length_squared().sqrt();
-        let axis = to_light * (f32x8::ONE / distance.fast_max(f32x8::splat(LEAST)));
+        let (distance, axis) = (point - start).length_and_direction();
         let h = lobe.h(connections.arriving.batch(b), axis);
         let depth = medium.optical_depth(start, point, distance);
         let cell = bridge.counts.cell(depth, h, on_surface);
@@ -139,18 +137,14 @@ impl Placement {
         end: Vec3x8,
         u: f32x8,
     ) -> Self {
-        let least = f32x8::splat(LEAST);
-        let normalise = |v: Vec3x8, length: f32x8| v * (f32x8::ONE / length.fast_max(least));
-        let to_light = candidate.point - candidate.start;
-        let distance = to_light.length_squared().sqrt();
-        let axis = normalise(to_light, distance);
+        let (distance, axis) = (candidate.point - candidate.start).length_and_direction();
         let (tangent, bitangent) = axis.frame();
         let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
         let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
 
-        let span = end.length_squared().sqrt();
-        let along = normalise(end, span);
+        let (span, along) = end.length_and_direction();
         let leaving = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
+        let least = f32x8::splat(LEAST);
         let inverse_sine = f32x8::ONE / leaving.sine.fast_max(least);
         let (px, py) = (along.x * inverse_sine, along.y * inverse_sine);
 
