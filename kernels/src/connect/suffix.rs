@@ -46,6 +46,8 @@ pub struct Projection {
     pub before: f32x8,
     /// Squared distance from the axis (rho^2) [m^2].
     pub offset_squared: f32x8,
+    /// Distance from the start along the axis `[m]`.
+    pub along: f32x8,
 }
 
 /// Suffixes of eight candidates, indexed from the light: vertex 0 is the point on the light, vertex `a` is `a` segments
@@ -79,7 +81,7 @@ impl<'q> Suffix<'q> {
             eligible: zero,
             on_surface: zero,
         };
-        let projection = Projection { segment_squared: zero, before: zero, offset_squared: zero };
+        let projection = Projection { segment_squared: zero, before: zero, offset_squared: zero, along: zero };
         Self {
             // One more, the vertex before the farthest start: it knows the direction in which the path arrives.
             vertices: arena.alloc_slice_fill_copy(longest + 2, vertex),

@@ -74,9 +74,17 @@ fn sum<M: MediumX8>(
         }
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance);
+        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
         let line = arrival.medium.axis(start.position, suffix.vertices[0].position, distance);
-        let mut density = SeedDensity::new(mvnee.seeds, line);
-        let Some(axial) = project(suffix, a, axis, distance, possible, |along| density.add(along)) else { continue };
+        let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance);
+        let mut possible = axial.possible;
+        if M::VARIES {
+            let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
+            possible &= whole.simd_le(most);
+            if !possible.any() {
+                continue;
+            }
+        }
 
         let mut product = start.inverse_density;
         let mut after = axial.last_squared;
@@ -86,14 +94,11 @@ fn sum<M: MediumX8>(
             product *= factor(width_squared, projection.offset_squared, vertex.spread);
             after += projection.segment_squared;
         }
-        let [log_seeds, depth, whole] = density.finish(distance);
         let way = arrival.way(&start);
         let mut log = way.depth - depth;
-        let mut possible = axial.possible;
         if M::VARIES {
-            log += log_seeds - arrival.medium.log_extinction_along(a - 1, way.log_extinction);
-            let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
-            possible &= whole.simd_le(most);
+            log += log_extinctions(mvnee.seeds, &line, &suffix.projections[1..a]);
+            log -= arrival.medium.log_extinction_along(a - 1, way.log_extinction);
         }
         let detour = exp(log);
         let mut ratio = scale * start.attempt * detour * product;
@@ -105,56 +110,35 @@ fn sum<M: MediumX8>(
     sum
 }
 
-/// Logarithm of the density of seeds, as it is added up from the start to the light.
-struct SeedDensity<A> {
-    seeds: Seeds,
-    axis: A,
-    /// ln of the product of the extinctions at the seeds so far.
-    log: f32x8,
-    /// How many they are.
-    count: usize,
-    /// Place of the first one on the axis `[m]`.
-    first: f32x8,
-    /// ln of the extinction there.
-    log_first: f32x8,
-}
-
 /// Least logarithm of an extinction: there are no seeds in vacuum.
 const NOWHERE: f32 = -1e4;
 
-impl<A: AxisX8> SeedDensity<A> {
-    #[inline(always)]
-    fn new(seeds: Seeds, axis: A) -> Self {
-        Self { seeds, axis, log: f32x8::ZERO, count: 0, first: f32x8::ZERO, log_first: f32x8::ZERO }
-    }
+/// ln of the extinction at a seed `along` the axis `[m]`.
+#[inline(always)]
+fn log_extinction(line: &impl AxisX8, along: f32x8) -> f32x8 {
+    let extinction = line.extinction(along);
+    extinction.simd_gt(f32x8::ZERO).select(-neg_ln(extinction), f32x8::splat(NOWHERE))
+}
 
-    /// Counts a seed at a distance `along` the axis `[m]`.
-    #[inline(always)]
-    fn add(&mut self, along: f32x8) {
-        if !A::VARIES {
-            return;
-        }
-        self.count += 1;
-        if self.seeds == Seeds::Coarse || self.count == 1 {
-            let extinction = self.axis.extinction(along);
-            let ln = extinction.simd_gt(f32x8::ZERO).select(-neg_ln(extinction), f32x8::splat(NOWHERE));
-            (self.first, self.log_first) = if self.count == 1 { (along, ln) } else { (self.first, self.log_first) };
-            self.log += ln;
-        } else {
-            self.log += self.log_first;
-        }
+/// ln of the product of the extinctions that `seeds` were drawn with, which are counted from the light.
+#[inline(always)]
+fn log_extinctions(how: Seeds, line: &impl AxisX8, seeds: &[Projection]) -> f32x8 {
+    match (how, seeds) {
+        (Seeds::Fast, [.., first]) => log_extinction(line, first.along) * f32x8::splat(seeds.len() as f32),
+        _ => seeds.iter().fold(f32x8::ZERO, |sum, seed| sum + log_extinction(line, seed.along)),
     }
+}
 
-    /// ln of the product of the extinctions, the optical depth that the flights pass up to the end of the axis, at
-    /// `distance` `[m]`, and that of the axis.
-    #[inline(always)]
-    fn finish(&self, distance: f32x8) -> [f32x8; 3] {
-        if A::VARIES && self.seeds == Seeds::Fast && self.count > 0 {
-            let [until, whole] = self.axis.depths(self.first);
-            return [self.log, until + exp(self.log_first) * (distance - self.first), whole];
+/// The optical depth that the flights between `seeds` pass up to the end of the axis, at `distance` `[m]`, and that of
+/// the axis.
+#[inline(always)]
+fn flights<A: AxisX8>(how: Seeds, line: &A, seeds: &[Projection], distance: f32x8) -> [f32x8; 2] {
+    match (how, seeds) {
+        (Seeds::Fast, [.., first]) if A::VARIES => {
+            let [until, whole] = line.depths(first.along);
+            [line.extinction(first.along).mul_add(distance - first.along, until), whole]
         }
-        let whole = self.axis.depth();
-        [self.log, whole, whole]
+        _ => [line.depth(); 2],
     }
 }
 
@@ -175,17 +159,9 @@ struct Axial {
     total: f32x8,
 }
 
-/// Fills the projections of the vertices between start `a` and the light, and tells `pass` where they are on the axis,
-/// from the start on `[m]`; `None` if every row refuses.
+/// Fills the projections of the vertices between start `a` and the light; `None` if every row refuses.
 #[inline(always)]
-fn project(
-    suffix: &mut Suffix<'_>,
-    a: usize,
-    axis: Vec3x8,
-    distance: f32x8,
-    possible: f32x8,
-    mut pass: impl FnMut(f32x8),
-) -> Option<Axial> {
+fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, possible: f32x8) -> Option<Axial> {
     let start = suffix.vertices[a].position;
     let (mut possible, mut along, mut before) = (possible, f32x8::ZERO, f32x8::ZERO);
     for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
@@ -201,9 +177,9 @@ fn project(
             segment_squared: segment * segment,
             before,
             offset_squared: axis.mul_neg_add(reached, from_start).length_squared(),
+            along: reached,
         };
         along = reached;
-        pass(along);
     }
     let last = distance - along;
     possible &= last.simd_gt(f32x8::ZERO);
