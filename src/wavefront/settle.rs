@@ -104,10 +104,15 @@ impl Wavefront<'_> {
     /// looks that are taken at small images only.
     fn note(&mut self, source: Source, bucket: Bucket) {
         let candidates = self.candidates.of(source);
-        for row in bucket.rows() {
-            let (lane, weight) = (candidates.lane.rows()[row] as usize, f64::from(self.worth.weight.rows()[row]));
+        let lanes = &candidates.lane.rows()[bucket.rows()];
+        let weights = &self.worth.weight.rows()[bucket.rows()];
+        for ((row, lane), weight) in bucket.rows().zip(lanes).zip(weights) {
+            let (lane, weight) = (*lane as usize, f64::from(*weight));
+            if weight == 0.0 || !weight.is_finite() {
+                continue;
+            }
             let depth = self.paths.depth_of(self.step.clock, lane);
-            if weight == 0.0 || !weight.is_finite() || !counts(self.frame.lengths, depth, bucket.inserted) {
+            if !counts(self.frame.lengths, depth, bucket.inserted) {
                 continue;
             }
             let emitter = &self.frame.lights.emitters()[candidates.emitter.rows()[row] as usize];

@@ -35,12 +35,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 /// Whether a path of `depth + inserted + 1` segments is among those asked for.
+#[inline]
 pub fn counts(lengths: PathLengths, depth: u32, inserted: usize) -> bool {
     let segments = depth as usize + inserted + 1;
     (lengths.min as usize..=lengths.max as usize).contains(&segments)
 }
 
 /// What a candidate of this weight and factor adds to its pixel, per channel [W/(m^2 sr)].
+#[inline]
 pub fn contribution(weight: f64, factor: [f64; 3], radiance: [f64; 3], throughput: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|channel| weight * factor[channel] * radiance[channel] * throughput[channel])
 }

@@ -38,6 +38,7 @@ impl<'q> Spectrum<'q> {
     }
 
     /// Row `row`: red, green and blue, which are the same where one channel is in use.
+    #[inline]
     pub fn row(&self, row: usize) -> [f32; 3] {
         let last = self.channels.len() - 1;
         [0, 1, 2].map(|channel: usize| self.channels[channel.min(last)].rows()[row])
