@@ -2,7 +2,7 @@
 //!
 //! One folder per technique, sampling and density side by side. A technique's *ratio* `r_i` is the density of making a
 //! given suffix from start `i`, over the density of path tracing doing so; [`mis_weight`](crate::mis_weight) adds up
-//! the ratios of all active techniques.
+//! the [`ratios`] of all active techniques.
 
 pub mod bridge;
 pub mod buckets;
@@ -15,6 +15,7 @@ pub mod lis;
 pub mod mvnee;
 pub mod nee;
 pub mod omnee;
+pub mod ratios;
 pub mod sequence;
 pub mod suffix;
 mod technique;

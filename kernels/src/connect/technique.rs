@@ -41,12 +41,13 @@ pub struct Row {
     pub most_inserted: u32,
     /// Whether its ratios look at the vertices before a start.
     pub looks_back: bool,
-    /// Most edges from a start that it can use to the light; more where [`Self::near`] says so.
+    /// Most edges from a start that it can use to the light, wherever the start is.
     pub most_edges: usize,
+    /// Most edges from a start within the distance [`Self::near`]; 0 if that limits nothing.
+    pub most_edges_near: usize,
     /// Where its ratios ask for phase functions.
     pub densities: Densities,
-    /// Distance from a light within which it uses all starts, if that is why starts are remembered `[m]`; else
-    /// infinite.
+    /// Distance from a light within which it uses starts `[m]`; infinite for no limit.
     pub near: f32,
 }
 
@@ -146,6 +147,11 @@ impl Techniques {
     /// Most edges from a start that any of them can use to the light, but for those near one.
     pub fn most_edges(&self) -> usize {
         self.rows().map(|(_, row)| row.most_edges).max().unwrap_or(1)
+    }
+
+    /// Most edges from a start near a light that those limited in distance can use.
+    pub fn most_edges_near(&self) -> usize {
+        self.rows().map(|(_, row)| row.most_edges_near).max().unwrap_or(0)
     }
 
     /// Where they ask for phase functions.

@@ -40,7 +40,7 @@ use super::Columns;
 use crate::columns::trail::TrailTable;
 use crate::connect::density::Density;
 use crate::connect::light_sample::reference::light_density;
-use crate::connect::{Techniques, bridge, distant, lis, mvnee, nee, omnee};
+use crate::connect::{Techniques, bridge, distant, ratios};
 use crate::emission::reference::{normal, profile};
 use crate::media::Medium;
 use crate::media::reference::{self, Medium as _};
@@ -239,33 +239,17 @@ impl Competition<'_> {
         let Some(traced) = path_tracing_density(medium, vertices, start, surface, normal) else {
             return 0.0;
         };
-        let (chain, depth, longest) = (&vertices[start..], start as u32, lengths.max);
-        let light_density = light_density(lights, path.emitter, vertices[start]);
-        let arriving = (vertices[start] - vertices[start - 1]).normalize();
-        let position = vertices[start];
-        let from = bridge::reference::Start { depth, position, arriving, on_surface: surface.is_some() };
-        let mut sum = 0.0;
-        if techniques.nee {
-            sum += nee::reference::density(chain, normal, light_density).over(traced);
-        }
-        if let Some(mvnee) = &techniques.mvnee {
-            sum += mvnee::reference::density(&mvnee.into(), medium, chain, light_density).over(traced);
-        }
-        if techniques.omnee && depth <= omnee::scope(lengths).max_depth {
-            sum += omnee::reference::density(medium.phase(), chain, light_density).over(traced);
-        }
-        if let Some(lis) = &techniques.lis {
-            let density = lis::reference::density(lis, medium, emitter, longest, &from, chain, light_density);
-            sum += density.over(traced);
-            if techniques.companion().is_some() {
-                sum += lis::reference::companion_density(lis, chain, normal, light_density).over(traced);
-            }
-        }
-        if let Some(bridge) = &techniques.bridge {
-            let density = bridge::reference::density(bridge, medium, longest, &from, chain, light_density);
-            sum += density.over(traced);
-        }
-        sum
+        let (position, arriving) = (vertices[start], (vertices[start] - vertices[start - 1]).normalize());
+        let suffix = ratios::reference::Suffix {
+            medium,
+            lengths,
+            from: bridge::reference::Start { depth: start as u32, position, arriving, on_surface: surface.is_some() },
+            chain: &vertices[start..],
+            emitter,
+            normal,
+            light_density: light_density(lights, path.emitter, position),
+        };
+        suffix.ratios(techniques, traced)
     }
 }
 

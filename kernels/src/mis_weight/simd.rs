@@ -14,8 +14,6 @@
 //! 4. Batches that end at infinity skip what others need. In mixed ones, the rows that do take another sum in the end.
 //! 5. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
-use core::ops::RangeInclusive;
-
 use wide::{f32x8, u32x8};
 
 use super::colours::Colours;
@@ -26,9 +24,9 @@ use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
-use crate::connect::lis::{self, Lis};
+use crate::connect::ratios::simd::Competition;
 use crate::connect::suffix::{Arrival, Passed, Suffix, SuffixVertex};
-use crate::connect::{Densities, bridge, distant, mvnee, nee, omnee};
+use crate::connect::{Densities, distant};
 use crate::lanes::LANES;
 use crate::media::{MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
@@ -36,7 +34,7 @@ use crate::survival::LogSurvival;
 use crate::tables::lights::Lights;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{PathLengths, Step, WalkLimits, lanes, with_medium, with_phase};
+use crate::{Step, WalkLimits, lanes, with_medium, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
@@ -51,8 +49,8 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         columns;
     let Columns { passage, passage_trail, worth, .. } = columns;
     albedos::fill(medium, bucket, chains, worth);
-    let (densities, usable, lis) = (techniques.densities(), techniques.most_edges(), techniques.lis.as_ref());
-    let near = techniques.companion().map_or(0.0, |scope| scope.max_distance);
+    let (densities, usable) = (techniques.densities(), techniques.most_edges());
+    let (near, usable_near) = (techniques.near(), techniques.most_edges_near());
     let reaches_far = lights.has_distant();
     for (b, rows) in bucket.batches() {
         let batch = Batch {
@@ -67,8 +65,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         };
         let starts = Starts::new(&batch.lane_of, rows, bucket.inserted, paths, last_surface, walk, step);
         let (fewest_edges, most_edges) = (starts.fewest_edges(), starts.most_edges());
-        let most_edges_near =
-            techniques.mvnee.as_ref().map_or(0, |mvnee| batch.most_edges_near(mvnee, outlook, &starts));
+        let most_edges_near = batch.most_edges_near(near, outlook, &starts).min(usable_near);
         let far = if reaches_far { lights.are_distant(&batch.emitter_of) } else { f32x8::ZERO };
         let all_far = reaches_far && far.all();
         let needed = if all_far { 0 } else { most_edges.min(usable).max(most_edges_near) };
@@ -107,24 +104,19 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         let walked = sum;
         let outside =
             if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
-        if techniques.nee && fewest_edges == 1 && !all_far {
-            sum += suffix.vertices[1].eligible.select(nee::simd::ratio(&arrival, &suffix.vertices[1]), f32x8::ZERO);
-        }
-        if techniques.omnee && fewest_edges <= 2 && needed >= 2 {
-            sum += omnee::simd::ratio(&arrival, suffix, phase.forward_share());
-        }
-        if let Some(mvnee) = techniques.mvnee.as_ref().filter(|_| !all_far) {
-            sum += mvnee::simd::ratios(mvnee, &arrival, suffix, fewest_edges..=most_edges_near);
-        }
-        if let Some(bridge) = techniques.bridge.as_ref().filter(|_| !all_far) {
-            let most = f32x8::splat(bridge.max_inserted.saturating_add(1) as f32);
-            let room = |a: usize| lanes::to_f32(u32x8::splat(lengths.max) - starts.depth(a)).fast_min(most);
-            sum += bridge::simd::ratios(bridge, &phase, &arrival, suffix, fewest_edges..=needed, room);
-        }
-        if let Some(lis) = lis.filter(|_| !all_far) {
-            // Copies: what is lent would have to stay in memory for the other techniques, too.
-            let (batch, starts, arrival) = (batch, starts, arrival);
-            sum += batch.lis_ratios(lis, near, &arrival, suffix, &starts, fewest_edges..=needed, lengths);
+        if !all_far {
+            let competition = Competition {
+                techniques,
+                phase,
+                lights,
+                emitter_of: batch.emitter_of,
+                arrival,
+                segments: starts.segments,
+                longest: lengths.max,
+                starts: fewest_edges..=needed,
+                farthest_near: most_edges_near,
+            };
+            sum = competition.add_ratios(sum, suffix);
         }
         if reaches_far {
             let start = &suffix.vertices[1];
@@ -210,37 +202,6 @@ impl<P: PhaseX8> Batch<'_, P> {
         vertex.spread = spread(length_squared, vertex.inverse_density);
     }
 
-    /// Sum of the ratios of light importance sampling, and of its companion up to the distance `near`, over the starts
-    /// that `range` counts from the light.
-    #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "all that other techniques see without a call")]
-    fn lis_ratios<M: MediumX8>(
-        &self,
-        lis: &Lis,
-        near: f32,
-        arrival: &Arrival<'_, M>,
-        suffix: &mut Suffix<'_>,
-        starts: &Starts,
-        range: RangeInclusive<usize>,
-        lengths: PathLengths,
-    ) -> f32x8 {
-        let mut sum = f32x8::ZERO;
-        let (fewest_edges, most_edges) = range.into_inner();
-        if fewest_edges == 1 {
-            let start = &suffix.vertices[1];
-            let possible = start.eligible & arrival.last_squared.simd_le(f32x8::splat(near * near));
-            sum += possible.select(nee::simd::ratio(arrival, start), f32x8::ZERO);
-        }
-        if most_edges >= fewest_edges.max(2) {
-            let (left, most) = (u32x8::splat(lengths.max - 1), f32x8::splat(lis.most_edges()));
-            let room = |a: usize| lanes::to_f32(left - starts.depth(a)).fast_min(most);
-            let emission = self.lights.direction_density(&self.emitter_of, arrival.cos_light);
-            let starts = fewest_edges.max(2)..=most_edges;
-            sum += lis::simd::ratios(lis, &self.phase, emission, arrival, suffix, starts, room);
-        }
-        sum
-    }
-
     /// Replaces the phase function by the reflection where a start is on a surface; gives the rows that leave their
     /// surface outwards, or have none.
     #[inline(always)]
@@ -267,17 +228,16 @@ impl<P: PhaseX8> Batch<'_, P> {
         outside
     }
 
-    /// The farthest start, counted from the light, from which MVNEE may have a light near enough: an inserted
+    /// The farthest start, counted from the light, that may have a light within the distance `near`: an inserted
     /// vertex, or one of the walk from the first near one on.
     #[inline(always)]
-    fn most_edges_near(&self, mvnee: &mvnee::Mvnee, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
-        let most = mvnee.max_inserted.saturating_add(1) as usize;
-        if mvnee.max_distance.is_infinite() {
-            return starts.most_edges().min(most);
+    fn most_edges_near(&self, near: f32, outlook: &OutlookColumns<'_>, starts: &Starts) -> usize {
+        if near.is_infinite() {
+            return starts.most_edges();
         }
         let first_near = outlook.first_near.gather(&self.lane_of);
         let near = starts.segments.saturating_sub(first_near) & lanes::as_integer_mask(starts.live);
-        (near.max(u32x8::splat(self.inserted as u32)).min(starts.most_edges).reduce_max() as usize).min(most)
+        near.max(u32x8::splat(self.inserted as u32)).min(starts.most_edges).reduce_max() as usize
     }
 
     /// Probability that a walk gets to start `a`.

@@ -128,6 +128,7 @@ impl Bridge {
             most_inserted: self.max_inserted,
             looks_back: true,
             most_edges: self.max_inserted.saturating_add(1) as usize,
+            most_edges_near: 0,
             densities: Densities::None,
             near: f32::INFINITY,
         }

@@ -121,6 +121,7 @@ impl Lis {
             most_inserted: inserted.saturating_add(1),
             looks_back: true,
             most_edges: inserted.saturating_add(2) as usize,
+            most_edges_near: 0,
             densities,
             near: f32::INFINITY,
         }

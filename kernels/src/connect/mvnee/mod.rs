@@ -90,6 +90,7 @@ impl Mvnee {
             most_inserted: self.max_inserted,
             looks_back: true,
             most_edges: 1,
+            most_edges_near: self.max_inserted.saturating_add(1) as usize,
             densities: Densities::All,
             near: self.max_distance,
         }

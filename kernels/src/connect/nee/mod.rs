@@ -19,5 +19,11 @@ use crate::random;
 pub const SCOPE: Scope = Scope { facing: true, ..Scope::new(random::NEE_LIGHT) };
 
 /// What others must know of it.
-pub const ROW: Row =
-    Row { most_inserted: 0, looks_back: false, most_edges: 1, densities: Densities::All, near: f32::INFINITY };
+pub const ROW: Row = Row {
+    most_inserted: 0,
+    looks_back: false,
+    most_edges: 1,
+    most_edges_near: 0,
+    densities: Densities::All,
+    near: f32::INFINITY,
+};

@@ -29,8 +29,14 @@ use crate::PathLengths;
 use crate::random;
 
 /// What others must know of it.
-pub const ROW: Row =
-    Row { most_inserted: 1, looks_back: true, most_edges: 2, densities: Densities::All, near: f32::INFINITY };
+pub const ROW: Row = Row {
+    most_inserted: 1,
+    looks_back: true,
+    most_edges: 2,
+    most_edges_near: 0,
+    densities: Densities::All,
+    near: f32::INFINITY,
+};
 
 /// Every start connects that has two segments left, whichever way the light faces.
 pub fn scope(lengths: PathLengths) -> Scope {
