@@ -27,7 +27,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
-    let Some(scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
+    let Some(scene) = loading::load(path, overrides(args), None, &mut reporter, || signals.came())? else {
         return Ok(nothing(&signals, args.resume || is_kept(args), &reporter));
     };
     reporter.begin(&scene.name);
