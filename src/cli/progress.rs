@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use super::bar::{Bar, Outlooks};
 use super::{Progress, say, tell};
@@ -203,19 +203,9 @@ impl Reporter {
         match self.style {
             Progress::Plain => tell(format!("{percents:5.1} %  {}", outlooks(&state).long)),
             Progress::Json => {
-                let message = json!({
-                    "event": "progress",
-                    "phase": if state.preparing { "preparing" } else { "rendering" },
-                    "fraction": state.fraction,
-                    "samples": state.samples,
-                    "samples_per_second": state.rate(),
-                    "seconds": state.elapsed.as_secs_f64(),
-                    "seconds_left": state.seconds_left,
-                    "noise": state.noise,
-                    "noise_target": state.limits.noise,
-                    "until": state.expected.map(Target::name),
-                });
-                tell(message);
+                let mut message = Map::from_iter([("event".to_string(), json!("progress"))]);
+                message.extend(state.figures());
+                tell(Value::Object(message));
             }
             Progress::Openjd | Progress::Alf => self.percent(percents),
             Progress::Auto | Progress::Bar | Progress::None => {}

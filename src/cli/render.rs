@@ -49,6 +49,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
             region: Some(region),
             first_sample,
             adaptive: args.adaptive,
+            frame: None,
             threads: args.threads.unwrap_or(0) as usize,
             detailed_stats: args.stats.is_some(),
             reference: args.reference.unwrap_or_default(),
