@@ -9,6 +9,7 @@ mod finish;
 mod info;
 mod loading;
 mod merge;
+mod onlookers;
 mod presets;
 mod progress;
 mod render;
@@ -17,6 +18,7 @@ mod values;
 mod volume;
 
 use std::ffi::OsString;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -158,6 +160,14 @@ struct RenderArgs {
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,
+    /// Show the render on a page for browsers while it runs: the image, its noise, progress, and statistics per stage
+    /// and technique. Port 0 is any that is free; the address is printed. Only this machine can see it, unless an
+    /// address to listen at is given, for example 0.0.0.0:8080.
+    #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = values::serve)]
+    serve: Option<SocketAddr>,
+    /// Show the image so far in a running tev, which listens at 127.0.0.1:14158 unless told otherwise.
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::preview)]
+    preview: Option<String>,
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,

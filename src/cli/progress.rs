@@ -1,6 +1,7 @@
 //! Progress of a render: a bar, lines, or messages for other programs.
 
 use std::io::IsTerminal;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -182,6 +183,15 @@ impl Reporter {
             Progress::Json => tell(json!({ "event": "status", "message": text.to_string() })),
             Progress::Openjd => inform_openjd("status", text),
             Progress::Auto | Progress::Bar | Progress::Plain | Progress::Alf => tell(text),
+        }
+    }
+
+    /// Where the render can be seen.
+    pub fn serving(&self, address: SocketAddr) {
+        let url = format!("http://{address}/");
+        match self.style {
+            Progress::Json => tell(json!({ "event": "serving", "url": url })),
+            _ => self.line(format!("the render can be seen at {url}")),
         }
     }
 

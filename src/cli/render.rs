@@ -2,12 +2,14 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::thread;
 
 use super::checkpoints::{Keeper, Plan};
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
 use super::loading;
+use super::onlookers::Onlookers;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{Checkpoints, ImageOutput};
@@ -27,10 +29,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
+    let mut onlookers = Onlookers::invite(args, &reporter)?;
     let Some(scene) = loading::load(path, overrides(args), None, &mut reporter, || signals.came())? else {
         return Ok(nothing(&signals, args.resume || is_kept(args), &reporter));
     };
     reporter.begin(&scene.name);
+    onlookers.begin(&scene.name, None);
     cpu::advice().iter().for_each(|advice| reporter.warn(advice));
     scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
     let region = region(args, scene.scene.film.size)?;
@@ -61,7 +65,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let checkpoint = plan.existing(&session, &reporter)?;
     signals.set(&session.monitor().stop)?;
-    session.prepare(has_png, |state| reporter.update(state));
+    session.prepare(has_png, |state| {
+        reporter.update(state);
+        onlookers.look(state, &reporter);
+    });
     let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
     left_out.iter().for_each(|left_out| reporter.warn(left_out));
     if let Some(mut checkpoint) = checkpoint.filter(|_| !signals.came()) {
@@ -69,20 +76,27 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         plan.check_samples(&session)?;
         reporter.line(format!("going on after {} samples", session.film.samples()));
     }
+    let session = Arc::new(session);
+    onlookers.show(&session, &reporter);
     let mut last = State::default();
     let (outcome, is_kept) = thread::scope(|scope| {
         let mut keeper = Keeper::start(scope, &session, &plan);
         let look = |state| {
             last = state;
             reporter.update(state);
+            onlookers.look(state, &reporter);
             keeper.look(&state, &signals, &reporter);
         };
         let outcome = session.run(limits, || signals.came(), look);
-        reporter.finish(if signals.came() { last } else { last.done() });
+        let end = if signals.came() { last } else { last.done() };
+        reporter.finish(end);
+        onlookers.end(end, signals.came());
         (outcome, keeper.end(&session, &last, signals.came(), &reporter))
     });
     let ending = Ending { session: &session, outcome: &outcome, signals: &signals, plan: &plan, is_kept };
-    finish(&ending, &outputs, args.stats.as_deref(), &reporter)
+    let code = finish(&ending, &outputs, args.stats.as_deref(), &reporter)?;
+    onlookers.leave(&reporter);
+    Ok(code)
 }
 
 /// Whether checkpoints are asked for.

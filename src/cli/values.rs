@@ -2,6 +2,7 @@
 
 use core::ops::RangeInclusive;
 use std::ffi::{OsStr, OsString};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -190,6 +191,24 @@ fn whole_number_or(
             Err(_) => "is not a whole number",
         };
         refuse(flag, text, finding, &format!("give a whole number from {} to {}{else_}", range.start(), range.end()))
+    }
+}
+
+/// `--serve`
+pub fn serve(text: &str) -> Result<SocketAddr> {
+    let local = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let of_name = || text.strip_prefix("localhost:").and_then(|port| port.parse().ok()).map(local);
+    let address = text.parse().map(local).ok().or_else(|| text.parse().ok()).or_else(of_name);
+    let remedy = "give a port from 0 to 65535, or an address of this machine and a port, for example 0.0.0.0:8080";
+    address.map_or_else(|| refuse("--serve", text, "is not a port", remedy), Ok)
+}
+
+/// `--preview`
+pub fn preview(text: &str) -> Result<String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).and_then(|(_, port)| port.parse().ok());
+    match port {
+        Some(1..=u16::MAX) => Ok(text.into()),
+        _ => refuse("--preview", text, "is not a host and a port", "give those of tev, for example 127.0.0.1:14158"),
     }
 }
 
