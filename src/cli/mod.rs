@@ -6,6 +6,7 @@ mod checkpoints;
 mod compare;
 mod destinations;
 mod finish;
+mod frames;
 mod info;
 mod loading;
 mod merge;
@@ -31,7 +32,7 @@ use crate::scene::document::Override;
 use crate::scene::schema::MOST_SAMPLES;
 use crate::session::Reference;
 use crate::warning::Warning;
-use values::{Checkpoints, ImageOutput, SampleRange};
+use values::{Checkpoints, FrameRange, ImageOutput, SampleRange};
 
 /// Renders light in fog, clouds, smoke, milk and wax, among lamps, fires and diffuse surfaces, under sun and sky.
 #[derive(Debug, Parser)]
@@ -148,6 +149,14 @@ struct RenderArgs {
     /// Seed for all random numbers.
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed", 0..=u32::MAX))]
     seed: Option<i64>,
+    /// Render frames A to B, including B, or a single one, of the animations of the scene's glTF file: its cameras,
+    /// lights and meshes move with their nodes. Names of outputs have #### where the number of the frame goes, as in
+    /// a.####.exr. With --resume, frames are left out whose images are there, an EXR image among them.
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true, value_parser = values::frames)]
+    frames: Option<FrameRange>,
+    /// Frames per second: frame F is at F / FPS seconds of the animations. Default: 24.
+    #[arg(long, value_name = "FPS", requires = "frames", allow_hyphen_values = true, value_parser = values::fps)]
+    fps: Option<f64>,
     /// Number of worker threads; it does not change the image. Default: one per processor.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u32>,

@@ -14,6 +14,9 @@ use crate::output;
 use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
 use crate::session::Reference;
 
+/// The last frame there can be.
+const LAST_FRAME: u32 = 999_999_999;
+
 /// An image to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImageOutput {
@@ -214,6 +217,29 @@ pub fn preview(text: &str) -> Result<String> {
 
 /// Numbers of samples, from the first to before the last.
 pub type SampleRange = core::ops::Range<u32>;
+
+/// Numbers of frames, from the first to the last.
+pub type FrameRange = RangeInclusive<u32>;
+
+/// `--frames`
+pub fn frames(text: &str) -> Result<FrameRange> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|frame| *frame <= LAST_FRAME);
+    let finding = match (number(first), number(last)) {
+        (Some(first), Some(last)) if first <= last => return Ok(first..=last),
+        (Some(_), Some(_)) => "ends before it begins",
+        _ => "is not a range of frames",
+    };
+    refuse("--frames", text, finding, "give A-B, from 0 to 999999999, for example 1-100, or one frame, for example 7")
+}
+
+/// `--fps`
+pub fn fps(text: &str) -> Result<f64> {
+    match text.parse() {
+        Ok(fps) if fps > 0.0 && fps < f64::INFINITY => Ok(fps),
+        _ => refuse("--fps", text, "is not a number above 0", "give frames per second, for example 24 or 29.97"),
+    }
+}
 
 /// `--sample-range`
 pub fn sample_range(text: &str) -> Result<SampleRange> {

@@ -11,6 +11,7 @@ mod farm;
 mod files;
 mod flags;
 mod flames;
+mod frames;
 mod help;
 mod images;
 mod info;

@@ -170,6 +170,21 @@ fn whoever_looks_on_changes_no_bit() {
 }
 
 #[test]
+fn the_page_shows_the_frame_at_hand() {
+    let folder = Folder::with_scene();
+    let served = Served::start_to(&folder, "a.##.exr", &["--frames", "7-8", "--time", "1s"]);
+    for (place, number) in [(1, 7), (2, 8)] {
+        let status = served.wait("the frame", |status| status["frame"]["place"] == place && status["samples"] != 0);
+        assert_eq!(status["frame"], serde_json::json!({ "number": number, "place": place, "of": 2 }));
+        let picture = served.get("/picture");
+        assert!(picture.code == 200 && picture.body.len() == 32 + 16 * 64, "{}", picture.head);
+    }
+    let (code, rest) = served.end();
+    assert_eq!(code, Some(0), "{rest}");
+    assert!(folder.path("a.07.exr").is_file() && folder.path("a.08.exr").is_file());
+}
+
+#[test]
 fn the_page_answers_only_what_it_is_asked_by_its_address() {
     let folder = Folder::with_scene();
     let served = Served::start(&folder, &["--time", "3s"]);

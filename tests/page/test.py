@@ -239,6 +239,18 @@ def crop(browser, work):
     wait_for("the end", lambda: browser.text("phase") == "stopped")
 
 
+def frames(browser, work):
+    step("frames of an animation")
+    scene = str(ROOT / "scenes" / "fog-facing")
+    render, url = started(work, [scene, "-o", "c.##.exr", "--size", "64x64", "--frames", "7-8", "--time", "4s"])
+    browser.open(url)
+    for text in ("frame 7 (1 of 2)", "frame 8 (2 of 2)"):
+        wait_for(text, lambda text=text: browser.text("frame") == text and browser.run("return picture !== null"))
+    browser.screenshot("6-frames")
+    render.wait(PATIENCE)
+    wait_for("the end", lambda: browser.text("phase") == "finished")
+
+
 def main():
     for name in ("chromium", "chromedriver"):
         if not shutil.which(name):
@@ -250,6 +262,7 @@ def main():
         try:
             watch(browser, work)
             crop(browser, work)
+            frames(browser, work)
         finally:
             browser.close()
     step("all well")
