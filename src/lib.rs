@@ -62,6 +62,7 @@ pub mod frame;
 pub mod gltf;
 pub mod image;
 mod library;
+pub mod live;
 pub mod merge;
 pub mod metering;
 pub mod output;

@@ -20,6 +20,8 @@ use crate::session::{Limits, Outcome, Session, Settings, Target};
 pub struct Scene {
     path: PathBuf,
     changes: Vec<Override>,
+    /// When it is, if its animations are played `[s]`.
+    time: Option<f64>,
     loaded: LoadedScene,
 }
 
@@ -30,7 +32,7 @@ impl Scene {
     /// If it cannot be read, or something in it is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
-        Ok(Self { loaded: scene::load(&path, Vec::new())?, changes: Vec::new(), path })
+        Ok(Self { loaded: scene::load(&path, Vec::new())?, changes: Vec::new(), time: None, path })
     }
 
     /// Sets a key of the scene file: `medium.phase.g`, `light[0].radius`, `film.size`. The scene is read again.
@@ -42,8 +44,19 @@ impl Scene {
         let flag = format!("{key} = {value}");
         let mut changes = self.changes.clone();
         changes.push(Override { key: key.into(), value, flag, is_dedicated: false });
-        self.loaded = scene::load(&self.path, changes.clone())?;
+        self.loaded = scene::load_at(&self.path, changes.clone(), self.time, &|_| {})?;
         self.changes = changes;
+        Ok(())
+    }
+
+    /// Moves the nodes of its geometry to where the animations of the glTF file have them at `time` `[s]`, all of them
+    /// together. The scene is read again.
+    ///
+    /// # Errors
+    /// If an animation is malformed, or the scene is not valid at that time; it then stays as it was.
+    pub fn set_time(&mut self, time: f64) -> Result<()> {
+        self.loaded = scene::load_at(&self.path, self.changes.clone(), Some(time), &|_| {})?;
+        self.time = Some(time);
         Ok(())
     }
 

@@ -17,6 +17,9 @@ use crate::wavefront::{Wavefront, default_lanes};
 /// Samples of a pixel that one block takes: enough to amortise filling and draining the wavefront.
 const SAMPLES_PER_BLOCK: u32 = 16;
 
+/// Of so many blocks one is timed where only somebody looks on: to time all of them costs some percent.
+const BLOCKS_PER_LOOK: u32 = 8;
+
 /// How to render; nothing here changes a bit of the image.
 #[derive(Clone, Copy, Debug)]
 pub struct Workers {
@@ -91,6 +94,10 @@ pub struct Monitor {
     pub samples: AtomicU64,
     /// Their contributions that were not finite.
     dropped: Mutex<Dropped>,
+    /// Whether somebody looks on, who is to see statistics.
+    pub is_watched: AtomicBool,
+    /// Detailed statistics of blocks, for them.
+    work: Mutex<Option<Stats>>,
 }
 
 impl Monitor {
@@ -107,6 +114,18 @@ impl Monitor {
     /// Notes that contributions were dropped.
     pub fn note_dropped(&self, dropped: Dropped) {
         self.dropped.lock().unwrap_or_else(PoisonError::into_inner).merge(&dropped);
+    }
+
+    /// Detailed statistics so far, if somebody looks on: of some of the blocks, unless all are timed. Their samples are
+    /// those of these blocks.
+    pub fn work(&self) -> Option<Stats> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Adds what a block took.
+    fn note_work(&self, work: &Stats) {
+        let mut all = self.work.lock().unwrap_or_else(PoisonError::into_inner);
+        all.get_or_insert_with(|| Stats::new(true)).merge(work);
     }
 
     /// Whether it says stop.
@@ -171,6 +190,7 @@ impl Renderer {
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
             let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
             wavefront.stats = empty.clone();
+            let mut turn = 0;
             while !monitor.stops() {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= count {
@@ -187,6 +207,10 @@ impl Renderer {
                 if block.is_empty() {
                     continue;
                 }
+                let is_watched = monitor.is_watched.load(Ordering::Relaxed);
+                let is_noted = is_watched && (empty.detailed || turn % BLOCKS_PER_LOOK == 0);
+                let own = is_noted.then(|| Stats { detailed: true, ..empty.clone() });
+                let others = own.map(|own| core::mem::replace(&mut wavefront.stats, own));
                 let (before, dropped) = (wavefront.stats.samples, wavefront.stats.dropped.count);
                 wavefront.render(block, &mut tile);
                 drop(tile);
@@ -195,6 +219,12 @@ impl Renderer {
                 if count > dropped {
                     monitor.note_dropped(Dropped { count: count - dropped, first });
                 }
+                if let Some(others) = others {
+                    let own = core::mem::replace(&mut wavefront.stats, others);
+                    monitor.note_work(&own);
+                    wavefront.stats.merge(&own);
+                }
+                turn += 1;
             }
             total.lock().unwrap_or_else(PoisonError::into_inner).merge(&wavefront.stats);
         });

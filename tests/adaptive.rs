@@ -22,8 +22,15 @@ fn session(scene: LoadedScene, settings: Settings) -> Session {
     Session::new(scene, settings).expect("a session")
 }
 
-const ADAPTIVE: Settings =
-    Settings { region: None, first_sample: 0, adaptive: true, threads: 0, detailed_stats: false, reference: NONE };
+const ADAPTIVE: Settings = Settings {
+    region: None,
+    first_sample: 0,
+    adaptive: true,
+    frame: None,
+    threads: 0,
+    detailed_stats: false,
+    reference: NONE,
+};
 const NONE: fogbow::session::Reference = fogbow::session::Reference::None;
 
 fn rendered(scene: LoadedScene, settings: Settings, limits: impl Into<Limits>) -> (Session, End) {

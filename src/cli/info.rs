@@ -49,7 +49,7 @@ pub fn run(args: &InfoArgs) -> Result<()> {
 
 /// The scene; no signal is waited for, so that one ends the program as usual.
 fn load(args: &InfoArgs) -> Result<LoadedScene> {
-    let loaded = loading::load(&args.path, args.set.clone(), &mut Reporter::for_terminals(), || false)?;
+    let loaded = loading::load(&args.path, args.set.clone(), None, &mut Reporter::for_terminals(), || false)?;
     Ok(loaded.expect("nothing interrupts it"))
 }
 

@@ -18,18 +18,19 @@ const NOTICEABLE: Duration = Duration::from_millis(500);
 /// Bytes of the loader's stack: what the first thread of a program usually has.
 const STACK: usize = 8 << 20;
 
-/// Loads the scene at `path` and tells `reporter` how far that is. None if it was `interrupted`: whatever the loader is
-/// at, it is not waited for, and ends with the program.
+/// Loads the scene at `path`, at a `time` of its animations `[s]`, and tells `reporter` how far that is. None if it was
+/// `interrupted`: whatever the loader is at, it is not waited for, and ends with the program.
 pub fn load(
     path: &Path,
     overrides: Vec<Override>,
+    time: Option<f64>,
     reporter: &mut Reporter,
     interrupted: impl Fn() -> bool,
 ) -> Result<Option<LoadedScene>> {
     let (path, (tell, told)) = (path.to_path_buf(), mpsc::channel());
     let start = Instant::now();
     let work = move || {
-        scene::load_watched(&path, overrides, &|loading| {
+        scene::load_at(&path, overrides, time, &|loading| {
             // Nobody listens once a signal has come.
             let _ = tell.send(loading);
         })

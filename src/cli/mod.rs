@@ -6,9 +6,11 @@ mod checkpoints;
 mod compare;
 mod destinations;
 mod finish;
+mod frames;
 mod info;
 mod loading;
 mod merge;
+mod onlookers;
 mod presets;
 mod progress;
 mod render;
@@ -17,6 +19,7 @@ mod values;
 mod volume;
 
 use std::ffi::OsString;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -29,7 +32,7 @@ use crate::scene::document::Override;
 use crate::scene::schema::MOST_SAMPLES;
 use crate::session::Reference;
 use crate::warning::Warning;
-use values::{Checkpoints, ImageOutput, SampleRange};
+use values::{Checkpoints, FrameRange, ImageOutput, SampleRange};
 
 /// Renders light in fog, clouds, smoke, milk and wax, among lamps, fires and diffuse surfaces, under sun and sky.
 #[derive(Debug, Parser)]
@@ -146,6 +149,14 @@ struct RenderArgs {
     /// Seed for all random numbers.
     #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = values::whole_number("--seed", 0..=u32::MAX))]
     seed: Option<i64>,
+    /// Render frames A to B, including B, or a single one, of the animations of the scene's glTF file: its cameras,
+    /// lights and meshes move with their nodes. Names of outputs have #### where the number of the frame goes, as in
+    /// a.####.exr. With --resume, frames are left out whose images are there, an EXR image among them.
+    #[arg(long, value_name = "A-B", allow_hyphen_values = true, value_parser = values::frames)]
+    frames: Option<FrameRange>,
+    /// Frames per second: frame F is at F / FPS seconds of the animations. Default: 24.
+    #[arg(long, value_name = "FPS", requires = "frames", allow_hyphen_values = true, value_parser = values::fps)]
+    fps: Option<f64>,
     /// Number of worker threads; it does not change the image. Default: one per processor.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::threads)]
     threads: Option<u32>,
@@ -158,6 +169,14 @@ struct RenderArgs {
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,
+    /// Show the render on a page for browsers while it runs: the image, its noise, progress, and statistics per stage
+    /// and technique. Port 0 is any that is free; the address is printed. Only this machine can see it, unless an
+    /// address to listen at is given, for example 0.0.0.0:8080.
+    #[arg(long, value_name = "[ADDRESS:]PORT", value_parser = values::serve)]
+    serve: Option<SocketAddr>,
+    /// Show the image so far in a running tev, which listens at 127.0.0.1:14158 unless told otherwise.
+    #[arg(long, value_name = "HOST:PORT", value_parser = values::preview)]
+    preview: Option<String>,
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,

@@ -1,33 +1,37 @@
 //! Progress of a render: a bar, lines, or messages for other programs.
 
 use std::io::IsTerminal;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
 use super::bar::{Bar, Outlooks};
 use super::{Progress, say, tell};
 use crate::error::Error;
 use crate::figures::{duration, percent, rate};
+use crate::live::Turn;
 use crate::scene::Loading;
 use crate::session::{State, Target};
 
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// What is going on, for people: rate, noise, time left, and what that is until.
-fn outlooks(state: &State) -> Outlooks {
+/// What is going on, for people: which frame, rate, noise, time left, and what that is until.
+fn outlooks(state: &State, turn: Option<Turn>) -> Outlooks {
+    let frame = turn.map_or_else(String::new, |turn| format!("{turn}  "));
     if state.preparing {
-        return Outlooks::of("preparing");
+        return Outlooks::of(&format!("{frame}preparing"));
     }
     let noise = state.noise.map_or_else(String::new, |noise| format!("  noise {}", percent(noise)));
     let (rate, left) = (rate(state.rate()), state.seconds_left.map(|left| format!("{} left", duration(left))));
     let is_told = |target: &Target| state.limits.are_several() || matches!(target, Target::Noise(_));
     let until = state.expected.filter(|target| left.is_some() && is_told(target)).map_or_else(String::new, until);
     let left = left.unwrap_or_else(|| "estimating the time".into());
-    Outlooks { short: format!("{rate}  {left}"), long: format!("{rate}{noise}  {left}{until}") }
+    let short = if turn.is_some() { format!("{frame}{left}") } else { format!("{rate}  {left}") };
+    Outlooks { short, long: format!("{frame}{rate}{noise}  {left}{until}") }
 }
 
 /// What a render goes on until.
@@ -46,6 +50,8 @@ pub struct Reporter {
     last: Option<Instant>,
     /// The file that is being read.
     file: Option<PathBuf>,
+    /// Which frame it is about, if it is one of several.
+    turn: Option<Turn>,
 }
 
 /// What a file is called in a bar or a line.
@@ -61,12 +67,17 @@ impl Reporter {
             Progress::Auto => Progress::Plain,
             chosen => chosen,
         };
-        Self { style, bar: Bar::hidden(), last: None, file: None }
+        Self { style, bar: Bar::hidden(), last: None, file: None, turn: None }
     }
 
     /// A reporter that has nothing to say but to people at a terminal.
     pub fn for_terminals() -> Self {
         Self::new(if std::io::stderr().is_terminal() { Progress::Bar } else { Progress::None })
+    }
+
+    /// From now on it is about this frame.
+    pub fn turn(&mut self, turn: Option<Turn>) {
+        self.turn = turn;
     }
 
     /// From now on it is about a render called `name`.
@@ -119,7 +130,7 @@ impl Reporter {
     /// Shows `state`, not more often than is useful.
     pub fn update(&mut self, state: State) {
         if self.style == Progress::Bar {
-            self.bar.update(state.fraction, outlooks(&state));
+            self.bar.update(state.fraction, outlooks(&state, self.turn));
             return;
         }
         let is_early = state.elapsed < INTERVAL || state.fraction >= 1.0;
@@ -185,6 +196,15 @@ impl Reporter {
         }
     }
 
+    /// Where the render can be seen.
+    pub fn serving(&self, address: SocketAddr) {
+        let url = format!("http://{address}/");
+        match self.style {
+            Progress::Json => tell(json!({ "event": "serving", "url": url })),
+            _ => self.line(format!("the render can be seen at {url}")),
+        }
+    }
+
     /// A warning, also for those who asked for no progress.
     pub fn warn(&self, text: impl core::fmt::Display) {
         match self.style {
@@ -199,27 +219,25 @@ impl Reporter {
     }
 
     fn message(&self, state: State) {
-        let percents = 100.0 * state.fraction;
         match self.style {
-            Progress::Plain => tell(format!("{percents:5.1} %  {}", outlooks(&state).long)),
-            Progress::Json => {
-                let message = json!({
-                    "event": "progress",
-                    "phase": if state.preparing { "preparing" } else { "rendering" },
-                    "fraction": state.fraction,
-                    "samples": state.samples,
-                    "samples_per_second": state.rate(),
-                    "seconds": state.elapsed.as_secs_f64(),
-                    "seconds_left": state.seconds_left,
-                    "noise": state.noise,
-                    "noise_target": state.limits.noise,
-                    "until": state.expected.map(Target::name),
-                });
-                tell(message);
+            Progress::Plain => {
+                tell(format!("{:5.1} %  {}", 100.0 * state.fraction, outlooks(&state, self.turn).long));
             }
-            Progress::Openjd | Progress::Alf => self.percent(percents),
+            Progress::Json => {
+                let mut message = Map::from_iter([("event".to_string(), json!("progress"))]);
+                message.extend(state.figures());
+                message.extend(self.turn.map(|turn| ("frame".to_string(), turn.figures())));
+                tell(Value::Object(message));
+            }
+            Progress::Openjd | Progress::Alf => self.percent(100.0 * self.of_all(state.fraction)),
             Progress::Auto | Progress::Bar | Progress::None => {}
         }
+    }
+
+    /// Share of all frames that is done, where this share of the one at hand is.
+    fn of_all(&self, fraction: f64) -> f64 {
+        let of_turn = |Turn { place, count, .. }: Turn| (f64::from(place - 1) + fraction) / f64::from(count);
+        self.turn.map_or(fraction, of_turn)
     }
 }
 

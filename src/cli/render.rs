@@ -1,87 +1,214 @@
 //! `fogbow render`
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::thread;
 
 use super::checkpoints::{Keeper, Plan};
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
+use super::frames::{self, Sequence};
 use super::loading;
+use super::onlookers::Onlookers;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{Checkpoints, ImageOutput};
-use super::{RenderArgs, say, warning_text};
+use super::{Progress, RenderArgs, say, warning_text};
 use crate::adaptive;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
+use crate::live::Turn;
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
-use crate::session::{Limits, Session, Settings, State};
+use crate::session::{Limits, Outcome, Session, Settings, State};
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if args.help_scene {
         return help_scene();
     }
-    let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
-    let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
-    let Some(scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
-        return Ok(nothing(&signals, args.resume || is_kept(args), &reporter));
+    let sequence = Sequence::new(args)?;
+    let (reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
+    let onlookers = Onlookers::invite(args, &reporter)?;
+    let mut run = Run { args, reporter, signals, onlookers, told: BTreeSet::new() };
+    let code = match sequence {
+        Some(sequence) => run.render_all(&sequence)?,
+        None => run.render(None)?,
     };
-    reporter.begin(&scene.name);
-    cpu::advice().iter().for_each(|advice| reporter.warn(advice));
-    scene.warnings.iter().for_each(|warning| reporter.warn(warning_text(warning, args.verbose)));
-    let region = region(args, scene.scene.film.size)?;
-    let outputs = outputs(args, &scene);
-    let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
-    let limits = limits(args, &scene, first_sample);
-    let plan = Plan::new(args, &outputs, limits)?;
-    check_destinations(args, &scene, &outputs, plan.path())?;
-    let has_png = outputs.iter().any(|image| image.format == Format::Png);
-    if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
-        reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
+    run.onlookers.leave(&run.reporter);
+    Ok(code)
+}
+
+/// One run of the program: a render, or one for every frame.
+struct Run<'a> {
+    args: &'a RenderArgs,
+    reporter: Reporter,
+    signals: Signals,
+    onlookers: Onlookers,
+    /// Warnings of scenes that were told: frames have most of them in common.
+    told: BTreeSet<String>,
+}
+
+/// What is asked of a render of one scene.
+struct Request {
+    outputs: Vec<ImageOutput>,
+    statistics: Option<PathBuf>,
+    settings: Settings,
+    limits: Limits,
+    plan: Plan,
+}
+
+impl Request {
+    fn has_png(&self) -> bool {
+        self.outputs.iter().any(|image| image.format == Format::Png)
     }
-    let mut session = Session::new(
-        scene,
-        Settings {
+}
+
+impl Run<'_> {
+    /// Renders all frames, up to one that a signal ends or that fails.
+    fn render_all(&mut self, sequence: &Sequence) -> Result<ExitCode> {
+        for turn in sequence.turns() {
+            let code = self.render(Some((turn, sequence.time(turn))))?;
+            if code != ExitCode::SUCCESS || self.signals.came() {
+                return Ok(code);
+            }
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Renders the scene, perhaps as a frame at a time `[s]`.
+    fn render(&mut self, moment: Option<(Turn, f64)>) -> Result<ExitCode> {
+        let turn = moment.map(|(turn, _)| turn);
+        let Some(scene) = self.load(moment)? else {
+            return Ok(nothing(&self.signals, self.args.resume || is_kept(self.args), &self.reporter));
+        };
+        let request = self.request(&scene, turn)?;
+        let mut session = Session::new(scene, request.settings)?;
+        self.warn_of_no_effect(&session, request.limits);
+        if turn.is_some() && self.args.resume && self.is_done(&session, &request) {
+            return Ok(ExitCode::SUCCESS);
+        }
+        let checkpoint = request.plan.existing(&session, &self.reporter)?;
+        self.prepare(&mut session, request.has_png())?;
+        if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
+            session.resume(&mut checkpoint)?;
+            request.plan.check_samples(&session)?;
+            self.reporter.line(format!("going on after {} samples", session.film.samples()));
+        }
+        let session = Arc::new(session);
+        self.onlookers.show(&session, &self.reporter);
+        let (outcome, is_kept) = self.sample(&session, &request);
+        let Self { signals, reporter, .. } = self;
+        let ending = Ending { session: &session, outcome: &outcome, signals, plan: &request.plan, is_kept };
+        finish(&ending, &request.outputs, request.statistics.as_deref(), reporter)
+    }
+
+    /// The scene; none if a signal came meanwhile.
+    fn load(&mut self, moment: Option<(Turn, f64)>) -> Result<Option<LoadedScene>> {
+        let Self { args, reporter, signals, onlookers, .. } = self;
+        let (turn, time) = moment.unzip();
+        let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
+        reporter.turn(turn);
+        onlookers.begin(&scene::name(path), turn);
+        let scene = loading::load(path, overrides(args), time, reporter, || signals.came())?;
+        if let Some(scene) = &scene {
+            reporter.begin(&scene.name);
+            let warnings = scene.warnings.iter().map(|warning| warning_text(warning, args.verbose));
+            let all: Vec<_> = cpu::advice().map(String::from).into_iter().chain(warnings).collect();
+            all.into_iter().for_each(|warning| self.warn_once(warning));
+        }
+        Ok(scene)
+    }
+
+    /// What is asked of a render of `scene`, and whether it can be had.
+    fn request(&mut self, scene: &LoadedScene, turn: Option<Turn>) -> Result<Request> {
+        let args = self.args;
+        let region = region(args, scene.scene.film.size)?;
+        let (outputs, statistics) = (outputs(args, scene, turn), args.stats.as_ref().map(|path| named(path, turn)));
+        let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
+        let limits = limits(args, scene, first_sample);
+        let plan = Plan::new(args, &outputs, limits)?;
+        let settings = Settings {
             region: Some(region),
             first_sample,
             adaptive: args.adaptive,
+            frame: turn.map(|turn| turn.frame),
             threads: args.threads.unwrap_or(0) as usize,
             detailed_stats: args.stats.is_some(),
             reference: args.reference.unwrap_or_default(),
-        },
-    )?;
-    if session.is_adaptive() && limits.samples.is_some_and(|samples| first_sample + samples <= adaptive::EVEN) {
-        reporter
-            .warn(format!("--adaptive has no effect: the first {} samples are those of all pixels", adaptive::EVEN));
-    }
-    let checkpoint = plan.existing(&session, &reporter)?;
-    signals.set(&session.monitor().stop)?;
-    session.prepare(has_png, |state| reporter.update(state));
-    let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
-    left_out.iter().for_each(|left_out| reporter.warn(left_out));
-    if let Some(mut checkpoint) = checkpoint.filter(|_| !signals.came()) {
-        session.resume(&mut checkpoint)?;
-        plan.check_samples(&session)?;
-        reporter.line(format!("going on after {} samples", session.film.samples()));
-    }
-    let mut last = State::default();
-    let (outcome, is_kept) = thread::scope(|scope| {
-        let mut keeper = Keeper::start(scope, &session, &plan);
-        let look = |state| {
-            last = state;
-            reporter.update(state);
-            keeper.look(&state, &signals, &reporter);
         };
-        let outcome = session.run(limits, || signals.came(), look);
-        reporter.finish(if signals.came() { last } else { last.done() });
-        (outcome, keeper.end(&session, &last, signals.came(), &reporter))
-    });
-    let ending = Ending { session: &session, outcome: &outcome, signals: &signals, plan: &plan, is_kept };
-    finish(&ending, &outputs, args.stats.as_deref(), &reporter)
+        let request = Request { outputs, statistics, settings, limits, plan };
+        check_destinations(args.progress, scene, &request)?;
+        if let Some(stops) = args.exposure.as_ref().filter(|_| !request.has_png()).map(word) {
+            let finding = "has no effect: only PNG images are exposed, and none is written";
+            self.reporter.warn(format!("--exposure {stops} {finding}"));
+        }
+        if turn.is_some_and(|turn| turn.count > 1) && request.has_png() && scene.scene.film.exposure.0.is_none() {
+            let flicker = "PNG images of frames are each exposed for themselves: give all the same --exposure";
+            self.warn_once(flicker.into());
+        }
+        Ok(request)
+    }
+
+    /// Warns of what all frames have in common.
+    fn warn_once(&mut self, warning: String) {
+        if self.told.insert(warning.clone()) {
+            self.reporter.warn(warning);
+        }
+    }
+
+    fn warn_of_no_effect(&self, session: &Session, limits: Limits) {
+        let (first, even) = (self.args.sample_range.as_ref().map_or(0, |range| range.start), adaptive::EVEN);
+        if session.is_adaptive() && limits.samples.is_some_and(|samples| first + samples <= even) {
+            let finding = format!("has no effect: the first {even} samples are those of all pixels");
+            self.reporter.warn(format!("--adaptive {finding}"));
+        }
+    }
+
+    /// Whether all results of a frame are there, so that nothing is left to do.
+    fn is_done(&self, session: &Session, Request { outputs, statistics, limits, plan, .. }: &Request) -> bool {
+        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, statistics.as_deref());
+        if is_done {
+            let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
+            self.reporter.line(format!("{}: there already", names.join(", ")));
+        }
+        is_done
+    }
+
+    fn prepare(&mut self, session: &mut Session, has_png: bool) -> Result<()> {
+        let Self { reporter, signals, onlookers, .. } = self;
+        signals.set(&session.monitor().stop)?;
+        session.prepare(has_png, |state| {
+            reporter.update(state);
+            onlookers.look(state, reporter);
+        });
+        let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
+        left_out.iter().for_each(|left_out| reporter.warn(left_out));
+        Ok(())
+    }
+
+    /// Takes all samples; how that ended, and whether a checkpoint of them was written.
+    fn sample(&mut self, session: &Session, Request { limits, plan, .. }: &Request) -> (Outcome, bool) {
+        let Self { reporter, signals, onlookers, .. } = self;
+        let mut last = State::default();
+        thread::scope(|scope| {
+            let mut keeper = Keeper::start(scope, session, plan);
+            let look = |state| {
+                last = state;
+                reporter.update(state);
+                onlookers.look(state, reporter);
+                keeper.look(&state, signals, reporter);
+            };
+            let outcome = session.run(*limits, || signals.came(), look);
+            let end = if signals.came() { last } else { last.done() };
+            reporter.finish(end);
+            onlookers.end(end, signals.came());
+            (outcome, keeper.end(session, &last, signals.came(), reporter))
+        })
+    }
 }
 
 /// Whether checkpoints are asked for.
@@ -149,25 +276,29 @@ fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
     Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
 }
 
+/// Where a result goes, or that of a frame.
+fn named(path: &Path, turn: Option<Turn>) -> PathBuf {
+    turn.map_or_else(|| path.into(), |turn| frames::numbered(path, turn.frame))
+}
+
 /// The images to write.
-fn outputs(args: &RenderArgs, scene: &LoadedScene) -> Vec<ImageOutput> {
+fn outputs(args: &RenderArgs, scene: &LoadedScene, turn: Option<Turn>) -> Vec<ImageOutput> {
     if args.output.is_empty() {
-        return vec![ImageOutput { path: format!("{}.exr", scene.name).into(), format: Format::Exr }];
+        let ending = if turn.is_some() { "####.exr" } else { "exr" };
+        return vec![ImageOutput {
+            path: named(Path::new(&format!("{}.{ending}", scene.name)), turn),
+            format: Format::Exr,
+        }];
     }
-    args.output.clone()
+    args.output.iter().map(|image| ImageOutput { path: named(&image.path, turn), format: image.format }).collect()
 }
 
 /// Fails if a result cannot go where it is to go.
-fn check_destinations(
-    args: &RenderArgs,
-    scene: &LoadedScene,
-    outputs: &[ImageOutput],
-    checkpoint: Option<&Path>,
-) -> Result<()> {
-    let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
-    let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
-    let checkpoint = checkpoint.map(|path| Destination { flag: "checkpoint", path });
+fn check_destinations(progress: Progress, scene: &LoadedScene, request: &Request) -> Result<()> {
+    let images = request.outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
+    let stats = request.statistics.iter().map(|path| Destination { flag: "--stats", path });
+    let checkpoint = request.plan.path().map(|path| Destination { flag: "checkpoint", path });
     let all: Vec<_> = images.chain(stats).chain(checkpoint).collect();
     destinations::check(&all, &scene.files)?;
-    destinations::check_lines(&all, args.progress)
+    destinations::check_lines(&all, progress)
 }

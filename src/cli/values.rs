@@ -2,6 +2,7 @@
 
 use core::ops::RangeInclusive;
 use std::ffi::{OsStr, OsString};
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -12,6 +13,9 @@ use crate::image::Format;
 use crate::output;
 use crate::scene::schema::{MOST_SAMPLES, MOST_SEGMENTS};
 use crate::session::Reference;
+
+/// The last frame there can be.
+const LAST_FRAME: u32 = 999_999_999;
 
 /// An image to write.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -193,8 +197,49 @@ fn whole_number_or(
     }
 }
 
+/// `--serve`
+pub fn serve(text: &str) -> Result<SocketAddr> {
+    let local = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let of_name = || text.strip_prefix("localhost:").and_then(|port| port.parse().ok()).map(local);
+    let address = text.parse().map(local).ok().or_else(|| text.parse().ok()).or_else(of_name);
+    let remedy = "give a port from 0 to 65535, or an address of this machine and a port, for example 0.0.0.0:8080";
+    address.map_or_else(|| refuse("--serve", text, "is not a port", remedy), Ok)
+}
+
+/// `--preview`
+pub fn preview(text: &str) -> Result<String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).and_then(|(_, port)| port.parse().ok());
+    match port {
+        Some(1..=u16::MAX) => Ok(text.into()),
+        _ => refuse("--preview", text, "is not a host and a port", "give those of tev, for example 127.0.0.1:14158"),
+    }
+}
+
 /// Numbers of samples, from the first to before the last.
 pub type SampleRange = core::ops::Range<u32>;
+
+/// Numbers of frames, from the first to the last.
+pub type FrameRange = RangeInclusive<u32>;
+
+/// `--frames`
+pub fn frames(text: &str) -> Result<FrameRange> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|frame| *frame <= LAST_FRAME);
+    let finding = match (number(first), number(last)) {
+        (Some(first), Some(last)) if first <= last => return Ok(first..=last),
+        (Some(_), Some(_)) => "ends before it begins",
+        _ => "is not a range of frames",
+    };
+    refuse("--frames", text, finding, "give A-B, from 0 to 999999999, for example 1-100, or one frame, for example 7")
+}
+
+/// `--fps`
+pub fn fps(text: &str) -> Result<f64> {
+    match text.parse() {
+        Ok(fps) if fps > 0.0 && fps < f64::INFINITY => Ok(fps),
+        _ => refuse("--fps", text, "is not a number above 0", "give frames per second, for example 24 or 29.97"),
+    }
+}
 
 /// `--sample-range`
 pub fn sample_range(text: &str) -> Result<SampleRange> {

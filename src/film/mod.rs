@@ -16,7 +16,7 @@ use crate::frame::Frame;
 pub use coverage::{Coverage, Gap, Part};
 pub use exact::{ExactSquares, ExactSum, Unit};
 pub use layer::{Layer, LayerForm, RADIANCE, layers};
-pub(crate) use noise::{DARK, NOISIEST};
+pub(crate) use noise::{DARK, NOISIEST, dark, length};
 pub use sums::Exact;
 use sums::Sums;
 pub use tile::{Region, Tile};
@@ -114,6 +114,11 @@ impl Film {
     /// Tile `index`, for one worker at a time.
     pub fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         self.tiles[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// Tile `index`, unless a worker is at it.
+    pub fn idle_tile(&self, index: usize) -> Option<MutexGuard<'_, Tile>> {
+        self.tiles[index].try_lock().ok()
     }
 
     /// Adds the samples of another film of the same layers, region and tile size.
@@ -218,7 +223,7 @@ impl Film {
     /// are none.
     pub fn glimpsed_noise(&self) -> f64 {
         let step = (self.region.pixels() / GLIMPSED).max(1) as usize;
-        let tiles = self.tiles.iter().filter_map(|tile| tile.try_lock().ok());
+        let tiles = (0..self.tiles.len()).filter_map(|index| self.idle_tile(index));
         let some = |tile: MutexGuard<'_, Tile>| {
             let region = tile.region();
             let pixels = region.rows().flat_map(|y| region.columns().map(move |x| (x, y)));

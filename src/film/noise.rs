@@ -15,9 +15,19 @@ const MANY: usize = 10;
 /// Share of the median that dark pixels count as.
 pub const DARK: f64 = 0.1;
 
+/// The length of an RGB vector, by which pixels are compared.
+pub fn length(rgb: [f64; 3]) -> f64 {
+    rgb.into_iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// What darker pixels count as in an image whose pixels that are not black have these `means`; 0 if there are none.
+pub fn dark(mut means: Vec<f64>) -> f64 {
+    let middle = means.len() / 2;
+    if means.is_empty() { 0.0 } else { DARK * *means.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
 /// The noise of an image; infinite if no pixel has an error yet, as with one sample each, or all are black.
 pub fn relative(pixels: impl Iterator<Item = Pixel>) -> f64 {
-    let length = |rgb: [f64; 3]| rgb.into_iter().map(|x| x * x).sum::<f64>().sqrt();
     let (mut means, mut errors) = (Vec::new(), Vec::new());
     for pixel in pixels.filter(|pixel| pixel.samples > 1 && pixel.mean != [0.0; 3]) {
         means.push(length(pixel.mean));
@@ -26,8 +36,7 @@ pub fn relative(pixels: impl Iterator<Item = Pixel>) -> f64 {
     if means.is_empty() {
         return f64::INFINITY;
     }
-    let middle = means.len() / 2;
-    let floor = DARK * *means.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
+    let floor = dark(means.clone());
     let mut noises: Vec<f64> = means.iter().zip(errors).map(|(mean, error)| error / mean.max(floor)).collect();
     let left_out = (noises.len() / NOISIEST).max(usize::from(noises.len() >= MANY));
     let kept = noises.len() - left_out;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde_json::Value;
 
 use super::accessors::Accessors;
+use super::animations::{self, Change};
 use super::buffers::{self, Buffers, Sources};
 use super::fault::{Checked, InFile};
 use super::files::{self, Files};
@@ -39,12 +40,13 @@ pub struct Asset {
 }
 
 impl Asset {
-    /// Opens the file at `path`, `.gltf` or `.glb`; which of the two, its content says.
+    /// Opens the file at `path`, `.gltf` or `.glb`; which of the two, its content says. Nodes are where its animations
+    /// have them at `time` `[s]`; without a time, where the file places them.
     ///
     /// # Errors
     /// If the file or a buffer that it refers to cannot be read, its nodes or cameras are malformed, or it needs what
     /// is not supported.
-    pub fn open(path: &Path) -> Result<Self> {
+    pub fn open(path: &Path, time: Option<f64>) -> Result<Self> {
         let remedy = "give the path of a readable .gltf or .glb file";
         let file = path.display().to_string();
         let mut content = files::Content::open(path).map_err(|finding| Error::failure(&file, finding, remedy))?;
@@ -52,19 +54,20 @@ impl Asset {
         let start = content.start().map_err(|finding| Error::failure(&file, finding, remedy))?;
         container::check_start(start).in_file(&file)?;
         let bytes = content.all().map_err(|finding| Error::failure(&file, finding, remedy))?;
-        Self::parse(&file, bytes, path.parent())
+        Self::parse(&file, bytes, path.parent(), time)
     }
 
     /// Opens a file from memory; `file` is what errors call it, and files that it refers to are in `folder`.
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn parse(file: &str, bytes: Vec<u8>, folder: Option<&Path>) -> Result<Self> {
+    pub fn parse(file: &str, bytes: Vec<u8>, folder: Option<&Path>, time: Option<f64>) -> Result<Self> {
         let mut warnings = Warnings::default();
         let container = container::open(&bytes, &mut warnings).in_file(file)?;
-        let root = document::read(file, &container)?;
+        let mut root = document::read(file, &container)?;
         let (binary, mut files) = (container.binary, Files::new(folder));
-        let opened = open(&root, binary.is_some(), &mut files, &mut warnings).in_file(file)?;
+        let content = binary.clone().map(|range| &bytes[range]);
+        let opened = open(&mut root, content, &mut files, time, &mut warnings).in_file(file)?;
         let (file, (buffers, places, cameras)) = (file.into(), opened);
         Ok(Self { file, bytes, binary, root, files, buffers, places, cameras, warnings })
     }
@@ -139,18 +142,29 @@ impl Asset {
     }
 }
 
-/// What the first phase reads: where buffers are, where nodes are, and the cameras.
+/// What the first phase reads: where buffers are, where nodes are at this time, and the cameras.
 fn open(
-    root: &Root,
-    has_binary: bool,
+    root: &mut Root,
+    binary: Option<&[u8]>,
     files: &mut Files,
+    time: Option<f64>,
     warnings: &mut Warnings,
 ) -> Checked<(Sources, Vec<Place>, Vec<Camera>)> {
-    document::check(root, warnings)?;
-    let buffers = buffers::open(root, has_binary, files)?;
+    document::check(root, time.is_some(), warnings)?;
+    let buffers = buffers::open(root, binary.is_some(), files)?;
+    if let Some(time) = time {
+        let changes = play(root, &Buffers::new(root, &buffers, binary, files)?, time, warnings)?;
+        changes.into_iter().for_each(|change| change.apply(&mut root.nodes));
+    }
     let places = nodes::places(root, warnings)?;
     let cameras = cameras::read(&root.cameras, &nodes::placed(root, &places), warnings)?;
     Ok((buffers, places, cameras))
+}
+
+/// What the animations of the file change in its nodes at `time` `[s]`.
+fn play(root: &Root, buffers: &Buffers<'_>, time: f64, warnings: &mut Warnings) -> Checked<Vec<Change>> {
+    let accessors = Accessors { buffers, accessors: &root.accessors };
+    animations::changes(&root.animations, &root.nodes, accessors, time, warnings)
 }
 
 /// What the scene and its nodes say beyond glTF.

@@ -43,8 +43,8 @@ fn malformed(file: &str, container: &Container<'_>, path: &str, error: &serde_js
     Error::failure(place, finding, remedy)
 }
 
-/// Whether the file is of a version and has extensions that can be read.
-pub fn check(root: &Root, warnings: &mut Warnings) -> Checked<()> {
+/// Whether the file is of a version and has extensions that can be read; `is_played` if its animations are.
+pub fn check(root: &Root, is_played: bool, warnings: &mut Warnings) -> Checked<()> {
     version(root)?;
     for name in &root.extensions_required {
         require(SUPPORTED.contains(&name.as_str()), || format!("requires {}", quoted(name)), remedy(name))
@@ -53,8 +53,9 @@ pub fn check(root: &Root, warnings: &mut Warnings) -> Checked<()> {
     for name in root.extensions_used.iter().filter(|name| !SUPPORTED.contains(&name.as_str())) {
         warnings.note("extensions that are not supported are ignored", || format!("extension {}", quoted(name)));
     }
-    if !root.animations.is_empty() {
-        warnings.note("animations are ignored; nodes stay where the file places them", || "animation 0");
+    if !root.animations.is_empty() && !is_played {
+        let finding = "animations are played by --frames alone; nodes stay where the file places them";
+        warnings.note(finding, || "animation 0");
     }
     Ok(())
 }

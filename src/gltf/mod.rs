@@ -8,12 +8,16 @@
 //! error that names the object, and never a panic, whatever the bytes are. Indices, offsets, counts and sizes are
 //! checked where they are used, and memory is taken only after that, in proportion to the size of the file.
 //!
+//! Animations of nodes are played where a time is given: translation, rotation and scale, all animations of the file
+//! together.
+//!
 //! Read beyond the core: `KHR_lights_punctual`, `KHR_materials_emissive_strength`, `KHR_texture_transform`,
 //! `KHR_mesh_quantization`. Files that require other extensions are refused. Data stands in the file, in data URIs, or
 //! in files in the model's folder or below it: URIs that lead elsewhere are refused, so that a model cannot read what
 //! it was not given.
 
 mod accessors;
+mod animations;
 mod asset;
 mod buffers;
 mod cameras;
@@ -57,7 +61,7 @@ use crate::error::Result;
 /// # Errors
 /// If the file or one that it refers to cannot be read, is malformed, or needs what is not supported.
 pub fn load(path: &Path) -> Result<Model> {
-    Asset::open(path)?.load(DVec3::ZERO)
+    Asset::open(path, None)?.load(DVec3::ZERO)
 }
 
 /// Reads a model from memory; `file` is what errors call it, and files that it refers to are in `folder`.
@@ -65,5 +69,13 @@ pub fn load(path: &Path) -> Result<Model> {
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
-    Asset::parse(file, bytes.to_vec(), folder)?.load(DVec3::ZERO)
+    Asset::parse(file, bytes.to_vec(), folder, None)?.load(DVec3::ZERO)
+}
+
+/// The same with nodes where the animations of the file have them at `time` `[s]`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_at(file: &str, bytes: &[u8], folder: Option<&Path>, time: f64) -> Result<Model> {
+    Asset::parse(file, bytes.to_vec(), folder, Some(time))?.load(DVec3::ZERO)
 }

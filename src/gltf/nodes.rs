@@ -40,7 +40,8 @@ impl Placed<'_> {
     }
 }
 
-fn node_label(index: usize, node: &Node) -> String {
+/// What node `index` is called in messages.
+pub fn node_label(index: usize, node: &Node) -> String {
     label("node", index, node.name.as_deref())
 }
 

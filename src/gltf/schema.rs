@@ -31,7 +31,7 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub images: Vec<Image>,
     pub cameras: Vec<Camera>,
-    pub animations: Vec<IgnoredAny>,
+    pub animations: Vec<Animation>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -279,6 +279,33 @@ pub struct Perspective {
     pub aspect_ratio: Option<f64>,
     pub yfov: f64,
     pub znear: f64,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Animation {
+    pub name: Option<String>,
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct ChannelTarget {
+    pub node: Option<usize>,
+    pub path: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -46,22 +46,23 @@ use volumes::Sources;
 /// If the file or its geometry cannot be read, is not TOML or glTF, or has unknown keys, wrong types or values out of
 /// range.
 pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
-    load_watched(path, overrides, &|_| {})
+    load_at(path, overrides, None, &|_| {})
 }
 
-/// The same, telling `look` now and then how far volumes have been read.
+/// The same with the nodes of its geometry where animations have them at `time` `[s]`, or else where the file places
+/// them; tells `look` now and then how far volumes have been read.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_watched(path: &Path, overrides: Vec<Override>, look: Look<'_>) -> Result<LoadedScene> {
+pub fn load_at(path: &Path, overrides: Vec<Override>, time: Option<f64>, look: Look<'_>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let asset = model::is_model(&file).then(|| Asset::open(&file)).transpose()?;
+    let asset = model::is_model(&file).then(|| Asset::open(&file, time)).transpose()?;
     let mut document = match &asset {
         Some(asset) => extras::document(&file, asset)?,
         None => Document::read(&file)?,
     };
     document.apply_all(overrides)?;
-    let mut scene = load_document(name(path), &document, asset, look)?;
+    let mut scene = load_document(name(path), &document, (asset, time), look)?;
     scene.files.insert(0, file);
     Ok(scene)
 }
@@ -71,19 +72,24 @@ pub fn load_watched(path: &Path, overrides: Vec<Override>, look: Look<'_>) -> Re
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &str, text: &str) -> Result<LoadedScene> {
-    load_document(name(Path::new(file)), &Document::parse(file, text)?, None, &|_| {})
+    load_document(name(Path::new(file)), &Document::parse(file, text)?, (None, None), &|_| {})
 }
 
-/// The scene that `document` describes; `asset` is the glTF file that is a scene by itself.
+/// The scene that `document` describes at a time; the asset is the glTF file that is a scene by itself.
 ///
 /// The camera comes first: it says what positions are counted from, and with that the model's vertices are read.
-fn load_document(name: String, document: &Document, asset: Option<Asset>, look: Look<'_>) -> Result<LoadedScene> {
+fn load_document(
+    name: String,
+    document: &Document,
+    (asset, time): (Option<Asset>, Option<f64>),
+    look: Look<'_>,
+) -> Result<LoadedScene> {
     let mut scene = read(document)?;
     presets::resolve(&mut scene, document)?;
     if !scene.volume.is_empty() && !scene.has_endless_medium() && !document.has("render.technique") {
         scene.render.technique = Techniques(vec![Technique::Nee]);
     }
-    let asset = model::open(&scene, document, asset)?;
+    let asset = model::open(&scene, document, asset, time)?;
     let chosen = cameras::choose(&scene, document, asset.as_ref())?;
     if let Some(aspect) = chosen.aspect.filter(|_| !document.has("film.size")) {
         scene.film.size = Film::of_aspect(aspect).size;
@@ -97,6 +103,8 @@ fn load_document(name: String, document: &Document, asset: Option<Asset>, look: 
     let has_suns = !scene.has_endless_medium();
     let mut warnings = loaded.as_ref().map_or_else(Vec::new, |loaded| surfaces::warnings(loaded, has_suns));
     warnings.extend(no_medium(document));
+    let finding = "nothing moves: there is no geometry, and all frames are alike";
+    warnings.extend((time.is_some() && loaded.is_none()).then(|| Warning::new(document.place("geometry"), finding)));
     let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
@@ -137,7 +145,7 @@ fn file(path: &Path) -> Result<PathBuf> {
 }
 
 /// What the scene at `path` is called: a folder's name, or a file's without its ending; `a/scene.toml` is `a`.
-fn name(path: &Path) -> String {
+pub fn name(path: &Path) -> String {
     let path = match path.file_stem() {
         Some(stem) if stem == "scene" && !path.is_dir() => path.parent().unwrap_or(path),
         _ => path,

@@ -18,19 +18,19 @@ pub fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ["gltf", "glb"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
-/// The file that `scene` names as its geometry; `given` is the one that is a scene by itself.
-pub fn open(scene: &Scene, document: &Document, given: Option<Asset>) -> Result<Option<Asset>> {
+/// The file that `scene` names as its geometry, at `time`; `given` is the one that is a scene by itself.
+pub fn open(scene: &Scene, document: &Document, given: Option<Asset>, time: Option<f64>) -> Result<Option<Asset>> {
     match (&scene.geometry, given) {
         (None, _) => Ok(None),
         (Some(_), Some(asset)) if !document.is_set_by_flag("geometry") => Ok(Some(asset)),
-        (Some(geometry), _) => open_geometry(geometry, document).map(Some),
+        (Some(geometry), _) => open_geometry(geometry, document, time).map(Some),
     }
 }
 
-fn open_geometry(geometry: &str, document: &Document) -> Result<Asset> {
+fn open_geometry(geometry: &str, document: &Document, time: Option<f64>) -> Result<Asset> {
     let path = document.folder().join(geometry);
     if path.is_file() {
-        return Asset::open(&path);
+        return Asset::open(&path, time);
     }
     let file = path.display();
     let finding = match path.is_dir() {

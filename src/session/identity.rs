@@ -11,8 +11,11 @@ pub type Entry = (String, String);
 pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
 
 /// Entries that have to be the same, those that say most first.
-const DECISIVE: [&str; 8] =
-    ["version", "reference", "technique", "starts", "survival", "aimed", "roulette", "scene_hash"];
+const DECISIVE: [&str; 9] =
+    ["version", FRAME, "reference", "technique", "starts", "survival", "aimed", "roulette", "scene_hash"];
+
+/// The number of a frame, which only frames of animations have.
+const FRAME: &str = "frame";
 
 /// Keys of a scene on which no sample depends.
 const IRRELEVANT: [&str; 2] = ["render.samples", "film.exposure"];
@@ -50,12 +53,13 @@ pub fn difference(there: &[Entry], here: &[Entry], more: &[&str]) -> Option<Diff
     {
         return Some(difference);
     }
-    let differs = |name: &&str| text(here, name).is_some_and(|here| text(there, name) != Some(here));
+    let is_known = |name: &str| text(here, name).is_some() || name == FRAME;
+    let differs = |name: &&str| is_known(name) && text(there, name) != text(here, name);
     let what = DECISIVE.iter().chain(more).copied().find(differs)?;
     if what == "scene_hash" {
         return Some(Difference { what: "the content of a file of the scene is another one".into(), values: None });
     }
-    let value = |entries| quoted(text(entries, what).unwrap_or("unknown"));
+    let value = |entries| quoted(text(entries, what).unwrap_or(if what == FRAME { "none" } else { "unknown" }));
     Some(Difference { what: what.into(), values: Some([value(there), value(here)]) })
 }
 
@@ -120,6 +124,9 @@ mod tests {
         let other = entries("2", &a[1].1, "1");
         assert_eq!(found(&a, &other).as_deref(), Some("the content of a file of the scene is another one"));
         assert_eq!(found(&a, &entries("1", &a[1].1, "2")).as_deref(), Some("starts is 1 there and 2 here"));
+        let frame = |number: &str| [&a[..], &[("frame".to_string(), number.to_string())]].concat();
+        assert_eq!(found(&frame("1"), &frame("2")).as_deref(), Some("frame is 1 there and 2 here"));
+        assert_eq!(found(&frame("1"), &a).as_deref(), Some("frame is 1 there and none here"));
         assert_eq!(found(&a, &a[..2]), None, "what is not known yet is not compared");
     }
 }

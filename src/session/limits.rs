@@ -49,6 +49,16 @@ impl Limits {
     }
 }
 
+/// What was asked for, as in `samples 64, time 1m, noise 0.01`; nothing if it was nothing.
+impl fmt::Display for Limits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let samples = self.samples.map(|samples| format!("samples {samples}"));
+        let time = self.time.map(|time| format!("time {}", humantime::format_duration(time)));
+        let noise = self.noise.map(|noise| format!("noise {noise}"));
+        f.write_str(&[samples, time, noise].into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
+}
+
 impl From<Target> for Limits {
     fn from(target: Target) -> Self {
         Self::from_iter([target])
@@ -103,6 +113,7 @@ mod tests {
     fn of_targets_of_a_kind_the_first_to_be_met_counts() {
         let limits = Limits::from([Target::Noise(0.01), Target::Samples(9), Target::Noise(0.1), Target::Samples(4)]);
         assert_eq!(limits, Limits { samples: Some(4), noise: Some(0.1), time: None });
+        assert_eq!(limits.to_string(), "samples 4, noise 0.1");
         assert!(limits.are_several() && !Limits::from(Target::Noise(0.1)).are_several());
     }
 }

@@ -1,10 +1,11 @@
 //! A render from its scene to the images it leaves: what is decided first, rounds of samples, and what is told of them.
 
 pub mod checkpoint;
+mod done;
 pub mod identity;
 mod limits;
 mod plan;
-mod report;
+pub mod report;
 mod rounds;
 mod watch;
 
@@ -76,6 +77,8 @@ pub struct Settings {
     pub first_sample: u32,
     /// Whether noisy tiles get more samples than others; see [`crate::adaptive`].
     pub adaptive: bool,
+    /// Number of the frame, if it is one of an animation: frames are never parts of each other.
+    pub frame: Option<u32>,
     /// Worker threads; 0 for one per processor.
     pub threads: usize,
     /// Whether to time stages and count the fate of connections.
@@ -219,6 +222,11 @@ impl Session {
         let (frame, trials) = pilot::choose(frame, size, self.scene.choices(), renderer, monitor);
         let left_out = truncation::estimate(&frame, size, renderer, monitor);
         (frame, Preparation { trials, left_out, exposure })
+    }
+
+    /// The exposure of its images, as far as it is settled before they are rendered.
+    pub fn exposure(&self) -> Option<Exposure> {
+        self.preparation.exposure.or(self.scene.scene.film.exposure.0.map(Exposure))
     }
 
     /// All that is told of a render that ended like this.

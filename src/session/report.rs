@@ -15,7 +15,7 @@ use crate::figures::{starts, survival};
 use crate::film::Film;
 use crate::output;
 use crate::pilot::Trial;
-use crate::stats::{ConnectionStats, Stats};
+use crate::stats::{ConnectionStats, StageStats, Stats};
 use crate::truncation::{Share, Truncation};
 
 impl Session {
@@ -38,11 +38,12 @@ impl Session {
             ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
             ("cpu_features", crate::cpu::built_for().join(" ")),
         ];
-        entries.into_iter().map(|(name, text)| (name.to_string(), text)).collect()
+        let frame = settings.frame.map(|frame| ("frame", frame.to_string()));
+        entries.into_iter().chain(frame).map(|(name, text)| (name.to_string(), text)).collect()
     }
 
     /// Names of the active techniques, `path` if there is no other.
-    fn techniques(&self) -> String {
+    pub fn techniques(&self) -> String {
         let active: Vec<_> = self.scene.frame.techniques.rows().map(|(technique, _)| technique.name()).collect();
         if active.is_empty() { "path".into() } else { active.join(",") }
     }
@@ -69,6 +70,7 @@ impl Report<'_> {
         let entries = [
             ("left_out", self.left_out()),
             ("adaptive", settings.adaptive.to_string()),
+            ("limits", self.session.limits().to_string()),
             ("ended_by", self.outcome.end.to_string()),
             // The last ones perhaps not of every pixel.
             ("sample_range", format!("{}..{}", hull.start, hull.end)),
@@ -101,22 +103,10 @@ impl Report<'_> {
         let Session { scene, film, settings, preparation, .. } = self.session;
         let Outcome { stats, end, elapsed, sampling } = self.outcome;
         let (seconds, sampling, frame) = (elapsed.as_secs_f64(), sampling.as_secs_f64(), &scene.frame);
-        let stages: Vec<_> = Stage::ALL
-            .iter()
-            .zip(&stats.stages)
-            .map(|(stage, work)| {
-                json!({
-                    "stage": stage.name(),
-                    "calls": work.calls,
-                    "rows": work.rows,
-                    "live_lanes_per_batch": work.rows as f64 / work.batches.max(1) as f64,
-                    "seconds": work.seconds,
-                })
-            })
-            .collect();
         let (mean, standard_error) = film.mean();
         json!({
             "scene": scene.name,
+            "frame": settings.frame,
             "technique": self.techniques(),
             "starts": starts(frame.walk.starts),
             "survival": survival_value(&frame.walk.survival),
@@ -140,7 +130,7 @@ impl Report<'_> {
             "segments_per_second": stats.segments as f64 / sampling,
             "mean": mean,
             "standard_error": standard_error,
-            "stages": stages,
+            "stages": stages(stats),
             "connections": connections(stats),
             "dropped_non_finite": dropped(self),
         })
@@ -189,7 +179,22 @@ fn left_out(Truncation { max_segments, share, sufficient, likely }: Truncation) 
     })
 }
 
-fn connections(stats: &Stats) -> Value {
+/// Work of every stage.
+pub fn stages(stats: &Stats) -> Value {
+    let one = |(stage, work): (&Stage, &StageStats)| {
+        json!({
+            "stage": stage.name(),
+            "calls": work.calls,
+            "rows": work.rows,
+            "live_lanes_per_batch": work.rows as f64 / work.batches.max(1) as f64,
+            "seconds": work.seconds,
+        })
+    };
+    Stage::ALL.iter().zip(&stats.stages).map(one).collect()
+}
+
+/// The fate of every technique's connections.
+pub fn connections(stats: &Stats) -> Value {
     let one = |technique: Technique| {
         let ConnectionStats { tried, weighted, faint, occluded } = stats.connections[technique as usize];
         let counts = json!({ "tried": tried, "weighted": weighted, "faint": faint, "occluded": occluded });

@@ -4,6 +4,8 @@ use core::cell::{Cell, RefCell};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use serde_json::{Map, Value, json};
+
 use super::limits::{Limits, Target};
 use super::{Earlier, Session};
 
@@ -55,6 +57,22 @@ impl State {
     /// Camera paths per second so far.
     pub fn rate(&self) -> f64 {
         (self.samples - self.earlier) as f64 / self.sampling.as_secs_f64().max(1e-9)
+    }
+
+    /// Its figures for other programs, as JSON.
+    pub fn figures(&self) -> Map<String, Value> {
+        let figures = [
+            ("phase", json!(if self.preparing { "preparing" } else { "rendering" })),
+            ("fraction", json!(self.fraction)),
+            ("samples", json!(self.samples)),
+            ("samples_per_second", json!(self.rate())),
+            ("seconds", json!(self.elapsed.as_secs_f64())),
+            ("seconds_left", json!(self.seconds_left)),
+            ("noise", json!(self.noise)),
+            ("noise_target", json!(self.limits.noise)),
+            ("until", json!(self.expected.map(Target::name))),
+        ];
+        figures.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
     }
 }
 

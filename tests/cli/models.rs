@@ -44,6 +44,11 @@ pub(super) fn model() -> Value {
     })
 }
 
+/// Bytes in a data URI.
+pub(super) fn encoded(bytes: &[u8]) -> String {
+    STANDARD.encode(bytes)
+}
+
 /// A scene around the model.
 const AROUND: &str = r#"
 geometry = "room.gltf"

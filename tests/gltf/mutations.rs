@@ -1,9 +1,11 @@
 //! Files that were damaged at random: whatever comes of it, it is a model or an error.
 
-use fogbow::gltf;
+use fogbow::error::Result;
+use fogbow::gltf::{self, Model};
 use fogbow_testing::random::Random;
 use serde_json::{Value, json};
 
+use super::animations::moving;
 use super::support::{Builder, everything, rgb};
 use super::textures::{JPEGS, jpeg};
 
@@ -23,10 +25,14 @@ impl Drop for Case {
 
 /// Reads what `damage` makes of each case. A model must be consistent, an error must have words.
 fn try_all(damage: impl Fn(&mut Random) -> Vec<u8>) {
+    try_all_by(damage, |bytes| gltf::parse("x", bytes, None));
+}
+
+fn try_all_by(damage: impl Fn(&mut Random) -> Vec<u8>, read: impl Fn(&[u8]) -> Result<Model>) {
     let mut models = 0;
     for case in 0..CASES {
         let _case = Case(case);
-        match gltf::parse("x", &damage(&mut Random::new(case)), None) {
+        match read(&damage(&mut Random::new(case))) {
             Ok(model) => {
                 models += 1;
                 let vertices = model.positions.len();
@@ -105,16 +111,34 @@ fn damaged_images() {
 #[test]
 fn replaced_values() {
     let valid = everything().embedded();
-    try_all(|random| {
-        let mut json = valid.clone();
-        for _ in 0..=random.below(2) {
-            let leaves = count(&json);
-            let mut number = random.below(leaves);
-            let value = strange(random);
-            replace(&mut json, &mut number, &value);
-        }
-        json.to_string().into_bytes()
-    });
+    try_all(|random| with_strange_values(&valid, random));
+}
+
+#[test]
+fn damaged_animations() {
+    let file = moving();
+    let read = |bytes: &[u8]| gltf::parse_at("x", bytes, None, 1.25);
+    let valid = file.embedded();
+    try_all_by(|random| with_strange_values(&valid, random), read);
+    let damaged = |random: &mut Random| {
+        let mut binary = file.binary.clone();
+        let at = random.below(binary.len());
+        binary[at] = random.next() as u8;
+        Builder { json: file.json.clone(), binary }.glb()
+    };
+    try_all_by(damaged, read);
+}
+
+/// The file with values that somebody may not have thought of, in the place of others.
+fn with_strange_values(valid: &Value, random: &mut Random) -> Vec<u8> {
+    let mut json = valid.clone();
+    for _ in 0..=random.below(2) {
+        let leaves = count(&json);
+        let mut number = random.below(leaves);
+        let value = strange(random);
+        replace(&mut json, &mut number, &value);
+    }
+    json.to_string().into_bytes()
 }
 
 /// How many values there are in `value`, itself included.

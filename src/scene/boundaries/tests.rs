@@ -56,7 +56,7 @@ fn loaded(nodes: Value, origin: DVec3) -> Loaded {
         "meshes": [mesh("Cube", 1, 0), mesh("Open", 2, 0), mesh("Shining", 1, 1), mesh("Thread", 3, 0)],
         "nodes": nodes,
     });
-    let asset = Asset::parse("test.gltf", file.to_string().into_bytes(), None).expect("a model");
+    let asset = Asset::parse("test.gltf", file.to_string().into_bytes(), None, None).expect("a model");
     Loaded::read(asset, origin).expect("a model")
 }
 
@@ -169,7 +169,7 @@ fn errors_say_what_is_wrong_and_where() {
 #[test]
 fn the_candle_of_wax_is_a_boundary() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/wax/wax.glb");
-    let mut loaded = Loaded::read(Asset::open(&file).expect("a file"), DVec3::ZERO).expect("a model");
+    let mut loaded = Loaded::read(Asset::open(&file, None).expect("a file"), DVec3::ZERO).expect("a model");
     let candle = &take(Some(&mut loaded), &document(), &[wanted("Candle.inside")]).expect("a boundary")[0];
     let points = [[0.0, 0.5, 0.0], [0.2, 0.01, 0.2], [0.0, 0.98, 0.0], [0.5, 0.5, 0.0]];
     assert_eq!(points.map(|at| contains(candle, at)), [true, true, false, false]);

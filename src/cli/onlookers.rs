@@ -1,0 +1,90 @@
+//! Who looks on while a render runs: a page (`--serve`), a tev (`--preview`). Neither can stop it.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::RenderArgs;
+use super::progress::Reporter;
+use crate::error::{Error, Result};
+use crate::live::{Board, Page, Preview, Turn};
+use crate::session::{Session, State};
+
+/// How long a browser may take to fetch the last picture.
+const PATIENCE: Duration = Duration::from_secs(4);
+
+/// What they see, and how; of all of it nothing if nobody is to look on.
+pub struct Onlookers {
+    board: Option<Arc<Board>>,
+    /// Up as long as this is.
+    page: Option<Page>,
+    /// The address of a tev, and what it is sent, once there is something.
+    tev: Option<(String, Option<Preview>)>,
+}
+
+impl Onlookers {
+    /// Opens the page, and says where it is.
+    ///
+    /// # Errors
+    /// If its address is taken.
+    pub fn invite(args: &RenderArgs, reporter: &Reporter) -> Result<Self> {
+        let tev = args.preview.clone().map(|address| (address, None));
+        let board = (args.serve.is_some() || tev.is_some()).then(|| Arc::new(Board::default()));
+        let page = args.serve.zip(board.as_ref()).map(|(address, board)| open(address, board)).transpose()?;
+        page.iter().for_each(|page| reporter.serving(page.address()));
+        Ok(Self { board, page, tev })
+    }
+
+    /// From now on it is about a render called `name`.
+    pub fn begin(&self, name: &str, turn: Option<Turn>) {
+        self.board.iter().for_each(|board| board.begin(name, turn));
+    }
+
+    /// Shows the images of `session`.
+    pub fn show(&mut self, session: &Arc<Session>, reporter: &Reporter) {
+        let Some(board) = &self.board else { return };
+        board.show(session);
+        let Some((address, preview @ None)) = &mut self.tev else { return };
+        match Preview::start(address, session.scene.name.clone(), board) {
+            Ok(started) => *preview = Some(started),
+            Err(error) => self.warn(&format!("a thread cannot be started: {error}"), reporter),
+        }
+    }
+
+    /// Notes how far the render is.
+    pub fn look(&self, state: State, reporter: &Reporter) {
+        let Some(board) = &self.board else { return };
+        board.note(state);
+        let failure = self.tev.iter().find_map(|(_, preview)| preview.as_ref()?.failure());
+        failure.iter().for_each(|failure| self.warn(failure, reporter));
+    }
+
+    /// The render has ended in this state.
+    pub fn end(&self, state: State, is_stopped: bool) {
+        let Some(board) = &self.board else { return };
+        board.note(state);
+        board.end(is_stopped);
+    }
+
+    /// Gives them the last picture.
+    pub fn leave(mut self, reporter: &Reporter) {
+        let preview = self.tev.as_mut().and_then(|(_, preview)| preview.take());
+        let failure = preview.and_then(|mut preview| preview.finish());
+        failure.iter().for_each(|failure| self.warn(failure, reporter));
+        let board = self.board.as_ref().filter(|_| self.page.is_some());
+        board.iter().for_each(|board| board.farewell(PATIENCE));
+    }
+
+    /// Why tev does not show the image, or not any more.
+    fn warn(&self, failure: &str, reporter: &Reporter) {
+        let address = self.tev.as_ref().map_or("", |(address, _)| address);
+        reporter.warn(format!("--preview {address}: {failure}; the render goes on without it"));
+    }
+}
+
+fn open(address: SocketAddr, board: &Arc<Board>) -> Result<Page> {
+    Page::open(address, board).map_err(|error| {
+        let finding = format!("the page cannot be served there: {error}");
+        Error::failure(format!("--serve {address}"), finding, "give another port, or 0 for any that is free")
+    })
+}

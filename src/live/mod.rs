@@ -1,0 +1,194 @@
+//! A running render for whoever looks on: a page in a browser, an image viewer.
+//!
+//! Onlookers ask a [`Board`] for what there is, and no worker waits for them: pictures are copied from the tiles that no
+//! worker is at, and no more often than costs a fiftieth of a processor. No sample depends on who looks.
+
+mod page;
+mod picture;
+mod preview;
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::{Map, Value, json};
+
+use crate::session::{Session, State, report};
+pub use page::Page;
+pub use picture::Picture;
+pub use preview::Preview;
+
+/// Least time between two pictures.
+const PICTURE_EVERY: Duration = Duration::from_millis(400);
+/// The same in units of what a picture takes.
+const PICTURE_SHARE: u32 = 50;
+/// Somebody who asked no longer ago than this still looks on.
+const ATTENTION: Duration = Duration::from_secs(3);
+
+/// The place of a frame in a sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// The frame's number.
+    pub frame: u32,
+    /// Its place among those that are rendered, from 1.
+    pub place: u32,
+    /// How many these are.
+    pub count: u32,
+}
+
+impl Turn {
+    /// Its figures for other programs, as JSON.
+    pub fn figures(self) -> Value {
+        json!({ "number": self.frame, "place": self.place, "of": self.count })
+    }
+}
+
+/// `frame 3 of 10`
+impl core::fmt::Display for Turn {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "frame {} of {}", self.place, self.count)
+    }
+}
+
+/// What there is to see of a render.
+#[derive(Default)]
+pub struct Board {
+    shown: Mutex<Shown>,
+    gallery: Mutex<Gallery>,
+    /// Told when the last picture has been seen.
+    seen: Condvar,
+}
+
+/// How a render stands.
+#[derive(Default)]
+struct Shown {
+    name: String,
+    turn: Option<Turn>,
+    session: Option<Arc<Session>>,
+    state: State,
+    /// How it ended, if it has: `finished` or `stopped`.
+    end: Option<&'static str>,
+    /// When somebody last asked.
+    asked: Option<Instant>,
+    /// Whether somebody was told of the end, was sent the last picture, and has asked again since.
+    is_told: bool,
+    is_sent: bool,
+    is_seen: bool,
+}
+
+/// The last picture.
+#[derive(Default)]
+struct Gallery {
+    picture: Option<Arc<Picture>>,
+    /// When the next one may be taken.
+    next: Option<Instant>,
+}
+
+impl Board {
+    fn shown(&self) -> MutexGuard<'_, Shown> {
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn gallery(&self) -> MutexGuard<'_, Gallery> {
+        self.gallery.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// From now on it is about a render called `name`, which is loaded and prepared first.
+    pub fn begin(&self, name: &str, turn: Option<Turn>) {
+        let asked = self.shown().asked;
+        let state = State { preparing: true, ..State::default() };
+        *self.shown() = Shown { name: name.into(), turn, state, asked, ..Shown::default() };
+    }
+
+    /// Shows the images of `session`.
+    pub fn show(&self, session: &Arc<Session>) {
+        *self.gallery() = Gallery::default();
+        session.monitor().is_watched.store(true, Ordering::Relaxed);
+        let mut shown = self.shown();
+        shown.session = Some(Arc::clone(session));
+        shown.state.preparing = false;
+    }
+
+    /// Notes how far the render is.
+    pub fn note(&self, state: State) {
+        self.shown().state = state;
+    }
+
+    /// The render is done, or was stopped.
+    pub fn end(&self, is_stopped: bool) {
+        self.shown().end = Some(if is_stopped { "stopped" } else { "finished" });
+    }
+
+    /// If somebody looks on, waits until they have the last picture, but no longer than `patience`.
+    pub fn farewell(&self, patience: Duration) {
+        let shown = self.shown();
+        if shown.session.is_some() && shown.asked.is_some_and(|asked| asked.elapsed() < ATTENTION) {
+            let is_unseen = |shown: &mut Shown| !shown.is_seen;
+            drop(self.seen.wait_timeout_while(shown, patience, is_unseen));
+        }
+    }
+
+    /// How the render stands, as JSON; see [`Page`].
+    fn status(&self) -> Value {
+        let mut shown = self.shown();
+        shown.asked = Some(Instant::now());
+        if shown.is_told && shown.is_sent && !shown.is_seen {
+            shown.is_seen = true;
+            self.seen.notify_all();
+        }
+        shown.is_told = shown.end.is_some();
+        let turn = shown.turn.map(Turn::figures);
+        let mut status = Map::from_iter([("scene".to_string(), json!(shown.name)), ("frame".to_string(), json!(turn))]);
+        status.extend(shown.state.figures());
+        if let Some(end) = shown.end {
+            status.insert("phase".into(), end.into());
+        }
+        let session = shown.session.clone();
+        drop(shown);
+        if let Some(session) = session {
+            let work = session.monitor().work();
+            let all = session.monitor().samples.load(Ordering::Relaxed);
+            let share = work.as_ref().map(|work| work.samples as f64 / all.max(1) as f64);
+            status.extend([
+                ("technique".to_string(), json!(session.techniques())),
+                ("pixels".to_string(), json!(session.film.region().pixels())),
+                ("threads".to_string(), json!(session.threads())),
+                ("share_counted".to_string(), json!(share.map(|share| share.min(1.0)))),
+                ("stages".to_string(), json!(work.as_ref().map(report::stages))),
+                ("connections".to_string(), json!(work.as_ref().map(report::connections))),
+            ]);
+        }
+        Value::Object(status)
+    }
+
+    /// The picture so far, not necessarily of this moment; all of the image once the render has ended. None before the
+    /// first sample.
+    pub fn picture(&self) -> Option<Arc<Picture>> {
+        let (session, is_over) = {
+            let shown = self.shown();
+            (shown.session.clone()?, shown.end.is_some())
+        };
+        let mut gallery = self.gallery();
+        let is_early = gallery.next.is_some_and(|next| Instant::now() < next);
+        if gallery.picture.is_some() && is_early && !is_over {
+            return gallery.picture.clone();
+        }
+        let start = Instant::now();
+        let picture = Arc::new(Picture::after(gallery.picture.as_deref(), &session));
+        gallery.next = Some(start + PICTURE_EVERY.max(PICTURE_SHARE * start.elapsed()));
+        gallery.picture = Some(Arc::clone(&picture)).filter(|picture| picture.samples() > 0);
+        gallery.picture.clone()
+    }
+
+    /// Width and height of the whole image, if there is one yet.
+    fn size(&self) -> Option<[u32; 2]> {
+        Some(self.shown().session.as_ref()?.scene.scene.film.size)
+    }
+
+    /// Notes that somebody was sent `picture`.
+    fn note_sent(&self, picture: &Picture) {
+        let mut shown = self.shown();
+        let is_all = shown.session.as_ref().is_some_and(|session| session.film.samples() == picture.samples());
+        shown.is_sent |= shown.end.is_some() && is_all;
+    }
+}

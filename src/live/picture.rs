@@ -1,0 +1,111 @@
+//! The image so far in single precision: what onlookers are shown.
+
+use std::time::{Duration, Instant};
+
+use crate::film::{Film, Region, Tile, dark, length};
+use crate::image::tone::Exposure;
+use crate::session::Session;
+
+/// How long a picture waits for tiles that workers are at.
+const PATIENCE: Duration = Duration::from_millis(10);
+
+/// Means and standard errors of a film, copied tile by tile while it is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    region: Region,
+    /// How it is exposed.
+    exposure: Exposure,
+    /// Samples of all pixels of every tile.
+    samples: Vec<u64>,
+    /// Row by row from the top: mean radiance, red, green, blue, and the length of the vector of their standard errors,
+    /// NaN where there is none yet [W/(m^2 sr)].
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    /// The film of `session` as it is now, but for tiles that workers are at: these stay what they were `before`.
+    pub fn after(before: Option<&Self>, session: &Session) -> Self {
+        let film = &session.film;
+        let fresh = || Self {
+            region: film.region(),
+            exposure: Exposure(0.0),
+            samples: vec![0; film.tile_count()],
+            pixels: vec![[0.0, 0.0, 0.0, f32::NAN]; film.region().pixels() as usize],
+        };
+        let mut picture = before.cloned().unwrap_or_else(fresh);
+        picture.update(film);
+        picture.exposure = session.exposure().unwrap_or_else(|| Exposure::metered(picture.means()));
+        picture
+    }
+
+    /// Copies what is new. Workers leave a tile for a moment between two blocks, which is waited for, but not long.
+    fn update(&mut self, film: &Film) {
+        let mut busy: Vec<_> = (0..film.tile_count()).filter(|index| !self.update_tile(film, *index)).collect();
+        let start = Instant::now();
+        while !busy.is_empty() && start.elapsed() < PATIENCE {
+            std::thread::yield_now();
+            busy.retain(|index| !self.update_tile(film, *index));
+        }
+    }
+
+    /// Copies what is new in a tile, unless a worker is at it; whether none was.
+    fn update_tile(&mut self, film: &Film, index: usize) -> bool {
+        let Some(tile) = film.idle_tile(index) else { return false };
+        if tile.all_samples() == self.samples[index] {
+            return true;
+        }
+        // Workers wait for this tile while it is copied, not while its means are taken.
+        let copy = Tile::clone(&tile);
+        drop(tile);
+        self.samples[index] = copy.all_samples();
+        let (region, part) = (self.region, copy.region());
+        for (y, x) in part.rows().flat_map(|y| part.columns().map(move |x| (y, x))) {
+            let pixel = copy.pixel(x, y);
+            let [r, g, b] = pixel.mean.map(|channel| channel as f32);
+            let error = if pixel.samples > 1 { length(pixel.standard_error) as f32 } else { f32::NAN };
+            self.pixels[region.place(x, y)] = [r, g, b, error];
+        }
+        true
+    }
+
+    /// The pixels of the whole image that it shows.
+    pub fn region(&self) -> Region {
+        self.region
+    }
+
+    /// Samples of all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.samples.iter().sum()
+    }
+
+    /// Mean radiance, red, green, blue, of all pixels, row by row from the top [W/(m^2 sr)].
+    pub fn radiance(&self) -> impl Iterator<Item = [f32; 3]> + Clone + '_ {
+        self.pixels.iter().map(|[r, g, b, _]| [*r, *g, *b])
+    }
+
+    fn means(&self) -> impl Iterator<Item = [f64; 3]> + Clone + '_ {
+        self.radiance().map(|rgb| rgb.map(f64::from))
+    }
+
+    /// Standard error over mean of every pixel, both as lengths of RGB vectors; as in the noise of the image, what is
+    /// much darker than it counts as a tenth of the median pixel. NaN where nothing is known, or all is black.
+    pub fn noise(&self) -> impl Iterator<Item = f32> + '_ {
+        let floor = dark(self.means().map(length).filter(|mean| *mean > 0.0).collect());
+        self.pixels.iter().zip(self.means()).map(move |([.., error], mean)| match length(mean) {
+            0.0 => f32::NAN,
+            mean => (f64::from(*error) / mean.max(floor)) as f32,
+        })
+    }
+
+    /// As bytes, little-endian; see [`super::Page`].
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let Region { x0, y0, .. } = self.region;
+        let mut bytes = Vec::with_capacity(32 + 16 * self.pixels.len());
+        bytes.extend([x0, y0, self.region.width(), self.region.height()].map(u32::to_le_bytes).as_flattened());
+        bytes.extend([self.samples() as f64, self.exposure.0].map(f64::to_le_bytes).as_flattened());
+        for ([r, g, b], noise) in self.radiance().zip(self.noise()) {
+            bytes.extend([r, g, b, noise].map(f32::to_le_bytes).as_flattened());
+        }
+        bytes
+    }
+}

@@ -1,0 +1,223 @@
+//! `--serve`: the page of a running render, without a browser; tests/page looks at it with one.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, ChildStderr};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use super::support::{Folder, assert_same_bits, header, plane, program};
+
+/// Longer than any answer takes, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A render and the address of its page.
+struct Served {
+    child: Child,
+    stderr: BufReader<ChildStderr>,
+    address: String,
+}
+
+/// An answer.
+#[derive(Debug)]
+struct Answer {
+    code: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Served {
+    fn start(folder: &Folder, flags: &[&str]) -> Self {
+        Self::start_to(folder, "a.exr", flags)
+    }
+
+    fn start_to(folder: &Folder, output: &str, flags: &[&str]) -> Self {
+        let base = ["render", "scene.toml", "-o", output, "--serve", "0", "--progress", "json"];
+        let mut child = program(folder).args(base).args(flags).spawn().expect("the program starts");
+        let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
+        let mut line = String::new();
+        stderr.read_line(&mut line).expect("a line");
+        let message: Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{error}: {line}"));
+        assert_eq!(message["event"], "serving", "{line}");
+        let url = message["url"].as_str().expect("an address");
+        let address =
+            url.strip_prefix("http://").and_then(|url| url.strip_suffix('/')).expect("an address").to_string();
+        assert!(address.starts_with("127.0.0.1:"), "{address}");
+        Self { child, stderr, address }
+    }
+
+    /// Says that the last picture has arrived; what ends then may not answer any more.
+    fn confirm(&self) {
+        if let Ok(mut stream) = TcpStream::connect(&self.address) {
+            let _ = stream.write_all(b"GET /status HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+            let _ = stream.read_to_end(&mut Vec::new());
+        }
+    }
+
+    fn ask(&self, method: &str, path: &str, host: &str) -> Answer {
+        let mut stream = TcpStream::connect(&self.address).expect("a page");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
+        let request = format!("{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("a request");
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).expect("an answer");
+        let end = bytes.windows(4).position(|window| window == b"\r\n\r\n").expect("a head");
+        let head = String::from_utf8(bytes[..end].to_vec()).expect("a head");
+        let code = head.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a code");
+        Answer { code, head, body: bytes[end + 4..].to_vec() }
+    }
+
+    fn get(&self, path: &str) -> Answer {
+        self.ask("GET", path, &self.address)
+    }
+
+    fn status(&self) -> Value {
+        serde_json::from_slice(&self.get("/status").body).expect("JSON")
+    }
+
+    /// The first status that is as wanted.
+    fn wait(&self, what: &str, is_so: impl Fn(&Value) -> bool) -> Value {
+        let start = Instant::now();
+        loop {
+            let status = self.status();
+            if is_so(&status) {
+                return status;
+            }
+            assert!(start.elapsed() < PATIENCE, "{what}: {status:#}");
+            sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Waits for the end: exit code, and what else was told.
+    fn end(mut self) -> (Option<i32>, String) {
+        let mut rest = String::new();
+        self.stderr.read_to_string(&mut rest).expect("UTF-8");
+        (self.child.wait().expect("a child").code(), rest)
+    }
+}
+
+/// First column and row, width, height, samples, exposure, and the values of all pixels.
+fn picture(bytes: &[u8]) -> ([u32; 4], f64, f64, Vec<[f32; 4]>) {
+    let (head, rest) = bytes.split_at(32);
+    let u32_at = |at: usize| u32::from_le_bytes(head[at..at + 4].try_into().expect("four bytes"));
+    let f64_at = |at: usize| f64::from_le_bytes(head[at..at + 8].try_into().expect("eight bytes"));
+    let value = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().expect("four bytes"));
+    let pixel = |bytes: &[u8]| core::array::from_fn(|i| value(&bytes[4 * i..4 * i + 4]));
+    ([0, 4, 8, 12].map(u32_at), f64_at(16), f64_at(24), rest.chunks(16).map(pixel).collect())
+}
+
+#[test]
+fn the_page_shows_a_render_from_its_first_samples_to_its_image() {
+    let folder = Folder::with_scene();
+    let flags = ["--size", "24x16", "--crop", "4,2,20,14", "--time", "1500ms", "--technique", "nee,mvnee"];
+    let served = Served::start(&folder, &flags);
+    let html = served.get("/");
+    assert!(html.code == 200 && html.body.starts_with(b"<!DOCTYPE html>"), "{}", html.head);
+    assert!(html.head.contains("default-src 'none'"), "{}", html.head);
+    let text = String::from_utf8(html.body).expect("UTF-8");
+    assert!(!text.contains("http://") && !text.contains("https://"), "the page asks nobody else for anything");
+
+    let has_begun = |status: &Value| status["stages"].is_array() && status["fraction"].as_f64() > Some(0.0);
+    let running = served.wait("statistics", has_begun);
+    assert_eq!(running["phase"], "rendering", "{running:#}");
+    let rows = |stage: &str| {
+        let stages = running["stages"].as_array().expect("stages").iter();
+        stages.filter(|work| work["stage"] == stage).map(|work| work["rows"].as_u64().expect("a number")).sum::<u64>()
+    };
+    let share = running["share_counted"].as_f64().expect("a number");
+    assert!(share > 0.0 && share <= 1.0, "{share}");
+    assert!(rows("generate") > 0 && rows("extend") >= rows("generate"), "{running:#}");
+    for technique in ["nee", "mvnee"] {
+        assert!(running["connections"][technique]["tried"].as_u64() > Some(0), "{running:#}");
+    }
+    assert_eq!((&running["pixels"], &running["until"]), (&(16 * 12).into(), &"time".into()));
+
+    let end = served.wait("the end", |status| status["phase"] != "rendering");
+    assert_eq!((&end["phase"], &end["fraction"]), (&"finished".into(), &1.0.into()), "{end:#}");
+    let (region, samples, exposure, pixels) = picture(&served.get("/picture").body);
+    served.confirm();
+    let (code, _) = served.end();
+    assert_eq!((code, region), (Some(0), [4, 2, 16, 12]));
+    assert_eq!(Some(samples), end["samples"].as_f64());
+    assert!((-20.0..20.0).contains(&exposure), "{exposure}");
+    let image = folder.image("a.exr");
+    assert_eq!(running["scene"], header(&image, "scene"));
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let shown: Vec<_> = pixels.iter().map(|pixel| pixel[channel]).collect();
+        assert_eq!(shown, plane(&image, name), "{name} of the last picture is that of the image");
+    }
+    // All pixels see the light or much of the fog around it: none counts as darker than it is.
+    for (pixel, (mean, error)) in pixels.iter().zip(plane(&image, "R").iter().zip(plane(&image, "SE.R"))) {
+        assert!((pixel[3] / (error / mean) - 1.0).abs() < 1e-5, "{pixel:?}: {error} of {mean}");
+    }
+}
+
+#[test]
+fn whoever_looks_on_changes_no_bit() {
+    let folder = Folder::with_scene();
+    let flags = ["--samples", "300", "--size", "40x30"];
+    let served = Served::start(&folder, &flags);
+    served.wait("the end", |status| {
+        served.get("/picture");
+        status["phase"] == "finished"
+    });
+    served.confirm();
+    assert_eq!(served.end().0, Some(0));
+    folder.done(&[&["render", "scene.toml", "-o", "b.exr", "--progress", "none"], &flags[..]].concat());
+    assert_same_bits(&folder, "a.exr", "b.exr");
+}
+
+#[test]
+fn the_page_shows_the_frame_at_hand() {
+    let folder = Folder::with_scene();
+    let served = Served::start_to(&folder, "a.##.exr", &["--frames", "7-8", "--time", "1s"]);
+    for (place, number) in [(1, 7), (2, 8)] {
+        let status = served.wait("the frame", |status| status["frame"]["place"] == place && status["samples"] != 0);
+        assert_eq!(status["frame"], serde_json::json!({ "number": number, "place": place, "of": 2 }));
+        let picture = served.get("/picture");
+        assert!(picture.code == 200 && picture.body.len() == 32 + 16 * 64, "{}", picture.head);
+    }
+    let (code, rest) = served.end();
+    assert_eq!(code, Some(0), "{rest}");
+    assert!(folder.path("a.07.exr").is_file() && folder.path("a.08.exr").is_file());
+}
+
+#[test]
+fn the_page_answers_only_what_it_is_asked_by_its_address() {
+    let folder = Folder::with_scene();
+    let served = Served::start(&folder, &["--time", "3s"]);
+    let port = served.address.rsplit_once(':').expect("a port").1;
+    let code = |method: &str, path: &str, host: &str| served.ask(method, path, host).code;
+    for host in [&served.address, "localhost", &format!("localhost:{port}"), "127.0.0.1", "[::1]"] {
+        assert_eq!(code("GET", "/status", host), 200, "{host}");
+    }
+    for host in ["elsewhere.example", &format!("elsewhere.example:{port}"), "localhost.example"] {
+        assert_eq!(code("GET", "/status", host), 403, "{host}");
+        assert_eq!(code("GET", "/", host), 403, "{host}");
+    }
+    assert_eq!(code("GET", "/scene.toml", &served.address), 404);
+    assert_eq!(code("GET", "/../scene.toml", &served.address), 404);
+    assert_eq!(code("POST", "/status", &served.address), 405);
+    assert_eq!(code("GET", "/status?x=1", &served.address), 200);
+    assert_eq!(served.end().0, Some(0));
+}
+
+#[test]
+fn an_address_that_is_taken_is_refused_before_anything_is_rendered() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = taken.local_addr().expect("an address");
+    let port = address.port().to_string();
+    let flags = ["render", "scene.toml", "-o", "a.exr", "--serve", &port];
+    Folder::with_scene().refused(&flags, 1, &format!("--serve {address}: the page cannot be served there: "));
+}
+
+#[test]
+fn what_is_no_port_is_refused() {
+    for wrong in ["", "x", "65536", "-1", "1.2.3.4", "example.com:80", "localhost:x"] {
+        let flag = format!("--serve={wrong}");
+        let flags = ["render", "scene.toml", "-o", "a.exr", &flag];
+        Folder::with_scene().refused(&flags, 2, &format!("--serve {wrong}: is not a port"));
+    }
+}

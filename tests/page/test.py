@@ -1,0 +1,271 @@
+#!/usr/bin/env python3
+"""Looks at the page of --serve with headless Chromium, while a scene is rendered and after that.
+
+FOGBOW is the program (default: the release build), SCREENSHOTS a folder that is to get screenshots (default: none are
+kept). Needs chromium and chromedriver (Debian: chromium, chromium-driver), and nothing else but Python. Takes about
+half a minute. Exit code 77: not run.
+"""
+
+import base64
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+import zlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+FOGBOW = os.environ.get("FOGBOW", str(TARGET / "release" / "fogbow"))
+PATIENCE = 60  # seconds
+OPTIONS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=1280,800",
+]
+
+
+def step(text):
+    print(f"== {text}", flush=True)
+
+
+def wait_for(what, condition):
+    """The first true value of condition(), asked again and again."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if value := condition():
+            return value
+        time.sleep(0.1)
+    raise AssertionError(f"{what} takes too long")
+
+
+class Browser:
+    """A headless Chromium, driven by the WebDriver protocol."""
+
+    def __init__(self, folder):
+        self.driver = subprocess.Popen(
+            ["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        for line in self.driver.stdout:
+            if "successfully on port" in line:
+                port = line.split("port ")[1].rstrip(".\n")
+                self.base = f"http://127.0.0.1:{port}"
+                break
+        options = {"args": [*OPTIONS, f"--user-data-dir={folder}"], "binary": shutil.which("chromium")}
+        capabilities = {"browserName": "chrome", "goog:chromeOptions": options}
+        capabilities["goog:loggingPrefs"] = {"browser": "ALL"}
+        answer = self.call("POST", "/session", {"capabilities": {"alwaysMatch": capabilities}})
+        self.base += f"/session/{answer['sessionId']}"
+
+    def call(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self.base + path, data, {"Content-Type": "application/json"}, method=method)
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, url):
+        self.call("POST", "/url", {"url": url})
+
+    def run(self, script):
+        return self.call("POST", "/execute/sync", {"script": script, "args": []})
+
+    def text(self, element):
+        return self.run(f"return document.getElementById('{element}').textContent")
+
+    def click(self, element):
+        self.run(f"document.getElementById('{element}').click()")
+
+    def rows(self, table):
+        cells = "[...row.cells].map(cell => cell.textContent)"
+        return self.run(f"return [...document.querySelectorAll('#{table} tr')].map(row => {cells})")
+
+    def canvas(self):
+        """Width, height and bytes, red, green, blue, alpha, of the image."""
+        width, height, text = self.run(
+            "const c = document.getElementById('image'); "
+            "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let s = ''; "
+            "for (let i = 0; i < d.length; i += 8192) s += String.fromCharCode(...d.subarray(i, i + 8192)); return [c.width, c.height, btoa(s)]"
+        )
+        return width, height, base64.b64decode(text)
+
+    def point_at(self, x, y):
+        """Moves the mouse to the middle of a pixel of the image."""
+        script = f"return [left + zoom * ({x} + 0.5), top_ + zoom * ({y} + 0.5)].map(Math.round)"
+        left, top = self.run(f"{script}.map((v, i) => v + view.getBoundingClientRect()[i ? 'top' : 'left'])")
+        move = {"type": "pointerMove", "duration": 0, "x": round(left), "y": round(top)}
+        mouse = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": [move]}
+        self.call("POST", "/actions", {"actions": [mouse]})
+
+    def errors(self):
+        log = self.call("POST", "/se/log", {"type": "browser"})
+        return [entry["message"] for entry in log if entry["level"] == "SEVERE" and "503" not in entry["message"]]
+
+    def screenshot(self, name):
+        if folder := os.environ.get("SCREENSHOTS"):
+            path = pathlib.Path(folder)
+            path.mkdir(parents=True, exist_ok=True)
+            (path / f"{name}.png").write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
+
+    def close(self):
+        try:
+            self.call("DELETE", "")
+        except (urllib.error.URLError, ConnectionError):
+            pass
+        self.driver.terminate()
+        self.driver.wait()
+
+
+def read_png(path):
+    """Width, height and rows of a PNG image of 8-bit RGB."""
+    data, at, packed = path.read_bytes(), 8, b""
+    while at < len(data):
+        (length,), kind = struct.unpack(">I", data[at : at + 4]), data[at + 4 : at + 8]
+        body = data[at + 8 : at + 8 + length]
+        if kind == b"IHDR":
+            width, height = struct.unpack(">II", body[:8])
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    raw, stride, before, pixels = zlib.decompress(packed), 3 * width, bytes(3 * width), []
+    for y in range(height):
+        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
+        for i in range(stride):
+            a = row[i - 3] if i >= 3 else 0
+            b, c = before[i], before[i - 3] if i >= 3 else 0
+            p = a + b - c
+            nearest = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+            row[i] = (row[i] + [0, a, b, (a + b) // 2, nearest][kind]) & 255
+        before = bytes(row)
+        pixels.append(before)
+    return width, height, b"".join(pixels)
+
+
+def started(work, flags):
+    """A render that has opened its page, and where that is."""
+    command = [FOGBOW, "render", *flags, "--serve", "0", "--progress", "json"]
+    render = subprocess.Popen(command, cwd=work, stderr=subprocess.PIPE, text=True)
+    for line in render.stderr:
+        if json.loads(line)["event"] == "serving":
+            return render, json.loads(line)["url"]
+    raise AssertionError("the render does not say where its page is")
+
+
+def watch(browser, work):
+    step("the page shows a running render")
+    scene = str(ROOT / "scenes" / "spotlight")
+    render, url = started(work, [scene, "-o", "a.png", "--size", "320x240", "--time", "15s"])
+    assert url.startswith("http://127.0.0.1:"), url
+    browser.open(url)
+    wait_for("the first picture", lambda: browser.run("return picture !== null"))
+    wait_for("statistics", lambda: len(browser.rows("stages")) > 5)
+    assert browser.text("scene") == "spotlight" and browser.text("phase") == "rendering"
+    assert any(row[0] == "bridge" for row in browser.rows("connections")), browser.rows("connections")
+    shares = [float(row[-1].rstrip(" %")) for row in browser.rows("stages")[1:]]
+    assert abs(sum(shares) - 100) < 1, shares
+    wait_for("the noise", lambda: "noise" in dict(browser.rows("progress")))
+    progress = dict(browser.rows("progress"))
+    assert {"samples", "rate", "noise", "time", "left", "until", "technique"} <= progress.keys(), progress
+    width, height, before = browser.canvas()
+    assert (width, height) == (320, 240) and max(before[0::4]) > 100
+    browser.screenshot("1-image")
+
+    step("it gets better")
+    samples = browser.run("return picture.samples")
+    wait_for("the next picture", lambda: browser.run(f"return picture.samples > {samples}"))
+
+    step("the pixel under the mouse")
+    browser.point_at(160, 200)
+    assert browser.text("pixel") == "160, 200" and len(browser.text("radiance").split()) == 3
+    assert browser.text("noise").endswith("%") or browser.text("noise") == "unknown"
+
+    step("exposure")
+    browser.run("slider.value = stops + 3; slider.dispatchEvent(new Event('input'))")
+    brighter = browser.canvas()[2]
+    assert sum(brighter[0::4]) > 1.2 * sum(before[0::4])
+    browser.screenshot("2-exposed")
+    browser.click("auto")
+
+    step("noise in false colour")
+    browser.click("show-noise")
+    colours = browser.canvas()[2]
+    assert len(set(zip(colours[0::4], colours[1::4], colours[2::4]))) > 50
+    browser.screenshot("3-noise")
+    browser.click("show-image")
+    assert not browser.errors(), browser.errors()
+
+    step("the last picture is that of the PNG image, and stays")
+    render.wait(PATIENCE)
+    assert render.returncode == 0
+    wait_for("the end", lambda: browser.text("phase") == "finished")
+    wait_for("the last picture", lambda: browser.run("return picture.samples === last.samples"))
+    time.sleep(2)
+    assert browser.text("phase") == "finished"
+    width, height, shown = browser.canvas()
+    expected = read_png(work / "a.png")
+    assert expected[:2] == (width, height)
+    shown = bytes(byte for at, byte in enumerate(shown) if at % 4 < 3)
+    largest = max(abs(a - b) for a, b in zip(shown, expected[2]))
+    assert largest <= 1, f"the page and the PNG image differ by {largest} of 255"
+    browser.screenshot("4-finished")
+
+
+def crop(browser, work):
+    step("a crop, its noise and its end by Ctrl-C")
+    scene = str(ROOT / "scenes" / "cornell-fog")
+    flags = [scene, "-o", "b.exr", "--size", "200x200", "--crop", "50,60,180,160", "--noise", "0.001"]
+    render, url = started(work, flags)
+    browser.open(url)
+    wait_for("the first picture", lambda: browser.run("return picture !== null"))
+    browser.point_at(0, 0)
+    assert browser.text("pixel") == "50, 60"
+    browser.click("show-noise")
+    assert browser.run("return document.querySelectorAll('#legend i').length") == 1, "the target is marked"
+    browser.screenshot("5-crop")
+    render.send_signal(2)
+    render.wait(PATIENCE)
+    assert render.returncode == 130
+    wait_for("the end", lambda: browser.text("phase") == "stopped")
+
+
+def frames(browser, work):
+    step("frames of an animation")
+    scene = str(ROOT / "scenes" / "fog-facing")
+    render, url = started(work, [scene, "-o", "c.##.exr", "--size", "64x64", "--frames", "7-8", "--time", "4s"])
+    browser.open(url)
+    for text in ("frame 7 (1 of 2)", "frame 8 (2 of 2)"):
+        wait_for(text, lambda text=text: browser.text("frame") == text and browser.run("return picture !== null"))
+    browser.screenshot("6-frames")
+    render.wait(PATIENCE)
+    wait_for("the end", lambda: browser.text("phase") == "finished")
+
+
+def main():
+    for name in ("chromium", "chromedriver"):
+        if not shutil.which(name):
+            print(f"not run: there is no {name}")
+            sys.exit(77)
+    with tempfile.TemporaryDirectory() as folder:
+        work = pathlib.Path(folder)
+        browser = Browser(work / "profile")
+        try:
+            watch(browser, work)
+            crop(browser, work)
+            frames(browser, work)
+        finally:
+            browser.close()
+    step("all well")
+
+
+main()
