@@ -11,8 +11,8 @@ pub type Entry = (String, String);
 pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
 
 /// Entries that have to be the same, those that say most first.
-const DECISIVE: [&str; 8] =
-    ["version", "reference", "technique", "starts", "survival", "aimed", "roulette", "scene_hash"];
+const DECISIVE: [&str; 9] =
+    ["version", "reference", "technique", "starts", "survival", "aimed", "roulette", "aov", "scene_hash"];
 
 /// Keys of a scene on which no sample depends.
 const IRRELEVANT: [&str; 2] = ["render.samples", "film.exposure"];
