@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use fogbow_kernels::accumulate::Dropped;
 
 use super::checkpoints::{self, Plan};
+use super::denoising::Denoising;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
@@ -26,6 +27,8 @@ pub struct Ending<'a> {
     pub outcome: &'a Outcome,
     pub signals: &'a Signals,
     pub plan: &'a Plan,
+    /// What is to be denoised, if anything is.
+    pub denoising: Option<&'a Denoising>,
     /// Whether a checkpoint of all samples was written.
     pub is_kept: bool,
 }
@@ -37,7 +40,7 @@ pub fn finish(
     stats: Option<&Path>,
     reporter: &Reporter,
 ) -> Result<ExitCode> {
-    let Ending { session, outcome, signals, plan, is_kept } = *ending;
+    let Ending { session, outcome, signals, plan, denoising, is_kept } = *ending;
     let (stopped, samples) = (signals.exit_code(), session.film.samples());
     if stopped.is_some() && samples == 0 {
         return Ok(nothing(signals, plan.is_asked_for(), reporter));
@@ -68,6 +71,7 @@ pub fn finish(
         }
     }
     refuse_drops(session, reporter)?;
+    denoising.map_or(Ok(()), |denoising| denoising.finish(ending, reporter))?;
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }
 

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::thread;
 
 use super::checkpoints::{Keeper, Plan};
+use super::denoising::Denoising;
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
 use super::loading;
@@ -14,6 +15,7 @@ use super::values::{Checkpoints, ImageOutput};
 use super::{RenderArgs, say, warning_text};
 use crate::adaptive;
 use crate::cpu;
+use crate::denoise::GUIDES;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
@@ -27,7 +29,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let path = args.scene.as_deref().unwrap_or_else(|| Path::new("."));
     let (mut reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
-    let Some(scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
+    let Some(mut scene) = loading::load(path, overrides(args), &mut reporter, || signals.came())? else {
         return Ok(nothing(&signals, args.resume || is_kept(args), &reporter));
     };
     reporter.begin(&scene.name);
@@ -38,7 +40,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
     let limits = limits(args, &scene, first_sample);
     let plan = Plan::new(args, &outputs, limits)?;
-    check_destinations(args, &scene, &outputs, plan.path())?;
+    let denoising = args.denoise.then(|| Denoising::of(&outputs)).transpose()?;
+    if denoising.is_some() {
+        scene = scene.with_aovs(&GUIDES);
+    }
+    check_destinations(args, &scene, &outputs, denoising.as_ref(), plan.path())?;
+    denoising.iter().for_each(|denoising| denoising.warn(&mut reporter));
     let has_png = outputs.iter().any(|image| image.format == Format::Png);
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
@@ -80,7 +87,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         reporter.finish(if signals.came() { last } else { last.done() });
         (outcome, keeper.end(&session, &last, signals.came(), &reporter))
     });
-    let ending = Ending { session: &session, outcome: &outcome, signals: &signals, plan: &plan, is_kept };
+    let (plan, denoising) = (&plan, denoising.as_ref());
+    let ending = Ending { session: &session, outcome: &outcome, signals: &signals, plan, denoising, is_kept };
     finish(&ending, &outputs, args.stats.as_deref(), &reporter)
 }
 
@@ -112,6 +120,7 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
     };
     let technique =
         args.technique.as_ref().map(|t| change("render.technique", t.clone().into(), format!("--technique {t}")));
+    let aov = args.aov.as_ref().map(|names| change("film.aov", names.clone().into(), format!("--aov {names}")));
     let mesc = args.mesc.map(|mesc| change("render.mesc", mesc.into(), format!("--mesc {mesc}")));
     let size = args.size.map(|[width, height]| {
         let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
@@ -129,7 +138,7 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         change("render.samples", i64::from(range.end).into(), format!("--sample-range {}..{}", range.start, range.end))
     });
     let numbers = [number("render.samples", "samples", args.samples), number("render.seed", "seed", args.seed)];
-    let flags = [technique, mesc, segments, size, exposure, range].into_iter().chain(numbers).flatten();
+    let flags = [technique, aov, mesc, segments, size, exposure, range].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
 }
 
@@ -162,12 +171,15 @@ fn check_destinations(
     args: &RenderArgs,
     scene: &LoadedScene,
     outputs: &[ImageOutput],
+    denoising: Option<&Denoising>,
     checkpoint: Option<&Path>,
 ) -> Result<()> {
     let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
+    let denoised = denoising.iter().flat_map(|denoising| &denoising.outputs);
+    let denoised = denoised.map(|image| Destination { flag: "--denoise", path: &image.path });
     let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
     let checkpoint = checkpoint.map(|path| Destination { flag: "checkpoint", path });
-    let all: Vec<_> = images.chain(stats).chain(checkpoint).collect();
+    let all: Vec<_> = images.chain(denoised).chain(stats).chain(checkpoint).collect();
     destinations::check(&all, &scene.files)?;
     destinations::check_lines(&all, args.progress)
 }

@@ -1,0 +1,62 @@
+//! `--denoise`: images without noise beside those with it.
+
+use super::finish::Ending;
+use super::progress::Reporter;
+use super::values::ImageOutput;
+use crate::denoise::{Denoiser, beside};
+use crate::error::{Error, Result};
+use crate::image::tone::Exposure;
+use crate::output;
+
+/// What is to be denoised, and by what.
+pub struct Denoising {
+    /// Where images go.
+    pub outputs: Vec<ImageOutput>,
+    /// The error is why they cannot be denoised: that is told at once, and again in the end.
+    denoiser: Result<Denoiser>,
+}
+
+impl Denoising {
+    /// Looks for what it takes to denoise `images`.
+    ///
+    /// # Errors
+    /// If one of them is no file with a name, so that there is nothing beside it.
+    pub fn of(images: &[ImageOutput]) -> Result<Self> {
+        let place = |image: &ImageOutput| {
+            let path = Some(&image.path).filter(|path| !output::is_stream(path)).and_then(|path| beside(path));
+            let finding = "is no file with a name, so there is no place beside it for an image without noise";
+            let remedy = "write a file, or leave --denoise out";
+            path.ok_or_else(|| Error::usage(format!("--output {}", image.path.display()), finding, remedy))
+        };
+        let output = |image| Ok(ImageOutput { path: place(image)?, format: image.format });
+        let outputs = images.iter().map(output).collect::<Result<_>>()?;
+        Ok(Self { outputs, denoiser: Denoiser::find() })
+    }
+
+    /// Says at once if images cannot be denoised: somebody may want to do something about it before they are rendered.
+    pub fn warn(&self, reporter: &mut Reporter) {
+        if let Err(Error { finding, .. }) = &self.denoiser {
+            reporter.warn(format!("--denoise: {finding}; the image will be written with its noise"));
+        }
+    }
+
+    /// Denoises the image of a render that has been written.
+    ///
+    /// # Errors
+    /// If it cannot be denoised or written. The image with its noise is there.
+    pub fn finish(&self, ending: &Ending<'_>, reporter: &Reporter) -> Result<()> {
+        let Ending { session, outcome, signals, .. } = *ending;
+        let kept =
+            |error: Error| Error { remedy: format!("{}; the image with its noise is written", error.remedy), ..error };
+        let denoiser = self.denoiser.as_ref().map_err(|error| kept(error.clone()))?;
+        let image = denoiser.image(&session.film, session.threads()).map_err(kept)?;
+        let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
+        let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
+        for ImageOutput { path, format } in &self.outputs {
+            image.write((path, *format), size, &header, exposure, || signals.came())?;
+        }
+        let names: Vec<_> = self.outputs.iter().map(|image| image.path.display().to_string()).collect();
+        reporter.line(format!("{}: denoised by {}", names.join(", "), image.by));
+        Ok(())
+    }
+}
