@@ -62,7 +62,9 @@ impl Denoiser {
         let failed = |finding: String, remedy: &str| Error::failure("--denoise", finding, remedy);
         let layer = |aov: Aov| {
             let place = film.layers().iter().position(|layer| layer.name == aov.name());
-            place.ok_or_else(|| failed(format!("the image has no layer {}", aov.name()), "render it with --denoise"))
+            place.ok_or_else(|| {
+                failed(format!("the image has no layer {}", aov.name()), "render it with --aov albedo,normal")
+            })
         };
         let [colour, albedo, normal] =
             [RADIANCE, layer(Aov::Albedo)?, layer(Aov::Normal)?].map(|layer| pixels(film, layer));

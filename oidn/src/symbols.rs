@@ -32,7 +32,7 @@ macro_rules! symbols {
                         // SAFETY: the library's header declares the function of this name with this signature, and has
                         // done so since version 2.0; earlier ones lack some of the names and are refused.
                         let symbol = unsafe { library.get::<unsafe extern "C" fn($($argument),*) $(-> $result)?>($name) };
-                        *symbol.map_err(|error| Error(format!("it is not of version 2: {error}")))?
+                        *symbol.map_err(|error| Error(format!("it is not of version 2: {}", words(&error))))?
                     },)*
                     _library: library,
                 })
@@ -82,6 +82,11 @@ impl Symbols {
                 Err(error) => first = first.or(Some(error)),
             }
         }
-        Err(Error(first.map_or_else(String::new, |error| error.to_string())))
+        Err(Error(first.map_or_else(String::new, |error| words(&error))))
     }
+}
+
+/// What the system says of an error, which is in its source.
+fn words(error: &libloading::Error) -> String {
+    core::error::Error::source(error).map_or_else(|| error.to_string(), |source| source.to_string())
 }

@@ -1,17 +1,33 @@
 //! `--denoise`: images without noise beside those with it.
 
-use super::finish::Ending;
+use super::destinations::Destination;
 use super::progress::Reporter;
 use super::values::ImageOutput;
 use crate::denoise::{Denoiser, beside};
 use crate::error::{Error, Result};
+use crate::film::Film;
 use crate::image::tone::Exposure;
 use crate::output;
+use crate::session::identity::Entry;
+
+/// An image with its noise.
+#[derive(Clone, Copy)]
+pub struct Noisy<'a> {
+    pub film: &'a Film,
+    /// Width and height of the whole image.
+    pub size: [u32; 2],
+    /// Entries of its header.
+    pub header: &'a [Entry],
+    /// Exposure of PNG images.
+    pub exposure: Exposure,
+    /// Threads that may work on it; 0 for one per processor.
+    pub threads: usize,
+}
 
 /// What is to be denoised, and by what.
 pub struct Denoising {
     /// Where images go.
-    pub outputs: Vec<ImageOutput>,
+    outputs: Vec<ImageOutput>,
     /// The error is why they cannot be denoised: that is told at once, and again in the end.
     denoiser: Result<Denoiser>,
 }
@@ -33,27 +49,30 @@ impl Denoising {
         Ok(Self { outputs, denoiser: Denoiser::find() })
     }
 
+    /// The same as results.
+    pub fn destinations(&self) -> impl Iterator<Item = Destination<'_>> {
+        self.outputs.iter().map(|image| Destination { flag: "--denoise", path: &image.path })
+    }
+
     /// Says at once if images cannot be denoised: somebody may want to do something about it before they are rendered.
-    pub fn warn(&self, reporter: &mut Reporter) {
+    pub fn warn(&self, reporter: &Reporter) {
         if let Err(Error { finding, .. }) = &self.denoiser {
             reporter.warn(format!("--denoise: {finding}; the image will be written with its noise"));
         }
     }
 
-    /// Denoises the image of a render that has been written.
+    /// Denoises an image that has been written.
     ///
     /// # Errors
     /// If it cannot be denoised or written. The image with its noise is there.
-    pub fn finish(&self, ending: &Ending<'_>, reporter: &Reporter) -> Result<()> {
-        let Ending { session, outcome, signals, .. } = *ending;
+    pub fn finish(&self, noisy: &Noisy<'_>, interrupted: impl Fn() -> bool, reporter: &Reporter) -> Result<()> {
+        let Noisy { film, size, header, exposure, threads } = *noisy;
         let kept =
             |error: Error| Error { remedy: format!("{}; the image with its noise is written", error.remedy), ..error };
         let denoiser = self.denoiser.as_ref().map_err(|error| kept(error.clone()))?;
-        let image = denoiser.image(&session.film, session.threads()).map_err(kept)?;
-        let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
-        let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
+        let image = denoiser.image(film, threads).map_err(kept)?;
         for ImageOutput { path, format } in &self.outputs {
-            image.write((path, *format), size, &header, exposure, || signals.came())?;
+            image.write((path, *format), size, header, exposure, &interrupted)?;
         }
         let names: Vec<_> = self.outputs.iter().map(|image| image.path.display().to_string()).collect();
         reporter.line(format!("{}: denoised by {}", names.join(", "), image.by));

@@ -6,12 +6,13 @@ use std::process::ExitCode;
 use fogbow_kernels::accumulate::Dropped;
 
 use super::checkpoints::{self, Plan};
-use super::denoising::Denoising;
+use super::denoising::{Denoising, Noisy};
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
 use crate::error::{Error, Kind, Result};
 use crate::figures::{duration, number, rate};
+use crate::image::tone::Exposure;
 use crate::session::{End, Outcome, Session};
 
 /// Contributions that may be dropped for not being finite, as a share of the samples.
@@ -71,7 +72,12 @@ pub fn finish(
         }
     }
     refuse_drops(session, reporter)?;
-    denoising.map_or(Ok(()), |denoising| denoising.finish(ending, reporter))?;
+    if let Some(denoising) = denoising {
+        let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
+        let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
+        let (film, threads) = (&session.film, session.threads());
+        denoising.finish(&Noisy { film, size, header: &header, exposure, threads }, || signals.came(), reporter)?;
+    }
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }
 

@@ -231,6 +231,9 @@ struct MergeArgs {
     #[arg(long, value_name = "A..B", conflicts_with = "weighted", allow_hyphen_values = true)]
     #[arg(value_parser = values::expected)]
     expect: Option<SampleRange>,
+    /// Write the merged image without noise as well, as render does; its parts need the layers albedo and normal.
+    #[arg(long, conflicts_with = "weighted")]
+    denoise: bool,
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,

@@ -45,7 +45,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         scene = scene.with_aovs(&GUIDES);
     }
     check_destinations(args, &scene, &outputs, denoising.as_ref(), plan.path())?;
-    denoising.iter().for_each(|denoising| denoising.warn(&mut reporter));
+    denoising.iter().for_each(|denoising| denoising.warn(&reporter));
     let has_png = outputs.iter().any(|image| image.format == Format::Png);
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png).map(word) {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
@@ -175,8 +175,7 @@ fn check_destinations(
     checkpoint: Option<&Path>,
 ) -> Result<()> {
     let images = outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
-    let denoised = denoising.iter().flat_map(|denoising| &denoising.outputs);
-    let denoised = denoised.map(|image| Destination { flag: "--denoise", path: &image.path });
+    let denoised = denoising.iter().flat_map(|denoising| denoising.destinations());
     let stats = args.stats.iter().map(|path| Destination { flag: "--stats", path });
     let checkpoint = checkpoint.map(|path| Destination { flag: "checkpoint", path });
     let all: Vec<_> = images.chain(denoised).chain(stats).chain(checkpoint).collect();

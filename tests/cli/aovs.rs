@@ -72,7 +72,7 @@ fn layers_can_be_keys_of_the_scene_in_any_order() {
 fn unknown_layers_and_repeated_ones_are_refused() {
     let folder = Folder::with_scene();
     for (flag, finding) in [
-        ("colour", "--aov colour: film.aov is \"colour\", which is not one of the choices"),
+        ("colour", "--aov colour: film.aov: unknown name `colour`, expected one of `depth`, `normal`, `albedo`"),
         ("depth,depth", "--aov depth,depth: film.aov is a list that names depth twice"),
     ] {
         folder.refused(&["render", "scene.toml", "-o", "a.exr", "--aov", flag], 2, finding);
@@ -203,6 +203,31 @@ mod denoised {
         assert!(header(&denoised, "denoised").starts_with("Open Image Denoise 2."));
         assert_eq!(header(&denoised, "scene_hash"), header(&noisy, "scene_hash"));
         assert_eq!(folder.png("a.denoised.png").0.width, 40);
+    }
+
+    #[test]
+    fn merged_parts_are_denoised_as_one_image() {
+        if let Err(error) = Denoiser::find() {
+            eprintln!("not run: {error}");
+            return;
+        }
+        let folder = Folder::with_scene();
+        let base = ["render", "scene.toml", "--size", "40x36", "--aov", "albedo,normal"];
+        for (name, samples) in [("b.exr", "0..1"), ("c.exr", "1..2")] {
+            folder.done(&[&base[..], &["-o", name, "--sample-range", samples]].concat());
+        }
+        folder.done(&NOISY);
+        folder.done(&["merge", "c.exr", "b.exr", "-o", "m.exr", "-o", "m.png", "--denoise"]);
+        let [whole, merged] = ["a.denoised.exr", "m.denoised.exr"].map(|name| folder.image(name));
+        for (a, b) in plane(&whole, "G").iter().zip(plane(&merged, "G")) {
+            assert!((a - b).abs() <= 1e-3 * a, "{a} and {b}");
+        }
+        assert_eq!(folder.png("m.denoised.png").0.width, 40);
+        folder.done(&["render", "scene.toml", "--size", "40x36", "-o", "d.exr"]);
+        let run = folder.run(&["merge", "d.exr", "-o", "e.exr", "--denoise"]);
+        let finding = "error: --denoise: the image has no layer albedo\n  help: render it with --aov albedo,normal";
+        assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
+        assert!(folder.names().contains(&"e.exr".to_string()), "the image with its noise is kept");
     }
 
     #[test]

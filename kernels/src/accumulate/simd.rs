@@ -22,6 +22,7 @@ use crate::{Step, lanes};
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
     let Columns { radiance, origin, parts, dropped, .. } = columns;
+    let has_parts = !parts.is_empty();
     for (b, rows) in bucket.batches() {
         let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
         let weight = worth.weight.batch(b);
@@ -46,7 +47,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             } else {
                 lanes::each(counts & !lost).for_each(|i| radiance[lane_of[i] as usize] += contribution[i]);
             }
-            if !parts.is_empty() {
+            if has_parts {
                 for (i, lane) in lanes::each(counts & !lost).map(|i| (i, lane_of[i] as usize)) {
                     let segments = paths.depth_of(step.clock, lane) + bucket.inserted as u32 + 1;
                     parts.of(origin, segments).for_each(|part| {
