@@ -1,8 +1,8 @@
 //! Intel Open Image Denoise 2, loaded when it is asked for: nothing of it is needed to build or to run without.
 //!
 //! [`Library::load`] finds the shared library where the system looks for such, [`Library::denoise`] filters an image on
-//! the processor. The functions are those of its C interface (`oidn.h`), of which [`symbols`](self) has the few that are
-//! called.
+//! the processor. The functions are those of its C interface (`oidn.h`), of which [`symbols`](self) has the few that
+//! are called.
 
 mod session;
 mod symbols;

@@ -70,8 +70,8 @@ impl<'a> Device<'a> {
         let filter = Filter::new(self)?;
         for (name, pixels) in inputs {
             assert_eq!(pixels.len(), output.len(), "an image of another size");
-            // SAFETY: the pixels are as many as the size says, outlive the filter, and are only read: the library writes
-            // to `output` alone, though its interface has no pointers to constants.
+            // SAFETY: the pixels are as many as the size says, outlive the filter, and are only read: the library
+            // writes to `output` alone, though its interface has no pointers to constants.
             unsafe { filter.set_image(name, pixels.as_ptr().cast_mut().cast(), size) };
         }
         // SAFETY: the pixels are as many as the size says, outlive the filter, and nothing else reads or writes them
@@ -113,12 +113,12 @@ impl<'a> Filter<'a> {
     /// Names an image of `[width, height]` pixels.
     ///
     /// # Safety
-    /// So many pixels of three f32 have to be there as long as the filter is, to read, and to write if it is the output,
-    /// of which there is one reference at most.
+    /// So many pixels of three f32 have to be there as long as the filter is, to read, and to write if it is the
+    /// output, of which there is one reference at most.
     unsafe fn set_image(&self, name: &CStr, pixels: *mut c_void, [width, height]: [usize; 2]) {
         let set_image = self.device.symbols.set_image;
-        // SAFETY: the filter is there, and the pixels are what the caller says. The name ends in 0 and is read before the
-        // call returns. Rows follow each other without gaps: strides 0.
+        // SAFETY: the filter is there, and the pixels are what the caller says. The name ends in 0 and is read before
+        // the call returns. Rows follow each other without gaps: strides 0.
         unsafe { set_image(self.handle, name.as_ptr(), pixels, FLOAT3, width, height, 0, 0, 0) };
     }
 

@@ -29,9 +29,10 @@ macro_rules! symbols {
             fn of(library: Library) -> Result<Self, Error> {
                 Ok(Self {
                     $($field: {
+                        type Function = unsafe extern "C" fn($($argument),*) $(-> $result)?;
                         // SAFETY: the library's header declares the function of this name with this signature, and has
                         // done so since version 2.0; earlier ones lack some of the names and are refused.
-                        let symbol = unsafe { library.get::<unsafe extern "C" fn($($argument),*) $(-> $result)?>($name) };
+                        let symbol = unsafe { library.get::<Function>($name) };
                         *symbol.map_err(|error| Error(format!("it is not of version 2: {}", words(&error))))?
                     },)*
                     _library: library,
@@ -58,7 +59,8 @@ symbols! {
     new_filter: fn(*mut c_void, *const c_char) -> *mut c_void = b"oidnNewFilter\0";
     /// Names an image of a filter: filter, name, pixels, format, width, height, offset, bytes to the next pixel and to
     /// the next row, 0 for what follows from the format.
-    set_image: fn(*mut c_void, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize) = b"oidnSetSharedFilterImage\0";
+    set_image: fn(*mut c_void, *const c_char, *mut c_void, c_int, usize, usize, usize, usize, usize)
+        = b"oidnSetSharedFilterImage\0";
     /// Sets a choice of a filter: filter, name, value.
     set_filter_bool: fn(*mut c_void, *const c_char, bool) = b"oidnSetFilterBool\0";
     /// Makes a filter ready.
@@ -74,9 +76,10 @@ impl Symbols {
     pub fn load() -> Result<Self, Error> {
         let mut first = None;
         for name in NAMES {
-            // SAFETY: loading runs what a library does when it is loaded. This is the installed Open Image Denoise, by its
-            // own name: it sets up itself, and neither reads nor writes anything of this program, whatever other threads
-            // do. Whoever can put another library in its place can put another program in the place of this one, too.
+            // SAFETY: loading runs what a library does when it is loaded. This is the installed Open Image Denoise, by
+            // its own name: it sets up itself, and neither reads nor writes anything of this program, whatever other
+            // threads do. Whoever can put another library in its place can put another program in the place of this
+            // one, too.
             match unsafe { Library::new(*name) } {
                 Ok(library) => return Self::of(library),
                 Err(error) => first = first.or(Some(error)),

@@ -1,8 +1,9 @@
 //! Parts of a sample that add up to it exactly.
 //!
-//! The radiance of a path is the f32 sum of what it found, and so is each part, every sum rounded for itself. In units of
-//! the film the parts are therefore a little off the whole. The largest part makes up for that: it gets what the others
-//! leave of the whole. So the exact sums of the parts are that of the radiance, to the bit, for any number of samples.
+//! The radiance of a path is the f32 sum of what it found, and so is each part, every sum rounded for itself. In units
+//! of the film the parts are therefore a little off the whole. The largest part makes up for that: it gets what the
+//! others leave of the whole. So the exact sums of the parts are that of the radiance, to the bit, for any number of
+//! samples.
 
 use super::sums::Sums;
 

@@ -1,9 +1,9 @@
 //! What the camera sees first: depth, normal, albedo and transmittance, for layers of the film beside radiance.
 //!
-//! A sample's light is first scattered or absorbed where its free flight ends, or on the surface or lamp before that: its
-//! first collision. Free flights are those of the walk before any of them are aimed, so that plain means over samples
-//! are those over collisions, without weights. Where extinction is coloured, flights are drawn for red, green and blue
-//! alike, and means are over the collisions of all three.
+//! A sample's light is first scattered or absorbed where its free flight ends, or on the surface or lamp before that:
+//! its first collision. Free flights are those of the walk before any of them are aimed, so that plain means over
+//! samples are those over collisions, without weights. Where extinction is coloured, flights are drawn for red, green
+//! and blue alike, and means are over the collisions of all three.
 
 pub mod reference;
 pub mod simd;

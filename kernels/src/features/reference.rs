@@ -78,8 +78,8 @@ fn is_lamp(emitter: &Emitter) -> bool {
     matches!(emitter.shape, Shape::Disk | Shape::Sphere)
 }
 
-/// What a ray of the camera (origin, unit direction) with this free `flight` meets first, where `solid` is the first that
-/// is solid; transmittance 0.
+/// What a ray of the camera (origin, unit direction) with this free `flight` meets first, where `solid` is the first
+/// that is solid; transmittance 0.
 pub fn first(scene: &Scene<'_>, (origin, direction): (DVec3, DVec3), flight: f64, solid: Option<Solid>) -> Feature {
     let Scene { camera, medium, lights, surfaces } = *scene;
     let clear = match solid {

@@ -69,9 +69,9 @@ pub struct Columns<'a, 'q> {
     pub dropped: &'a mut Dropped,
 }
 
-/// Adds `T / reach(depth + 1)` times the integral of emission along the way flown to the radiance of every live path, as
-/// light of a path of `depth + 1` segments, unless that is outside `lengths`; and once more to the parts of the radiance
-/// that it belongs to.
+/// Adds `T / reach(depth + 1)` times the integral of emission along the way flown to the radiance of every live path,
+/// as light of a path of `depth + 1` segments, unless that is outside `lengths`; and once more to the parts of the
+/// radiance that it belongs to.
 ///
 /// The way within the box of all cells has `n = ceil(length * rate)` strata, 1 to [`MOST_POINTS`]; number i of the
 /// [stream](crate::random::Stream) 0 of the block `GLOW` says where in stratum i its point is.
