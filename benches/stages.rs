@@ -10,10 +10,11 @@ mod plain;
 
 use bumpalo::Bump;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use fogbow::film::aov::Origin;
 use fogbow::frame::Frame;
 use fogbow::wavefront::{RaysOf, Source, Wavefront};
 use fogbow_kernels::columns::queues::{Bucket, Request};
-use fogbow_kernels::connect::{lis, nee, omnee};
+use fogbow_kernels::connect::{Technique, lis, nee, omnee};
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::{Joint, Pipeline, REFERENCE, SIMD};
@@ -48,10 +49,11 @@ fn coloured_frame() -> Frame {
 type Stage = fn(&mut Wavefront<'_>);
 
 /// The stages that work on lanes.
-const LANE_STAGES: [(&str, Stage); 11] = [
+const LANE_STAGES: [(&str, Stage); 12] = [
     ("generate", |w| w.generate()),
     ("remember", |w| w.remember()),
     ("medium_sample", |w| w.medium_sample()),
+    ("features", |w| w.features()),
     ("first_flight", |w| w.first_flight()),
     ("extend", |w| w.extend(RaysOf::Paths)),
     ("prune", |w| w.prune()),
@@ -71,9 +73,13 @@ fn request_all(w: &mut Wavefront<'_>, live: usize) {
 }
 
 fn lane_stages(c: &mut Criterion) {
-    let [grey, coloured] = [nee_frame(), coloured_frame()];
+    let [grey, coloured, layered] = [nee_frame(), coloured_frame(), frames::with_all_layers(&nee_frame())];
     for (name, stage) in LANE_STAGES {
-        let frame = if name == "spectral_weight" { &coloured } else { &grey };
+        let frame = match name {
+            "spectral_weight" => &coloured,
+            "features" => &layered,
+            _ => &grey,
+        };
         let mut group = c.benchmark_group(name);
         for live in 1..=8 {
             let arena = Bump::new();
@@ -192,7 +198,7 @@ fn mvnee_stages(c: &mut Criterion) {
                 b.iter(|| w.occlusion(Source::Bridged, bucket));
             });
             group.bench_function(BenchmarkId::new("accumulate", name), |b| {
-                b.iter(|| w.accumulate(Source::Bridged, bucket));
+                b.iter(|| w.accumulate(Origin::Connection(Technique::Bridge), Source::Bridged, bucket));
             });
         }
         group.finish();

@@ -12,6 +12,7 @@ use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{LONGEST_BRIDGED_PATH, PathLengths, WalkLimits};
 
 use crate::film::Region;
+use crate::film::aov::Aovs;
 
 /// Everything that the value of a sample depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,16 +40,18 @@ pub struct Frame {
     pub seed: u32,
     /// Pixels whose lamps are looked at by many rays per sample, if there are any.
     pub outlines: Option<Arc<Outlines>>,
+    /// What its film keeps beside radiance.
+    pub aovs: Aovs,
 }
 
 impl Frame {
-    /// The same view, of `size` pixels, as a small image whose longest side has at most `side`.
+    /// The same view, of `size` pixels, as a small image whose longest side has at most `side`, of radiance alone.
     pub fn small(&self, [width, height]: [u32; 2], side: u32) -> (Self, Region) {
         let longest = width.max(height);
         let small = |length: u32| (u64::from(length) * u64::from(side)).div_ceil(u64::from(longest)).min(length.into());
         let size = [small(width) as u32, small(height) as u32];
         let camera = self.camera.at_size([width, height], size);
-        let small = Self { camera, outlines: None, ..self.clone() };
+        let small = Self { camera, outlines: None, aovs: Aovs::default(), ..self.clone() };
         let small = if self.outlines.is_some() { small.with_outlines(size) } else { small };
         (small, Region::whole(size[0], size[1]))
     }

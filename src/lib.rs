@@ -55,6 +55,7 @@ pub mod adaptive;
 pub mod cli;
 pub mod compare;
 pub mod cpu;
+pub mod denoise;
 pub mod error;
 mod figures;
 pub mod film;

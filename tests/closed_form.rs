@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fogbow::film::aov::Aovs;
 use fogbow::frame::Frame;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
@@ -150,6 +151,7 @@ fn the_back_of_a_light_is_black_and_opaque() {
             lengths: PathLengths { min: 1, max: 5 },
             seed: 1,
             outlines: None,
+            aovs: Aovs::default(),
         };
         render(&frame, [1, 1], 0..1).0.pixel(0, 0).mean[0]
     };

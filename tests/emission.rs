@@ -15,7 +15,7 @@ use fogbow_kernels::tables::lights::{Lights, Selection};
 use fogbow_kernels::tables::surfaces::Material;
 use fogbow_testing::agreement::{assert_stages_agree, assert_whole_paths_agree};
 use fogbow_testing::frames::clouds::{ball, centred, cloud, leaves, lumps, solid};
-use fogbow_testing::frames::{self, Active};
+use fogbow_testing::frames::{self, Active, with_all_layers};
 use fogbow_testing::render::{WORKERS, render, render_with};
 use fogbow_testing::statistics::z_of_means;
 use glam::DVec3;
@@ -195,7 +195,7 @@ fn every_stage_agrees_with_its_twin() {
     for (name, frame) in variety() {
         assert_stages_agree(
             name,
-            TECHNIQUES.map(|active| with(&frame, active).with_walk(u32::MAX, 0.9)).into_iter(),
+            TECHNIQUES.map(|active| with_all_layers(&with(&frame, active).with_walk(u32::MAX, 0.9))).into_iter(),
             8,
         );
     }

@@ -5,11 +5,12 @@ use core::f64::consts::PI;
 use core::iter;
 
 use bumpalo::Bump;
+use fogbow::film::aov::Origin;
 use fogbow::frame::Frame;
 use fogbow::wavefront::{Source, Wavefront};
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::columns::queues::Bucket;
-use fogbow_kernels::connect::nee;
+use fogbow_kernels::connect::{Technique, nee};
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::media::field::reference::FieldTwin;
 use fogbow_kernels::media::field::{Field, Interpolation, Shape, Voxels};
@@ -103,7 +104,7 @@ fn factors_beyond_all_numbers_are_dropped_and_counted() {
         let weighs = |row: &usize| w.worth.weight.rows()[*row] > 0.0;
         let row = bucket.rows().find(weighs).expect("some connection counts");
         w.worth.factor.set_row(row, [1.0, f32::INFINITY, 1.0]);
-        w.accumulate(Source::Connections, bucket);
+        w.accumulate(Origin::Connection(Technique::Nee), Source::Connections, bucket);
         assert_eq!(w.stats.dropped.count, 1);
         assert!(w.radiance.channels().iter().all(|channel| channel.rows().iter().all(|x| x.is_finite())));
     }

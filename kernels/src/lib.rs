@@ -10,6 +10,7 @@ pub mod columns;
 pub mod connect;
 pub mod emission;
 pub mod extend;
+pub mod features;
 pub mod first_flight;
 pub mod flight_hue;
 pub mod flight_weight;

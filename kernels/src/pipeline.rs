@@ -4,9 +4,9 @@ mod joint;
 
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
-    accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample, mis_weight,
-    occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight, surface,
-    transmittance,
+    accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
+    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight,
+    surface, transmittance,
 };
 
 pub use joint::Joint;
@@ -57,6 +57,8 @@ pipeline! {
     remember (Remember): remember::Kernel = remember::simd::run, remember::reference::run;
     /// Free flights.
     medium_sample (MediumSample): medium_sample::Kernel = medium_sample::simd::run, medium_sample::reference::run;
+    /// What the camera sees first.
+    features (Features): features::Kernel = features::simd::run, features::reference::run;
     /// First flights towards the lights.
     first_flight (FirstFlight): first_flight::Kernel = first_flight::simd::run, first_flight::reference::run;
     /// Closest light and closest triangle within the flight.

@@ -118,6 +118,8 @@ purposes! {
     DISTANT_LIGHT = Purpose::light_point(13);
     /// The stream of the points at which a flight asks for emission.
     GLOW = Purpose::one(14);
+    /// Names the streams of the transmittance of what the camera sees first; the block itself is not drawn from.
+    FEATURES = Purpose::one(15);
     /// The streams of the transmittance of connections to light points of a purpose, one per segment; view the first.
     TRANSMITTANCE = Purpose::row(0x10, 0x10);
     /// The places of rays through the cells of a pixel that an outline passes through: film x, film y, -, -.

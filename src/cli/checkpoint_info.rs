@@ -23,6 +23,7 @@ pub fn describe(path: &Path) -> Result<()> {
     say(format!("size: {width}x{height} pixels{part}"))?;
     say(format!("scene_hash: {}", entry("scene_hash")))?;
     say(format!("technique: {}", entry("technique")))?;
+    say(format!("aov: {}", entry("aov")))?;
     say(format!("seed: {}", entry("seed")))?;
     say(format!("samples: {}", samples(film, &entry("adaptive"), &entry("first_sample"))))?;
     say(format!("progress: {}", progress(&summary, *limits)))?;

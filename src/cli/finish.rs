@@ -6,11 +6,13 @@ use std::process::ExitCode;
 use fogbow_kernels::accumulate::Dropped;
 
 use super::checkpoints::{self, Plan};
+use super::denoising::{Denoising, Noisy};
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
 use crate::error::{Error, Kind, Result};
 use crate::figures::{duration, number, rate};
+use crate::image::tone::Exposure;
 use crate::session::{End, Outcome, Session};
 
 /// Contributions that may be dropped for not being finite, as a share of the samples.
@@ -26,6 +28,8 @@ pub struct Ending<'a> {
     pub outcome: &'a Outcome,
     pub signals: &'a Signals,
     pub plan: &'a Plan,
+    /// What is to be denoised, if anything is.
+    pub denoising: Option<&'a Denoising>,
     /// Whether a checkpoint of all samples was written.
     pub is_kept: bool,
 }
@@ -37,7 +41,7 @@ pub fn finish(
     stats: Option<&Path>,
     reporter: &Reporter,
 ) -> Result<ExitCode> {
-    let Ending { session, outcome, signals, plan, is_kept } = *ending;
+    let Ending { session, outcome, signals, plan, denoising, is_kept } = *ending;
     let (stopped, samples) = (signals.exit_code(), session.film.samples());
     if stopped.is_some() && samples == 0 {
         return Ok(nothing(signals, plan.is_asked_for(), reporter));
@@ -68,6 +72,12 @@ pub fn finish(
         }
     }
     refuse_drops(session, reporter)?;
+    if let Some(denoising) = denoising {
+        let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
+        let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
+        let (film, threads) = (&session.film, session.threads());
+        denoising.finish(&Noisy { film, size, header: &header, exposure, threads }, || signals.came(), reporter)?;
+    }
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::RenderArgs;
+use super::destinations::Destination;
 use super::values::{FrameRange, ImageOutput};
 use crate::error::{Error, Result};
 use crate::image::Format;
@@ -66,10 +67,15 @@ pub fn numbered(path: &Path, frame: u32) -> PathBuf {
     path.with_file_name(format!("{}{frame:0width$}{}", &name[..start], &name[end..], width = end - start))
 }
 
-/// Whether `images` and `statistics` of this render are all there, so that it need not be done again: images that are
-/// no regular files have to be sent again, and only EXR images say what they are of.
-pub fn are_there(session: &Session, limits: Limits, images: &[ImageOutput], statistics: Option<&Path>) -> bool {
-    let mut paths = images.iter().map(|image| image.path.as_path()).chain(statistics);
+/// Whether `images` and `others` of this render are all there, so that it need not be done again: images that are no
+/// regular files have to be sent again, and only EXR images say what they are of.
+pub fn are_there<'a>(
+    session: &Session,
+    limits: Limits,
+    images: &[ImageOutput],
+    others: impl Iterator<Item = Destination<'a>>,
+) -> bool {
+    let mut paths = images.iter().map(|image| image.path.as_path()).chain(others.map(|other| other.path));
     let mut exr = images.iter().filter(|image| image.format == Format::Exr);
     paths.all(|path| path.is_file() && !output::is_stream(path))
         && exr.clone().count() > 0

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::MergeArgs;
+use super::denoising::{Denoising, Noisy};
 use super::destinations::{self, Destination};
 use super::progress::Reporter;
 use crate::error::{Error, Result};
@@ -14,7 +15,10 @@ use crate::merge::{self, Merged, Request};
 use crate::output;
 
 pub fn run(args: &MergeArgs) -> Result<()> {
-    let outputs: Vec<_> = args.output.iter().map(|image| Destination { flag: "--output", path: &image.path }).collect();
+    let denoising = args.denoise.then(|| Denoising::of(&args.output)).transpose()?;
+    let outputs = args.output.iter().map(|image| Destination { flag: "--output", path: &image.path });
+    let denoised = denoising.iter().flat_map(|denoising| denoising.destinations());
+    let outputs: Vec<_> = outputs.chain(denoised).collect();
     destinations::check(&outputs, &args.parts)?;
     destinations::check_lines(&outputs, args.progress)?;
     let reporter = Reporter::new(args.progress);
@@ -22,7 +26,8 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     if let Some(stops) = args.exposure.as_ref().filter(|_| !has_png) {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
     }
-    if args.weighted { weighted(args, &reporter) } else { exact(args, reporter) }
+    denoising.iter().filter_map(Denoising::warning).for_each(|warning| reporter.warn(warning));
+    if args.weighted { weighted(args, &reporter) } else { exact(args, denoising.as_ref(), reporter) }
 }
 
 /// What `--exposure` says, or else `otherwise`, or else what a light meter says of the pixels.
@@ -34,7 +39,7 @@ fn exposure(args: &MergeArgs, otherwise: Option<Exposure>, pixels: impl Iterator
     asked.unwrap_or(otherwise).unwrap_or_else(|| Exposure::metered(pixels))
 }
 
-fn exact(args: &MergeArgs, mut reporter: Reporter) -> Result<()> {
+fn exact(args: &MergeArgs, denoising: Option<&Denoising>, mut reporter: Reporter) -> Result<()> {
     let (start, count) = (Instant::now(), args.parts.len());
     reporter.begin("merge");
     let mut look = |done| reporter.merging(done, count, start.elapsed());
@@ -43,16 +48,19 @@ fn exact(args: &MergeArgs, mut reporter: Reporter) -> Result<()> {
     let merged = outcome?;
     merged.warnings.iter().for_each(|warning| reporter.warn(warning));
     let Merged { film, size, header, .. } = &merged;
+    let exposure = if args.output.iter().any(|image| image.format == Format::Png) {
+        let pixels: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
+        exposure(args, merged.exposure(), pixels.into_iter())
+    } else {
+        Exposure(0.0)
+    };
     for image in &args.output {
         output::write(
             &image.path,
             || false,
             |file| match image.format {
                 Format::Exr => image::exr::write_film(file, film, *size, header),
-                Format::Png => {
-                    let pixels: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
-                    image::png::write_film(file, film, exposure(args, merged.exposure(), pixels.into_iter()))
-                }
+                Format::Png => image::png::write_film(file, film, exposure),
             },
         )?;
     }
@@ -61,7 +69,8 @@ fn exact(args: &MergeArgs, mut reporter: Reporter) -> Result<()> {
     let noise = noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3)));
     let samples = if per_pixel == 1.0 { "1 sample".into() } else { format!("{} samples", number(per_pixel, 4)) };
     reporter.line(format!("{}: {}, {samples} per pixel{noise}", names(args), images(&args.parts)));
-    Ok(())
+    let noisy = Noisy { film, size: *size, header, exposure, threads: 0 };
+    denoising.map_or(Ok(()), |denoising| denoising.finish(&noisy, || false, &reporter))
 }
 
 fn weighted(args: &MergeArgs, reporter: &Reporter) -> Result<()> {

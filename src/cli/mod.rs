@@ -4,6 +4,7 @@ mod bar;
 mod checkpoint_info;
 mod checkpoints;
 mod compare;
+mod denoising;
 mod destinations;
 mod finish;
 mod frames;
@@ -107,6 +108,14 @@ struct RenderArgs {
     /// Connection technique, or several separated by commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
     technique: Option<String>,
+    /// Layers of EXR images beside radiance, separated by commas: depth, normal, albedo, transmittance, and the radiance
+    /// by technique and by length. See --help-scene, film.aov.
+    #[arg(long, value_name = "A[,A]")]
+    aov: Option<String>,
+    /// Write images without noise as well, OUT.denoised.exr beside OUT.exr, if Intel's Open Image Denoise is installed.
+    /// It is guided by the layers albedo and normal, which the image gets for that.
+    #[arg(long)]
+    denoise: bool,
     /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel).
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
@@ -241,6 +250,9 @@ struct MergeArgs {
     #[arg(long, value_name = "A..B", conflicts_with = "weighted", allow_hyphen_values = true)]
     #[arg(value_parser = values::expected)]
     expect: Option<SampleRange>,
+    /// Write the merged image without noise as well, as render does; its parts need the layers albedo and normal.
+    #[arg(long, conflicts_with = "weighted")]
+    denoise: bool,
     /// How to show progress.
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::thread;
 
 use super::checkpoints::{Keeper, Plan};
+use super::denoising::Denoising;
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
 use super::frames::{self, Sequence};
@@ -18,6 +19,7 @@ use super::values::{Checkpoints, ImageOutput};
 use super::{Progress, RenderArgs, say, warning_text};
 use crate::adaptive;
 use crate::cpu;
+use crate::denoise::GUIDES;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
@@ -59,11 +61,18 @@ struct Request {
     settings: Settings,
     limits: Limits,
     plan: Plan,
+    denoising: Option<Denoising>,
 }
 
 impl Request {
     fn has_png(&self) -> bool {
         self.outputs.iter().any(|image| image.format == Format::Png)
+    }
+
+    /// Results beside its images.
+    fn others(&self) -> impl Iterator<Item = Destination<'_>> {
+        let denoised = self.denoising.iter().flat_map(Denoising::destinations);
+        denoised.chain(self.statistics.iter().map(|path| Destination { flag: "--stats", path }))
     }
 }
 
@@ -102,7 +111,9 @@ impl Run<'_> {
         self.onlookers.show(&session, &self.reporter);
         let (outcome, is_kept) = self.sample(&session, &request);
         let Self { signals, reporter, .. } = self;
-        let ending = Ending { session: &session, outcome: &outcome, signals, plan: &request.plan, is_kept };
+        let Request { plan, denoising, .. } = &request;
+        let denoising = denoising.as_ref();
+        let ending = Ending { session: &session, outcome: &outcome, signals, plan, denoising, is_kept };
         finish(&ending, &request.outputs, request.statistics.as_deref(), reporter)
     }
 
@@ -114,6 +125,7 @@ impl Run<'_> {
         reporter.turn(turn);
         onlookers.begin(&scene::name(path), turn);
         let scene = loading::load(path, overrides(args), time, reporter, || signals.came())?;
+        let scene = if args.denoise { scene.map(|scene| scene.with_aovs(&GUIDES)) } else { scene };
         if let Some(scene) = &scene {
             reporter.begin(&scene.name);
             let warnings = scene.warnings.iter().map(|warning| warning_text(warning, args.verbose));
@@ -140,8 +152,10 @@ impl Run<'_> {
             detailed_stats: args.stats.is_some(),
             reference: args.reference.unwrap_or_default(),
         };
-        let request = Request { outputs, statistics, settings, limits, plan };
+        let denoising = args.denoise.then(|| Denoising::of(&outputs)).transpose()?;
+        let request = Request { outputs, statistics, settings, limits, plan, denoising };
         check_destinations(args.progress, scene, &request)?;
+        request.denoising.iter().filter_map(Denoising::warning).for_each(|warning| self.warn_once(warning));
         if let Some(stops) = args.exposure.as_ref().filter(|_| !request.has_png()).map(word) {
             let finding = "has no effect: only PNG images are exposed, and none is written";
             self.reporter.warn(format!("--exposure {stops} {finding}"));
@@ -169,8 +183,9 @@ impl Run<'_> {
     }
 
     /// Whether all results of a frame are there, so that nothing is left to do.
-    fn is_done(&self, session: &Session, Request { outputs, statistics, limits, plan, .. }: &Request) -> bool {
-        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, statistics.as_deref());
+    fn is_done(&self, session: &Session, request: &Request) -> bool {
+        let Request { outputs, limits, plan, .. } = request;
+        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, request.others());
         if is_done {
             let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
             self.reporter.line(format!("{}: there already", names.join(", ")));
@@ -239,6 +254,7 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
     };
     let technique =
         args.technique.as_ref().map(|t| change("render.technique", t.clone().into(), format!("--technique {t}")));
+    let aov = args.aov.as_ref().map(|names| change("film.aov", names.clone().into(), format!("--aov {names}")));
     let mesc = args.mesc.map(|mesc| change("render.mesc", mesc.into(), format!("--mesc {mesc}")));
     let size = args.size.map(|[width, height]| {
         let value = vec![toml::Value::from(i64::from(width)), i64::from(height).into()];
@@ -256,7 +272,7 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
         change("render.samples", i64::from(range.end).into(), format!("--sample-range {}..{}", range.start, range.end))
     });
     let numbers = [number("render.samples", "samples", args.samples), number("render.seed", "seed", args.seed)];
-    let flags = [technique, mesc, segments, size, exposure, range].into_iter().chain(numbers).flatten();
+    let flags = [technique, aov, mesc, segments, size, exposure, range].into_iter().chain(numbers).flatten();
     flags.chain(args.set.iter().cloned()).collect()
 }
 
@@ -296,9 +312,8 @@ fn outputs(args: &RenderArgs, scene: &LoadedScene, turn: Option<Turn>) -> Vec<Im
 /// Fails if a result cannot go where it is to go.
 fn check_destinations(progress: Progress, scene: &LoadedScene, request: &Request) -> Result<()> {
     let images = request.outputs.iter().map(|image| Destination { flag: "--output", path: &image.path });
-    let stats = request.statistics.iter().map(|path| Destination { flag: "--stats", path });
     let checkpoint = request.plan.path().map(|path| Destination { flag: "checkpoint", path });
-    let all: Vec<_> = images.chain(stats).chain(checkpoint).collect();
+    let all: Vec<_> = images.chain(request.others()).chain(checkpoint).collect();
     destinations::check(&all, &scene.files)?;
     destinations::check_lines(&all, progress)
 }

@@ -33,14 +33,27 @@ impl Unit {
     }
 
     /// The unit for values below two to the power of `exponent`.
-    pub fn for_exponent(exponent: i32) -> Self {
-        Self { exponent, values: 2.0_f64.powi(48 - exponent), roots: 2.0_f64.powi(40 - exponent) }
+    pub const fn for_exponent(exponent: i32) -> Self {
+        Self { exponent, values: power_of_two(48 - exponent), roots: power_of_two(40 - exponent) }
+    }
+
+    /// The number of units nearest to a value, finite and >= 0.
+    #[inline]
+    pub fn units(self, value: f32) -> u128 {
+        let value = (f64::from(value) * self.values).round_ties_even();
+        // Nearly all samples fit into 64 bits, and converting to those is many times faster.
+        if value < U64_END { u128::from(value as u64) } else { value as u128 }
     }
 
     /// The power of two above the largest value that is expected.
     pub fn exponent(self) -> i32 {
         self.exponent
     }
+}
+
+/// Two to the power of `exponent`, which is that of a normal number.
+const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
 /// The first number that does not fit into 64 bits.
@@ -67,9 +80,13 @@ impl ExactSum {
     /// Adds one sample, finite and >= 0.
     #[inline]
     pub fn add(&mut self, unit: Unit, value: f32) {
-        let value = (f64::from(value) * unit.values).round_ties_even();
-        // Nearly all samples fit into 64 bits, and converting to those is many times faster.
-        self.add_raw(if value < U64_END { u128::from(value as u64) } else { value as u128 });
+        self.add_raw(unit.units(value));
+    }
+
+    /// Adds so many units.
+    #[inline]
+    pub fn add_units(&mut self, units: u128) {
+        self.add_raw(units);
     }
 
     /// Adds the sum of other samples.
@@ -77,6 +94,7 @@ impl ExactSum {
         self.add_raw(other.raw());
     }
 
+    #[inline]
     fn add_raw(&mut self, sum: u128) {
         const LARGEST: u128 = (1 << 96) - 1;
         let sum = self.raw().saturating_add(sum).min(LARGEST);

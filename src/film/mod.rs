@@ -1,9 +1,11 @@
 //! The film: per pixel and layer, exact sums of the samples' values and, for standard errors, of their squares.
 
+pub mod aov;
 mod coverage;
 mod exact;
 mod layer;
 mod noise;
+mod split;
 mod sums;
 #[cfg(test)]
 mod tests;
@@ -15,7 +17,7 @@ use std::sync::{Mutex, MutexGuard};
 use crate::frame::Frame;
 pub use coverage::{Coverage, Gap, Part};
 pub use exact::{ExactSquares, ExactSum, Unit};
-pub use layer::{Layer, LayerForm, RADIANCE, layers};
+pub use layer::{Kind, Layer, LayerForm, MOST_LAYERS, RADIANCE, layers};
 pub(crate) use noise::{DARK, NOISIEST, dark, length};
 pub use sums::Exact;
 use sums::Sums;

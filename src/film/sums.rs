@@ -2,7 +2,7 @@
 
 use std::collections::TryReserveError;
 
-use super::{Estimate, ExactSquares, ExactSum, Layer};
+use super::{Estimate, ExactSquares, ExactSum, Kind, Layer};
 
 /// The sums of one channel of a pixel; no squares where the layer keeps none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,15 +43,27 @@ impl Sums {
     /// If there are fewer values than channels.
     #[inline]
     pub fn add(&mut self, place: usize, values: &[f32]) {
-        let Layer { channels, unit, .. } = self.layer;
+        let Layer { channels, unit, kind, .. } = self.layer;
+        let offset = kind.offset();
         for (index, value) in (place * channels..).zip(&values[..channels]) {
-            if *value != 0.0 {
-                self.values[index].add(unit, *value);
+            let value = value + offset;
+            if value != 0.0 {
+                self.values[index].add(unit, value);
                 if let Some(squares) = self.squares.get_mut(index) {
-                    squares.add(unit, *value);
+                    squares.add(unit, value);
                 }
             }
         }
+    }
+
+    /// Adds units of a sample to `channel` of the pixel at `place`, in a layer without squares.
+    pub fn add_units(&mut self, place: usize, channel: usize, units: u128) {
+        self.values[place * self.layer.channels + channel].add_units(units);
+    }
+
+    /// What it is the sums of.
+    pub fn layer(&self) -> &Layer {
+        &self.layer
     }
 
     /// Adds the samples of the same layer of another tile.
@@ -95,11 +107,18 @@ impl Sums {
     }
 
     /// What is known of `channel` of the pixel at `place` after so many samples; channels after the last are like the
-    /// last.
+    /// last. Squares are kept of plain means alone.
     pub fn estimate(&self, place: usize, channel: usize, samples: u32) -> Estimate {
-        let Layer { channels, unit, .. } = self.layer;
-        let index = place * channels + channel.min(channels - 1);
-        let mean = self.values[index].mean(unit, samples.into());
+        let Layer { channels, unit, kind, .. } = self.layer;
+        let (channel, last) = (channel.min(channels - 1), channels - 1);
+        let index = place * channels + channel;
+        let mut mean = self.values[index].mean(unit, samples.into());
+        if samples > 0 {
+            mean -= f64::from(kind.offset());
+        }
+        if kind == Kind::OfSome && channel < last && mean > 0.0 {
+            mean /= self.values[place * channels + last].mean(unit, samples.into());
+        }
         let squares = self.squares.get(index);
         let standard_error = squares.map(|squares| squares.standard_error(unit, mean, samples.into()));
         Estimate { mean, standard_error: standard_error.unwrap_or(f64::INFINITY) }

@@ -8,8 +8,15 @@ const DEPTH: usize = 1;
 fn two_layers() -> [Layer; 2] {
     let unit = Unit::for_largest(100.0);
     [
-        Layer { name: "radiance", channels: 3, unit, squares: true, planes: &["R", "G", "B"] },
-        Layer { name: "depth", channels: 1, unit: Unit::for_largest(1e4), squares: false, planes: &["depth.Z"] },
+        Layer { name: "radiance", channels: 3, unit, squares: true, kind: Kind::Mean, planes: &["R", "G", "B"] },
+        Layer {
+            name: "depth",
+            channels: 1,
+            unit: Unit::for_largest(1e4),
+            squares: false,
+            kind: Kind::Mean,
+            planes: &["depth.Z"],
+        },
     ]
 }
 
@@ -30,7 +37,7 @@ fn add(film: &Film, samples: impl Iterator<Item = u32> + Clone) {
         for number in samples.clone() {
             for (y, x) in region.rows().flat_map(|y| region.columns().map(move |x| (y, x))) {
                 let (radiance, depth) = sample(x, y, number);
-                tile.add(region.place(x, y), &[&radiance, &depth]);
+                tile.add(region.place(x, y), &[radiance.as_slice(), &depth]);
             }
             tile.count(1);
         }
@@ -142,4 +149,57 @@ fn every_layer_is_in_the_file_under_its_own_names() {
     }
     assert_eq!(plane("depth.Z"), shown(DEPTH, 0, |estimate| estimate.mean));
     assert_eq!(plane("N"), vec![SAMPLES as f32; 17 * 11]);
+}
+
+/// A split of the radiance in two, both layers like it, and a signed one.
+fn layers_with_parts() -> [Layer; 4] {
+    let [radiance, depth] = two_layers();
+    let part = Layer { name: "part", squares: false, kind: Kind::Part(aov::Split::Technique), ..radiance };
+    [radiance, Layer { name: "height", kind: Kind::Signed, unit: Unit::for_exponent(0), ..depth }, part, part]
+}
+
+#[test]
+fn parts_add_up_however_they_are_rounded() {
+    let tile = &mut Tile::new(&layers_with_parts(), Region::whole(1, 1));
+    // Parts that are too small, too large, larger than the whole, nothing at all, and beyond what units resolve.
+    let samples = [
+        (1.0, 0.3, 0.6),
+        (1.0, 0.7, 0.4),
+        (1e-3, 5.0, 4.0),
+        (2.0, 0.0, 0.0),
+        (1e-12, 0.7e-12, 0.6e-12),
+        (3e9, 1e9, 2e9),
+        (0.0, 1.0, 0.0),
+    ];
+    for (whole, a, b) in samples {
+        tile.add(0, &[[whole; 3], [0.0; 3], [a; 3], [b; 3]]);
+    }
+    let mut sum = tile.exact(2, 1, 0, 0);
+    sum.sum.merge(&tile.exact(3, 1, 0, 0).sum);
+    assert_eq!(sum.sum, tile.exact(RADIANCE, 1, 0, 0).sum);
+}
+
+#[test]
+fn means_of_signed_layers_may_be_negative() {
+    let tile = &mut Tile::new(&layers_with_parts(), Region::whole(1, 1));
+    for value in [-1.0, -0.5, 0.25, 0.0] {
+        tile.add(0, &[[0.0; 3], [value; 3], [0.0; 3], [0.0; 3]]);
+        tile.count(1);
+    }
+    assert_eq!(tile.estimate(1, 0, 0, 0).mean, -0.3125);
+    let empty = Tile::new(&layers_with_parts(), Region::whole(1, 1));
+    assert_eq!(empty.estimate(1, 0, 0, 0).mean, 0.0, "nothing is known");
+}
+
+#[test]
+fn means_over_some_samples_know_how_many() {
+    let [radiance, depth] = two_layers();
+    let depth = Layer { channels: 2, kind: Kind::OfSome, ..depth };
+    let tile = &mut Tile::new(&[radiance, depth], Region::whole(2, 1));
+    for (value, has) in [(4.0, 1.0), (0.0, 0.0), (2.0, 1.0), (0.0, 0.0)] {
+        tile.add(0, &[[0.0; 3], [value, has, 0.0]]);
+        tile.count(1);
+    }
+    let known = |x, channel| tile.estimate(1, channel, x, 0).mean;
+    assert_eq!([known(0, 0), known(0, 1), known(1, 0), known(1, 1)], [3.0, 0.5, 0.0, 0.0]);
 }

@@ -4,7 +4,7 @@ use core::ops::Range;
 use std::collections::TryReserveError;
 
 use super::sums::Sums;
-use super::{Estimate, Exact, Layer, Pixel, RADIANCE};
+use super::{Estimate, Exact, Kind, Layer, Pixel, RADIANCE, split};
 
 /// A rectangle of pixels: columns `x0 .. x1`, rows `y0 .. y1` of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +97,8 @@ pub struct Tile {
     /// Further samples of single pixels, as merged parts of an image have them; empty if there are none.
     more: Vec<u32>,
     layers: Vec<Sums>,
+    /// Layers of every split of the radiance.
+    splits: Vec<Range<usize>>,
 }
 
 impl Tile {
@@ -118,7 +120,7 @@ impl Tile {
         for layer in layers {
             sums.push(Sums::try_new(*layer, region.pixels() as usize)?);
         }
-        Ok(Self { region, samples: 0, more: Vec::new(), layers: sums })
+        Ok(Self { region, samples: 0, more: Vec::new(), layers: sums, splits: splits(layers) })
     }
 
     /// The pixels it covers.
@@ -153,9 +155,13 @@ impl Tile {
     /// # Panics
     /// If values are missing.
     #[inline]
-    pub fn add(&mut self, place: usize, values: &[&[f32]]) {
+    pub fn add(&mut self, place: usize, values: &[impl AsRef<[f32]>]) {
         let values = &values[..self.layers.len()];
-        self.layers.iter_mut().zip(values).for_each(|(sums, values)| sums.add(place, values));
+        let whole = self.splits.first().map_or(self.layers.len(), |split| split.start);
+        self.layers[..whole].iter_mut().zip(values).for_each(|(sums, values)| sums.add(place, values.as_ref()));
+        for split in &self.splits {
+            split::add(&mut self.layers[split.clone()], place, values[RADIANCE].as_ref(), &values[split.clone()]);
+        }
     }
 
     /// Notes that every pixel has had `samples` more samples.
@@ -235,6 +241,17 @@ impl Tile {
             samples: self.samples_at(self.region.place(x, y)).into(),
         }
     }
+}
+
+/// Where the layers of every split of the radiance are, which come after all others.
+fn splits(layers: &[Layer]) -> Vec<Range<usize>> {
+    let split = |layer: &Layer| if let Kind::Part(split) = layer.kind { Some(split) } else { None };
+    let mut start = 0;
+    let runs = layers.chunk_by(|a, b| split(a) == split(b)).map(|run| {
+        start += run.len();
+        start - run.len()..start
+    });
+    runs.filter(|run| split(&layers[run.start]).is_some()).collect()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use exr::prelude::{
 
 use super::{Image, LARGEST_IMAGE};
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::{Film, Region};
 
 /// Prefix of our own header entries.
 pub const PREFIX: &str = "fogbow.";
@@ -35,19 +35,54 @@ pub fn write_film(
     size: [u32; 2],
     header: &[(String, String)],
 ) -> core::result::Result<(), String> {
-    let region = film.region();
-    let mut attributes =
-        LayerAttributes { layer_position: Vec2(region.x0 as i32, region.y0 as i32), ..Default::default() };
-    attributes.software_name = Some(Text::from(concat!("fogbow ", env!("CARGO_PKG_VERSION"))));
+    let sums = ("sums".to_string(), exact::entry(film, header));
+    let header: Vec<_> = header.iter().cloned().chain([sums]).collect();
+    let (region, encoding) = (film.region(), Encoding::SMALL_FAST_LOSSLESS);
+    let layer = Layer::new(extent(region), attributes(region, &header), encoding, planes::of(film));
+    let image = exr::image::Image::empty(whole(size)).with_layer(layer);
+    image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
+}
+
+/// Writes the radiance of the pixels of `region`, row by row, of an image of `size` pixels; `header` as in
+/// [`write_film`].
+///
+/// # Errors
+/// What the writer says.
+pub fn write_pixels(
+    writer: impl Write + Seek,
+    pixels: &[[f32; 3]],
+    region: Region,
+    size: [u32; 2],
+    header: &[(String, String)],
+) -> core::result::Result<(), String> {
+    let plane = |channel: usize| FlatSamples::F32(pixels.iter().map(|rgb| rgb[channel]).collect());
+    let channels = [("R", 0), ("G", 1), ("B", 2)].map(|(name, channel)| AnyChannel::new(name, plane(channel)));
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new(extent(region), attributes(region, header), Encoding::SMALL_FAST_LOSSLESS, channels);
+    let image = exr::image::Image::empty(whole(size)).with_layer(layer);
+    image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
+}
+
+/// What an image says besides its pixels, which cover `region`; `header` are entries (name without prefix, text).
+fn attributes(region: Region, header: &[(String, String)]) -> LayerAttributes {
     let utf8 = |text: &str| Text::from_slice_unchecked(text.as_bytes());
     let entry = |(name, text): &(String, String)| (utf8(&format!("{PREFIX}{name}")), AttributeValue::Text(utf8(text)));
-    let sums = ("sums".to_string(), exact::entry(film, header));
-    attributes.other = header.iter().chain([&sums]).map(entry).collect();
-    let extent = Vec2(region.width() as usize, region.height() as usize);
-    let layer = Layer::new(extent, attributes, Encoding::SMALL_FAST_LOSSLESS, planes::of(film));
-    let window = IntegerBounds::new((0, 0), (size[0] as usize, size[1] as usize));
-    let image = exr::image::Image::empty(ImageAttributes::new(window)).with_layer(layer);
-    image.write().non_parallel().to_buffered(writer).map_err(|error| error.to_string())
+    LayerAttributes {
+        layer_position: Vec2(region.x0 as i32, region.y0 as i32),
+        software_name: Some(Text::from(concat!("fogbow ", env!("CARGO_PKG_VERSION")))),
+        other: header.iter().map(entry).collect(),
+        ..Default::default()
+    }
+}
+
+/// Width and height of `region`.
+fn extent(region: Region) -> Vec2<usize> {
+    Vec2(region.width() as usize, region.height() as usize)
+}
+
+/// Where an image of `size` pixels is.
+fn whole([width, height]: [u32; 2]) -> ImageAttributes {
+    ImageAttributes::new(IntegerBounds::new((0, 0), (width as usize, height as usize)))
 }
 
 /// Writes `image`, all planes as f32, with its header entries (name with prefix, text).

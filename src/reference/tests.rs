@@ -15,6 +15,8 @@ use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{PathLengths, WalkLimits};
 
+use crate::film::aov::Aovs;
+
 const FREE: WalkLimits = WalkLimits { segments: u32::MAX, starts: u32::MAX, survival: Survival::CERTAIN };
 
 fn frame(albedo: f32, lengths: PathLengths) -> Frame {
@@ -41,6 +43,7 @@ fn frame(albedo: f32, lengths: PathLengths) -> Frame {
         roulette: 0.0,
         seed: 7,
         outlines: None,
+        aovs: Aovs::default(),
     }
 }
 

@@ -28,6 +28,7 @@ use super::schema::{
 use super::surfaces;
 use super::volumes::{self, Sources, Volume};
 use crate::error::{Error, Result};
+use crate::film::aov::Aovs;
 use crate::frame::Frame;
 use crate::gltf::Model;
 
@@ -62,6 +63,7 @@ pub fn frame(
     let check = Check { document };
     check.film_size(scene.film.size)?;
     check.exposure(scene.film.exposure)?;
+    check.once("film.aov", "layer", &scene.film.aov.0.iter().map(|aov| aov.name()).collect::<Vec<_>>())?;
     let start = camera.start();
     let camera = camera.pinhole(&scene.film, origin)?;
     let (medium, fillings) = check.medium_of(scene, sources, origin)?;
@@ -80,8 +82,9 @@ pub fn frame(
     // With nothing to connect with, nothing connects.
     let nowhere = lights.lights().is_empty() && !lights.has_distant();
     let techniques = if nowhere { Techniques::default() } else { techniques };
+    let (outlines, aovs) = (None, Aovs::of(&scene.film.aov.0));
     let frame =
-        Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed, outlines: None };
+        Frame { camera, medium, lights, surfaces, techniques, walk, aimed, roulette, lengths, seed, outlines, aovs };
     Ok((check.walk(&scene.render, frame)?.with_outlines(scene.film.size), fillings))
 }
 
@@ -110,6 +113,17 @@ fn suns(model: &Model) -> Vec<String> {
 impl Check<'_> {
     fn wrong(&self, path: &str, finding: impl core::fmt::Display, remedy: &str) -> Error {
         self.document.error(path, format!("{path} is {finding}"), remedy)
+    }
+
+    /// An error if the list at `path` has one of its `names`, those of `what`, more than once.
+    fn once(&self, path: &str, what: &str, names: &[&str]) -> Result<()> {
+        match names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+            None => Ok(()),
+            Some((_, name)) => {
+                let finding = format!("a list that names {name} twice");
+                Err(self.wrong(path, finding, &format!("name each {what} only once")))
+            }
+        }
     }
 
     fn require(&self, ok: bool, path: &str, finding: impl core::fmt::Display, remedy: &str) -> Result<()> {
@@ -250,10 +264,7 @@ impl Check<'_> {
         let names = &render.technique.0;
         let remedy = "name at least one technique: path, nee, mvnee, omnee, bridge, lis";
         self.require(!names.is_empty(), "render.technique", "an empty list", remedy)?;
-        if let Some(twice) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
-            let finding = format!("a list that names {} twice", twice.1.name());
-            return Err(self.wrong("render.technique", finding, "name each technique only once"));
-        }
+        self.once("render.technique", "technique", &names.iter().map(|name| name.name()).collect::<Vec<_>>())?;
         let offset = match render.perturbation {
             Perturbation::Ggx => Offset::Ggx,
             Perturbation::Gaussian => Offset::Gaussian,

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use super::filling::Filling;
-use super::schema::{self, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
+use super::schema::{self, AovList, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
+use crate::film::aov::{Aov, Aovs};
 use crate::frame::Frame;
 use crate::gltf::Model;
 use crate::pilot::Choices;
@@ -69,7 +70,7 @@ impl LoadedScene {
     pub fn hash(&self) -> String {
         let mut scene = self.scene.clone();
         scene.render.samples = 0;
-        scene.film.exposure = NumberOrAuto::default();
+        (scene.film.exposure, scene.film.aov) = (NumberOrAuto::default(), AovList::default());
         // What is taken from the geometry's file counts, not what it is called there.
         scene.geometry = None;
         scene.punctual_radius = 0.0;
@@ -106,6 +107,15 @@ impl LoadedScene {
             glow.digest(&mut digest);
         }
         hasher.finalize().to_hex()[..32].to_string()
+    }
+
+    /// The same with these layers of images beside those that it has anyway.
+    #[must_use]
+    pub fn with_aovs(mut self, more: &[Aov]) -> Self {
+        let aovs = Aovs::of(&[self.frame.aovs.list(), more].concat());
+        self.scene.film.aov = AovList(aovs.list().to_vec());
+        self.frame.aovs = aovs;
+        self
     }
 
     /// What the scene leaves to the pilot.

@@ -2,6 +2,7 @@
 
 mod environment;
 mod light;
+mod names;
 mod phase;
 mod values;
 mod volume;
@@ -11,8 +12,9 @@ use serde::{Deserialize, Serialize};
 
 pub use environment::Environment;
 pub use light::{Light, LightKind};
+pub use names::{AovList, Techniques};
 pub use phase::{Phase, PhaseKind};
-pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Segments, Spectrum, Starts, Techniques};
+pub use values::{CameraOrName, NumberOrAuto, OneOrTwo, Segments, Spectrum, Starts};
 pub use volume::{Grid, Interpolation, Shape, ShapeKind, Volume};
 
 /// Most segments of a path.
@@ -120,6 +122,9 @@ pub struct Film {
     /// log-average luminance of the whole image becomes middle grey. EXR images hold unexposed radiance in any case.
     #[serde(default)]
     pub exposure: NumberOrAuto,
+    /// Layers that EXR images have beside radiance, or a list of them. Absent: none.
+    #[serde(default, skip_serializing_if = "AovList::is_empty")]
+    pub aov: AovList,
 }
 
 impl Film {
@@ -129,7 +134,7 @@ impl Film {
     /// The film of a camera for images of width over height `aspect`.
     pub fn of_aspect(aspect: f64) -> Self {
         let columns = (aspect * f64::from(Self::ROWS)).round().max(1.0);
-        Self { size: [columns as u32, Self::ROWS], exposure: NumberOrAuto::default() }
+        Self { size: [columns as u32, Self::ROWS], exposure: NumberOrAuto::default(), aov: AovList::default() }
     }
 
     fn square() -> [u32; 2] {

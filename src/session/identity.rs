@@ -11,8 +11,8 @@ pub type Entry = (String, String);
 pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
 
 /// Entries that have to be the same, those that say most first.
-const DECISIVE: [&str; 9] =
-    ["version", FRAME, "reference", "technique", "starts", "survival", "aimed", "roulette", "scene_hash"];
+const DECISIVE: [&str; 10] =
+    ["version", FRAME, "reference", "technique", "starts", "survival", "aimed", "roulette", "aov", "scene_hash"];
 
 /// The number of a frame, which only frames of animations have.
 const FRAME: &str = "frame";

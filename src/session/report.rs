@@ -34,6 +34,7 @@ impl Session {
             ("aimed", frame.aimed.to_string()),
             ("roulette", frame.roulette.to_string()),
             ("reference", settings.reference.name().to_string()),
+            ("aov", frame.aovs.to_string()),
             ("seed", frame.seed.to_string()),
             ("region", format!("{},{},{},{}", region.x0, region.y0, region.x1, region.y1)),
             ("cpu_features", crate::cpu::built_for().join(" ")),

@@ -4,6 +4,7 @@ use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random;
 
 use super::{RaysOf, Source, Wavefront};
+use crate::film::aov::Origin;
 
 impl Wavefront<'_> {
     /// One segment of every live path, and everything that connects from its end.
@@ -32,6 +33,7 @@ impl Wavefront<'_> {
     /// Draws the flights.
     pub fn fly(&mut self) {
         self.medium_sample();
+        self.look_first();
         if self.frame.aims() && !self.requested.is_empty() {
             self.first_flight();
         }
@@ -54,7 +56,7 @@ impl Wavefront<'_> {
     fn count_views(&mut self) {
         let views = self.candidates.views.direct();
         self.transmittance(Source::Views, views, random::CAMERA);
-        self.contribute(Source::Views, views);
+        self.contribute(Origin::View, Source::Views, views);
     }
 
     /// Lights met on the way: weighed and counted before the other paths scatter.
@@ -67,7 +69,7 @@ impl Wavefront<'_> {
         let bucket = self.candidates.light_hits.direct();
         self.mis_weight(Source::LightHits, bucket);
         self.transmittance(Source::LightHits, bucket, random::CAMERA);
-        self.contribute(Source::LightHits, bucket);
+        self.contribute(Origin::Path, Source::LightHits, bucket);
     }
 
     /// Takes every path to its next vertex and turns it there.

@@ -12,6 +12,8 @@ pub enum RaysOf {
     Paths,
     /// [`Looks`].
     Looks,
+    /// Those of new samples, without end, by which the camera sees what comes first.
+    First,
 }
 
 /// Rays that see lamps and go nowhere, one per lane.

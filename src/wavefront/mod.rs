@@ -4,6 +4,7 @@
 //! may read and fill. `bounce` and `connect` are the order in which they run, `settle` is what becomes of complete
 //! candidates.
 
+mod aovs;
 mod bounce;
 mod candidates;
 mod connect;
@@ -14,8 +15,10 @@ mod work;
 
 use bumpalo::Bump;
 use fogbow_kernels::Step;
+use fogbow_kernels::columns::parts::PartTable;
 use fogbow_kernels::columns::paths::{
-    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayTable, VertexTable,
+    FeatureColumns, ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayTable,
+    VertexTable,
 };
 use fogbow_kernels::columns::queues::{
     CandidateQueue, ChainTable, EndQueue, EstimateColumns, FlightTable, HitQueue, Request, RequestColumns,
@@ -32,6 +35,7 @@ pub use self::candidates::{Candidates, Source};
 pub use self::looks::{Looks, RaysOf};
 use self::work::Work;
 use crate::film::Tile;
+use crate::film::aov::{Aov, Origin};
 use crate::frame::Frame;
 use crate::stats::Stats;
 
@@ -105,6 +109,14 @@ pub struct Wavefront<'q> {
     pub throughput: Spectrum<'q>,
     /// Radiance found so far, in channels in use [W/(m^2 sr)].
     pub radiance: Spectrum<'q>,
+    /// The same by what found it, and by the lengths of paths; empty where no layer of the film asks.
+    pub parts: PartTable<'q>,
+    /// The origins of which there are parts, in their order.
+    pub origins: Vec<Origin>,
+    /// What the camera sees first; empty where no layer of the film asks.
+    pub features: FeatureColumns<'q>,
+    /// How far looks at that go `[m]`: without end.
+    pub endless: Column<'q, f32>,
     /// Where the paths are.
     pub vertices: VertexTable<'q>,
     /// Their rays.
@@ -160,6 +172,10 @@ impl<'q> Wavefront<'q> {
         let longest = frame.techniques.most_inserted(frame.lengths.max);
         let bridged = BucketTable::rows(lanes, longest);
         let met = lanes * frame.lights.most_met();
+        let origins = if frame.aovs.has(Aov::Technique) { Origin::of(frame) } else { Vec::new() };
+        let seen = if frame.aovs.see() { lanes } else { 0 };
+        let mut endless = Column::new_in(arena, seen);
+        endless.rows_mut().fill(f32::INFINITY);
         Self {
             frame,
             pipeline: *pipeline,
@@ -176,6 +192,10 @@ impl<'q> Wavefront<'q> {
             outlook: OutlookColumns::new_in(arena, lanes),
             throughput: Spectrum::new_in(arena, lanes, channels),
             radiance: Spectrum::new_in(arena, lanes, channels),
+            parts: PartTable::new_in(arena, lanes, channels, origins.len(), frame.aovs.has(Aov::Length)),
+            origins,
+            features: FeatureColumns::new_in(arena, seen),
+            endless,
             vertices: VertexTable::new_in(arena, lanes),
             rays: RayTable::new_in(arena, lanes),
             trail: TrailTable::new_in(arena, lanes, remembered(frame)),
@@ -226,12 +246,16 @@ impl<'q> Wavefront<'q> {
         }
     }
 
-    /// Hands the radiance of ended paths to their pixels.
+    /// Hands what ended paths have found to their pixels.
     fn collect(&mut self, tile: &mut Tile) {
-        let region = tile.region();
+        let (region, has_aovs) = (tile.region(), !self.frame.aovs.list().is_empty());
         for lane in self.occupied.without(&self.live) {
             let Request { x, y, .. } = self.requests.row(lane);
-            tile.add(region.place(x, y), &[&self.radiance.row(lane)]);
+            if has_aovs {
+                self.add_layers(tile, region.place(x, y), lane);
+            } else {
+                tile.add(region.place(x, y), &[self.radiance.row(lane)]);
+            }
         }
         self.occupied.copy_from(&self.live);
     }
@@ -263,6 +287,7 @@ impl<'q> Wavefront<'q> {
         self.stats.samples += count;
         if count > 0 {
             self.generate();
+            self.parts.clear(&self.requested);
         }
     }
 }

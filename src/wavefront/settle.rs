@@ -6,6 +6,7 @@ use fogbow_kernels::connect::Technique;
 use fogbow_kernels::random::Purpose;
 
 use super::{Source, Wavefront};
+use crate::film::aov::Origin;
 
 impl Wavefront<'_> {
     /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing
@@ -33,16 +34,16 @@ impl Wavefront<'_> {
         }
         self.transmittance(source, bucket, purpose);
         let free = self.count(bucket);
-        self.contribute(source, bucket);
+        self.contribute(Origin::Connection(technique), source, bucket);
         let stats = self.stats.connections(technique);
         stats.weighted += weighted;
         stats.faint += weighted - kept;
         stats.occluded += kept - free;
     }
 
-    /// Adds what candidates count to their paths.
-    pub(super) fn contribute(&mut self, source: Source, bucket: Bucket) {
-        self.accumulate(source, bucket);
+    /// Adds what candidates of this origin count to their paths.
+    pub(super) fn contribute(&mut self, origin: Origin, source: Source, bucket: Bucket) {
+        self.accumulate(origin, source, bucket);
         if self.stats.light_by_length.is_some() || self.stats.by_depth.is_some() {
             self.note(source, bucket);
         }

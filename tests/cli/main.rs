@@ -1,6 +1,7 @@
 //! Tests of the built program.
 
 mod adaptive;
+mod aovs;
 mod bar;
 mod bare;
 mod checkpoints;

@@ -15,7 +15,7 @@ fn refused(from: &str, to: &str, finding: &str) {
 #[test]
 fn an_unknown_key_is_reported_with_line_and_remedy() {
     refused("radius = 1.5", "raduis = 1.5", "light[0].raduis: unknown key `raduis`, expected one of `type`");
-    refused("size = [8, 8]", "sise = [8, 8]", "film.sise: unknown key `sise`, expected `size`");
+    refused("size = [8, 8]", "sise = [8, 8]", "film.sise: unknown key `sise`, expected one of `size`");
     refused("g = 0.5", "G = 0.5", "medium.phase.G: unknown key `G`");
 }
 

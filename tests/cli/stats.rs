@@ -22,7 +22,7 @@ fn number(statistics: &Value, pointer: &str) -> f64 {
 fn statistics_tell_what_every_stage_did() {
     let folder = Folder::with_scene();
     let flags = ["--technique", "nee,mvnee,omnee,bridge,lis", "--samples", "16", "--set", "render.roulette=0.1"];
-    let statistics = statistics(&folder, &flags);
+    let statistics = statistics(&folder, &[&flags[..], &["--aov", "depth"]].concat());
     let stages = statistics["stages"].as_array().expect("stages");
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());

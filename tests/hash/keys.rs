@@ -23,6 +23,7 @@ near = 0.5
 [film]
 size = [8, 6]
 exposure = 1
+aov = ["depth"]
 
 [medium]
 scattering = [0.5, 0.75, 1]
@@ -112,7 +113,7 @@ angular_radius_deg = 0.5"#,
 ];
 
 /// Keys that change no sample.
-pub const WITHOUT_EFFECT: [&str; 3] = ["render.samples", "film.exposure", "punctual_radius"];
+pub const WITHOUT_EFFECT: [&str; 4] = ["render.samples", "film.exposure", "film.aov", "punctual_radius"];
 /// Keys with nothing else to say here: phase functions have a test of their own, and what a light is follows from its
 /// normal and its exponent.
 pub const WITHOUT_CHOICE: [&str; 9] = [

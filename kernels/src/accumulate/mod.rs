@@ -4,6 +4,7 @@ pub mod reference;
 pub mod simd;
 
 use crate::columns::Spectrum;
+use crate::columns::parts::PartTable;
 use crate::columns::paths::PathColumns;
 use crate::columns::queues::{Bucket, CandidateQueue, WorthTable};
 use crate::tables::lights::Lights;
@@ -27,6 +28,10 @@ pub struct Columns<'a, 'q> {
     pub throughput: &'a Spectrum<'q>,
     /// Added to, in the channels in use.
     pub radiance: &'a mut Spectrum<'q>,
+    /// Which of the parts by origin the candidates belong to; of no meaning where there are none.
+    pub origin: usize,
+    /// Added to, in the channels in use.
+    pub parts: &'a mut PartTable<'q>,
     /// Added to: contributions that were not finite, and so were dropped.
     pub dropped: &'a mut Dropped,
 }
@@ -55,7 +60,7 @@ impl Dropped {
 }
 
 /// Adds `weight factor Le T` of every candidate that weighs something to its path, unless the number of its segments,
-/// `depth + inserted + 1`, is outside `lengths`.
+/// `depth + inserted + 1`, is outside `lengths`; and once more to the parts of the radiance that it belongs to.
 pub type Kernel = fn(Step, Columns<'_, '_>);
 
 #[cfg(test)]

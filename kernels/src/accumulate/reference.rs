@@ -5,11 +5,13 @@
 //! ```
 
 use super::Columns;
+use crate::columns::Spectrum;
 use crate::{PathLengths, Step};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } = columns;
+    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
+    let Columns { radiance, origin, parts, dropped, .. } = columns;
     for row in bucket.rows() {
         let lane = candidates.lane.rows()[row] as usize;
         let weighs = worth.weight.rows()[row] != 0.0;
@@ -27,10 +29,17 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             continue;
         }
-        for (sum, channel) in radiance.channels_mut().iter_mut().zip(used) {
-            let sum = &mut sum.rows_mut()[lane];
-            *sum = (f64::from(*sum) + channel) as f32;
-        }
+        add(radiance, lane, used);
+        let segments = paths.depth_of(step.clock, lane) + bucket.inserted as u32 + 1;
+        parts.of(origin, segments).for_each(|part| add(part, lane, used));
+    }
+}
+
+/// Adds to what a path has found.
+fn add(found: &mut Spectrum<'_>, lane: usize, contribution: &[f64]) {
+    for (sum, channel) in found.channels_mut().iter_mut().zip(contribution) {
+        let sum = &mut sum.rows_mut()[lane];
+        *sum = (f64::from(*sum) + channel) as f32;
     }
 }
 

@@ -9,6 +9,7 @@
 //!    only weight and factor can fail to be: an estimated transmittance over what the weight took it for has no bound.
 //! 3. Paths of every length up to the longest are made and none longer, so only the lower limit is tested, and only
 //!    where there is one.
+//! 4. Parts of the radiance are asked for rarely. They are added to one by one, by the same contributions.
 
 use wide::{f32x8, u32x8};
 
@@ -19,7 +20,9 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } = columns;
+    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
+    let Columns { radiance, origin, parts, dropped, .. } = columns;
+    let has_parts = !parts.is_empty();
     for (b, rows) in bucket.batches() {
         let (lane_of, emitter_of) = (candidates.lane.batch(b).to_array(), candidates.emitter.batch(b).to_array());
         let weight = worth.weight.batch(b);
@@ -43,6 +46,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
                 (0..LANES).for_each(|i| radiance[lane_of[i] as usize] += contribution[i]);
             } else {
                 lanes::each(counts & !lost).for_each(|i| radiance[lane_of[i] as usize] += contribution[i]);
+            }
+            if has_parts {
+                for (i, lane) in lanes::each(counts & !lost).map(|i| (i, lane_of[i] as usize)) {
+                    let segments = paths.depth_of(step.clock, lane) + bucket.inserted as u32 + 1;
+                    parts.of(origin, segments).for_each(|part| {
+                        part.channels_mut()[channel].rows_mut()[lane] += contribution[i];
+                    });
+                }
             }
         }
     }

@@ -7,6 +7,7 @@
 
 mod field;
 mod macros;
+pub mod parts;
 pub mod paths;
 pub mod queues;
 mod spectrum;

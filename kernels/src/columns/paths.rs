@@ -82,6 +82,28 @@ columns! {
     }
 }
 
+columns! {
+    /// What the camera sees first along the ray of every path's sample, for layers of the film beside radiance.
+    table FeatureColumns of Feature {
+        /// Distance of the first surface or lamp from the start of the ray `[m]`; infinite if there is none.
+        clear: f32,
+        /// Distance from the camera, along its axis, of where the sample's light is first scattered or absorbed `[m]`;
+        /// 0 if that is nowhere.
+        depth: f32,
+        /// Whether there is such a place: 1 or 0.
+        hit: f32,
+        /// Unit normal of the surface or lamp there, on the side of the camera; zero in a medium, or if there is no
+        /// such place.
+        normal: [f32; 3],
+        /// Share of the light that is reflected or scattered there, per channel, [0, 1]; 0 of lamps, or if there is no
+        /// such place.
+        albedo: [f32; 3],
+        /// What media leave of light from the first surface or lamp, or from infinity, per channel: an estimate without
+        /// bias, >= 0.
+        transmittance: [f32; 3],
+    }
+}
+
 impl PathColumns<'_> {
     /// Depth of the current vertex of the path in `lane`.
     pub fn depth_of(&self, clock: u32, lane: usize) -> u32 {

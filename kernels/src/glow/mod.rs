@@ -15,6 +15,7 @@ pub mod reference;
 pub mod simd;
 
 use crate::accumulate::Dropped;
+use crate::columns::parts::PartTable;
 use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::{HitQueue, SurfaceHitQueue};
 use crate::columns::{Column, Spectrum};
@@ -60,12 +61,17 @@ pub struct Columns<'a, 'q> {
     pub glowing: &'a mut Spectrum<'q>,
     /// Added to, in the channels in use.
     pub radiance: &'a mut Spectrum<'q>,
+    /// Which of the parts by origin emission is; of no meaning where there are none.
+    pub origin: usize,
+    /// Added to, in the channels in use.
+    pub parts: &'a mut PartTable<'q>,
     /// Added to: contributions that were not finite, and so were dropped.
     pub dropped: &'a mut Dropped,
 }
 
-/// Adds `T / reach(depth + 1)` times the integral of emission along the way flown to the radiance of every live path, as
-/// light of a path of `depth + 1` segments, unless that is outside `lengths`.
+/// Adds `T / reach(depth + 1)` times the integral of emission along the way flown to the radiance of every live path,
+/// as light of a path of `depth + 1` segments, unless that is outside `lengths`; and once more to the parts of the
+/// radiance that it belongs to.
 ///
 /// The way within the box of all cells has `n = ceil(length * rate)` strata, 1 to [`MOST_POINTS`]; number i of the
 /// [stream](crate::random::Stream) 0 of the block `GLOW` says where in stratum i its point is.

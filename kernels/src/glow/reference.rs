@@ -19,7 +19,7 @@ use crate::{Step, accumulate};
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let Columns { surface_hits, throughput, flown, glowing, radiance, dropped, .. } = columns;
+    let Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
     for lane in live.each() {
         let free = f64::from(flight.rows()[lane]);
         let body = (0..hits.len).map(|row| hits.row(row)).find(|hit| {
@@ -34,10 +34,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         if !accumulate::reference::counts(lengths, depth, 0) {
             continue;
         }
-        let [origin, direction] =
+        let [from, direction] =
             [vertex.position.row(lane), ray.direction.row(lane)].map(|v| DVec3::from(v.map(f64::from)));
-        let met =
-            along(medium, glow, (origin, direction), f64::from(flown.rows()[lane]), &Draws::new(step, paths, lane));
+        let met = along(medium, glow, (from, direction), f64::from(flown.rows()[lane]), &Draws::new(step, paths, lane));
         let reached = reach(walk, depth as usize + 1);
         let throughput = throughput.row(lane);
         let found = [0, 1, 2].map(|c| (met[c] * f64::from(throughput[c]) / reached) as f32);
@@ -48,6 +47,10 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         glowing.set_row(lane, found);
         let before = radiance.row(lane);
         radiance.set_row(lane, [0, 1, 2].map(|c| before[c] + found[c]));
+        for part in parts.of(origin, depth + 1) {
+            let before = part.row(lane);
+            part.set_row(lane, [0, 1, 2].map(|c| before[c] + found[c]));
+        }
     }
 }
 

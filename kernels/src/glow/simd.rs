@@ -12,8 +12,9 @@
 use wide::{f32x8, u32x8};
 
 use super::{Columns, MOST_POINTS};
-use crate::columns::Column;
 use crate::columns::queues::{HitQueue, SurfaceHitQueue};
+use crate::columns::{Column, Spectrum};
+use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
 use crate::media::{Field, Glow};
 use crate::random::{self, Stream, uniform_x8};
@@ -25,7 +26,7 @@ use crate::{Step, lanes};
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let Columns { surface_hits, throughput, flown, glowing, radiance, dropped, .. } = columns;
+    let Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
     live.each_batch().for_each(|(b, _)| flown.set_batch(b, flight.batch(b)));
     shorten(flown, lights, hits, surface_hits);
     let survival = LogSurvival::of(&walk.survival);
@@ -56,6 +57,18 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             let channel = &mut radiance.channels_mut()[c];
             channel.set_batch(b, channel.batch(b) + found);
         }
+        if !parts.is_empty() {
+            for (lane, segments) in lanes::each(counts).map(|i| (b * LANES + i, segments.to_array()[i])) {
+                parts.of(origin, segments).for_each(|part| add(part, lane, glowing));
+            }
+        }
+    }
+}
+
+/// Adds what a path has found on its flight.
+fn add(part: &mut Spectrum<'_>, lane: usize, found: &Spectrum<'_>) {
+    for (part, found) in part.channels_mut().iter_mut().zip(found.channels()) {
+        part.rows_mut()[lane] += found.rows()[lane];
     }
 }
 

@@ -8,7 +8,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Camera, LARGEST_FILM, MOST_SEGMENTS, Technique};
+use super::{Camera, LARGEST_FILM, MOST_SEGMENTS};
 
 /// A table `[camera]`, or the name of a camera of the geometry.
 #[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
@@ -364,37 +364,5 @@ impl<'de> Deserialize<'de> for OneOrTwo {
             }
         }
         deserializer.deserialize_any(Numbers)
-    }
-}
-
-/// One technique or a list of them.
-#[derive(Clone, Debug, JsonSchema, PartialEq, Serialize)]
-#[schemars(with = "Vec<Technique>", extend("x-format" = "name, or a list of names"))]
-pub struct Techniques(pub Vec<Technique>);
-
-impl<'de> Deserialize<'de> for Techniques {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Names;
-        impl<'de> Visitor<'de> for Names {
-            type Value = Techniques;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a technique or a list of names")
-            }
-
-            fn visit_str<E: de::Error>(self, names: &str) -> Result<Techniques, E> {
-                let technique = |name: &str| Technique::deserialize(de::value::StrDeserializer::new(name.trim()));
-                names.split(',').map(technique).collect::<Result<_, _>>().map(Techniques)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Techniques, A::Error> {
-                let mut techniques = Vec::new();
-                while let Some(technique) = seq.next_element()? {
-                    techniques.push(technique);
-                }
-                Ok(Techniques(techniques))
-            }
-        }
-        deserializer.deserialize_any(Names)
     }
 }

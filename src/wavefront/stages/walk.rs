@@ -2,11 +2,12 @@
 
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::{
-    extend, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, outline, passage, prune, remember,
-    scatter, spectral_weight, surface,
+    extend, features, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, outline, passage, prune,
+    remember, scatter, spectral_weight, surface,
 };
 
 use super::rows;
+use crate::film::aov::Origin;
 use crate::wavefront::{RaysOf, Wavefront};
 
 impl Wavefront<'_> {
@@ -109,6 +110,29 @@ impl Wavefront<'_> {
         });
     }
 
+    /// What the camera sees first, of what new rays without end have met; the way up to there goes to the views.
+    pub fn features(&mut self) {
+        let size = self.stats.lane_rows(&self.requested);
+        self.stats.run(Stage::Features, size, || {
+            let columns = features::Columns {
+                camera: &self.frame.camera,
+                medium: &self.frame.medium,
+                lights: &self.frame.lights,
+                surfaces: &self.frame.surfaces,
+                requested: &self.requested,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                flight: &self.flights.flight,
+                hits: &self.hits,
+                surface_hits: &self.surface_hits,
+                features: &mut self.features,
+                views: &mut self.candidates.views,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.features)(self.step, columns);
+        });
+    }
+
     /// Closest light and closest triangle within the flight.
     pub fn extend(&mut self, of: RaysOf) {
         (self.hits.len, self.surface_hits.len) = (0, 0);
@@ -118,6 +142,10 @@ impl Wavefront<'_> {
                 (&self.live, self.vertices.at(clock), self.rays.at(clock), &self.flights.flight)
             }
             RaysOf::Looks => (&self.looks.lanes, &self.looks.vertex, &self.looks.ray, &self.looks.flight),
+            RaysOf::First => {
+                let clock = self.step.clock;
+                (&self.requested, self.vertices.at(clock), self.rays.at(clock), &self.endless)
+            }
         };
         let size = self.stats.lane_rows(live);
         self.stats.run(Stage::Extend, size, || {
@@ -141,7 +169,7 @@ impl Wavefront<'_> {
     pub fn glow(&mut self) {
         let Some(glow) = &self.frame.medium.glow else { return };
         let size = self.stats.lane_rows(&self.live);
-        let mut dropped = self.stats.dropped;
+        let (origin, mut dropped) = (self.part_of(Origin::Emission), self.stats.dropped);
         self.stats.run(Stage::Glow, size, || {
             let columns = glow::Columns {
                 medium: &self.frame.medium,
@@ -160,6 +188,8 @@ impl Wavefront<'_> {
                 flown: &mut self.flown,
                 glowing: &mut self.glowing,
                 radiance: &mut self.radiance,
+                origin,
+                parts: &mut self.parts,
                 dropped: &mut dropped,
             };
             (self.pipeline.glow)(self.step, columns);

@@ -9,6 +9,7 @@ use fogbow_kernels::roulette::Threshold;
 use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, phase_quotient, roulette, transmittance};
 
 use super::rows;
+use crate::film::aov::Origin;
 use crate::wavefront::{Looks, RaysOf, Source, Wavefront};
 
 impl Wavefront<'_> {
@@ -23,6 +24,7 @@ impl Wavefront<'_> {
                 (vertex, ray, &self.flights.flight, &mut self.live, &self.outlined, 1.0)
             }
             RaysOf::Looks => (&*from, &*along, &*none, lanes, &*nobody, 1.0 / LOOKS as f32),
+            RaysOf::First => unreachable!("what comes first is no candidate"),
         };
         self.stats.run(Stage::LightHit, rows(self.hits.len), || {
             let columns = light_hit::Columns {
@@ -151,8 +153,8 @@ impl Wavefront<'_> {
     }
 
     /// Contributions reach their paths.
-    pub fn accumulate(&mut self, source: Source, bucket: Bucket) {
-        let mut dropped = self.stats.dropped;
+    pub fn accumulate(&mut self, origin: Origin, source: Source, bucket: Bucket) {
+        let (origin, mut dropped) = (self.part_of(origin), self.stats.dropped);
         self.stats.run(Stage::Accumulate, rows(bucket.len), || {
             let columns = accumulate::Columns {
                 lights: &self.frame.lights,
@@ -163,6 +165,8 @@ impl Wavefront<'_> {
                 paths: &self.paths,
                 throughput: &self.throughput,
                 radiance: &mut self.radiance,
+                origin,
+                parts: &mut self.parts,
                 dropped: &mut dropped,
             };
             (self.pipeline.accumulate)(self.step, columns);

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use fogbow_kernels::accumulate::Dropped;
+use fogbow_kernels::columns::parts::PartTable;
 use fogbow_kernels::columns::paths::{
-    ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayColumns, RayTable,
-    VertexColumns, VertexTable,
+    FeatureColumns, ImmersionColumns, LastSurfaceColumns, OutlookColumns, PassageColumns, PathColumns, RayColumns,
+    RayTable, VertexColumns, VertexTable,
 };
 use fogbow_kernels::columns::queues::{
     CandidateQueue, ChainTable, EndQueue, FlightTable, HitQueue, SurfaceHitQueue, WorthTable,
@@ -187,6 +188,8 @@ save_table!(
     RayColumns<'_>,
     FlightTable<'_>,
     WorthTable<'_>,
+    FeatureColumns<'_>,
+    PartTable<'_>,
     Spectrum<'_>
 );
 

@@ -2,12 +2,14 @@
 
 pub mod clouds;
 mod crowd;
+mod layers;
 pub mod skies;
 mod variety;
 
 use std::path::Path;
 use std::sync::Arc;
 
+use fogbow::film::aov::Aovs;
 use fogbow::frame::Frame;
 use fogbow::scene::{self, document::Override};
 use fogbow_kernels::connect::Techniques;
@@ -24,6 +26,7 @@ use fogbow_kernels::{PathLengths, WalkLimits};
 use glam::DVec3;
 
 pub use crowd::crowded;
+pub use layers::{WALL_ALBEDO, WALL_DISTANCE, in_front_of_a_wall, seen_first, seen_first_in_volumes, with_all_layers};
 pub use variety::variety;
 
 /// Opening angle whose image plane is 1 x 1 at distance 1.
@@ -163,6 +166,7 @@ pub fn plain(camera: Camera, medium: Medium, lights: Lights, longest: u32, seed:
         lengths: PathLengths { min: 1, max: longest },
         seed,
         outlines: None,
+        aovs: Aovs::default(),
     }
 }
 

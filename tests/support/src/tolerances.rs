@@ -75,6 +75,12 @@ pub const LIGHT_SUM: Tolerance = tolerance(0.0, 1e-6);
 /// Distances to disks: the quotient of two scalar products whose terms cancel where a ray grazes the plane.
 pub const DISTANCE: Tolerance = tolerance(1e-5, 1e-5);
 
+/// Distances along the camera's axis: a length times a scalar product of two directions.
+pub const DEPTH: Tolerance = tolerance(1e-6, 1e-6);
+
+/// Normals: those of spheres have the rounding of positions, over the radius.
+pub const NORMAL: Tolerance = tolerance(2e-5, 0.0);
+
 /// Barycentric weights of a hit: quotients of areas, as a ray that grazes a triangle magnifies their rounding.
 pub const BARYCENTRIC: Tolerance = tolerance(2e-5, 0.0);
 

@@ -22,9 +22,9 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
-    Step, accumulate, extend, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
-    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight,
-    surface, transmittance,
+    Step, accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit,
+    medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter,
+    spectral_weight, surface, transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -68,6 +68,7 @@ pub const CHECKED: Pipeline = Pipeline {
     outline: walk::check_outline,
     remember: walk::check_remember,
     medium_sample: walk::check_medium_sample,
+    features: first::check_features,
     first_flight: walk::check_first_flight,
     extend: walk::check_extend,
     glow: walk::check_glow,
@@ -123,6 +124,7 @@ macro_rules! run_both {
 }
 
 mod connect;
+mod first;
 mod walk;
 mod weigh;
 

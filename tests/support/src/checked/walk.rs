@@ -149,10 +149,10 @@ pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
 
 pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
     let glow::Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let glow::Columns { surface_hits, throughput, flown, glowing, radiance, dropped, .. } = columns;
-    let [flown_both, dropped_both, glowing_both, radiance_both] = run_both!(
+    let glow::Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
+    let [flown_both, dropped_both, glowing_both, radiance_both, parts_both] = run_both!(
         glow(step),
-        [flown, dropped, glowing, radiance],
+        [flown, dropped, glowing, radiance, parts],
         glow::Columns {
             medium,
             glow,
@@ -170,12 +170,14 @@ pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
             flown: &mut *flown,
             glowing: &mut *glowing,
             radiance: &mut *radiance,
+            origin,
+            parts: &mut *parts,
             dropped: &mut *dropped,
         }
     );
     for lane in live.each() {
         check_row("glow", (0, lane), &flown_both, &[]);
-        for both in [&glowing_both, &radiance_both] {
+        for both in [&glowing_both, &radiance_both, &parts_both] {
             if medium.field().is_some() {
                 check_found((0, lane), both, &[("channels", tolerances::GLOW)]);
             } else {
@@ -186,6 +188,7 @@ pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
     // All other paths keep their radiance to the bit.
     for lane in lanes(live).filter(|lane| !live.contains(*lane)) {
         check_row("glow", (0, lane), &radiance_both, &[]);
+        check_row("glow", (0, lane), &parts_both, &[]);
     }
     if dropped_both.0 != dropped_both.1 {
         fail("glow", 0, &format!("    dropped {:?} and {:?}", dropped_both.0, dropped_both.1));

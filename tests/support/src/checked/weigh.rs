@@ -213,11 +213,11 @@ pub(super) fn check_transmittance(step: Step, columns: transmittance::Columns<'_
 }
 
 pub(super) fn check_accumulate(step: Step, columns: accumulate::Columns<'_, '_>) {
-    let accumulate::Columns { lights, lengths, bucket, candidates, worth, paths, throughput, radiance, dropped } =
-        columns;
-    let [radiance_both, dropped_both] = run_both!(
+    let accumulate::Columns { lights, lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
+    let accumulate::Columns { radiance, origin, parts, dropped, .. } = columns;
+    let [radiance_both, parts_both, dropped_both] = run_both!(
         accumulate(step),
-        [radiance, dropped],
+        [radiance, parts, dropped],
         accumulate::Columns {
             lights,
             lengths,
@@ -227,11 +227,14 @@ pub(super) fn check_accumulate(step: Step, columns: accumulate::Columns<'_, '_>)
             paths,
             throughput,
             radiance: &mut *radiance,
+            origin,
+            parts: &mut *parts,
             dropped: &mut *dropped,
         }
     );
     for lane in 0..radiance.channels()[0].rows().len() {
         check_row("accumulate", (0, lane), &radiance_both, &[("channels", tolerances::CONTRIBUTION)]);
+        check_row("accumulate", (0, lane), &parts_both, &[("channels", tolerances::CONTRIBUTION)]);
     }
     if dropped_both.0 != dropped_both.1 {
         fail("accumulate", 0, &format!("    dropped {:?} and {:?}", dropped_both.0, dropped_both.1));
