@@ -9,6 +9,7 @@ mod finish;
 mod info;
 mod loading;
 mod merge;
+mod paths;
 mod presets;
 mod progress;
 mod render;
@@ -52,6 +53,8 @@ enum Command {
     Merge(MergeArgs),
     /// Describe a scene and what it costs to render, an image and its header, a checkpoint, or a volume and its grids.
     Info(InfoArgs),
+    /// Draw paths that a technique makes from a point to the lights.
+    Paths(paths::PathsArgs),
     /// List the media that a scene can name as its preset, with their coefficients and sources.
     Presets(PresetsArgs),
 }
@@ -265,6 +268,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Err(error) => args.progress.fail(&error),
         }),
         Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Paths(args)) => paths::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Presets(args)) => presets::run(&args).map(|()| ExitCode::SUCCESS),
         None => unreachable!("without arguments the parser prints help"),
     };

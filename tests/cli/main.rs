@@ -19,6 +19,7 @@ mod left_out;
 mod limits;
 mod merge;
 mod models;
+mod paths;
 mod phases;
 mod presets;
 mod progress;
