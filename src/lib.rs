@@ -65,6 +65,7 @@ mod library;
 pub mod merge;
 pub mod metering;
 pub mod output;
+pub mod paper;
 pub mod paths;
 pub mod pilot;
 pub mod plot;

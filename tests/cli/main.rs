@@ -19,6 +19,7 @@ mod left_out;
 mod limits;
 mod merge;
 mod models;
+mod paper;
 mod paths;
 mod phases;
 mod presets;
