@@ -13,7 +13,7 @@ use crate::image::{Image, exr, png};
 use crate::output;
 
 /// Longest side of a picture in pixels.
-const SIDE: usize = 144;
+const SIDE: usize = 112;
 /// Pictures in a row.
 const ROW: usize = 5;
 /// Pixels between pictures.

@@ -336,14 +336,20 @@ mod tests {
         }
     }
 
-    /// Few vertices, so that all techniques find their mean.
+    /// Few vertices, so that all techniques find their mean; and none close to the light, where NEE's variance has no
+    /// end.
     #[test]
     fn all_techniques_have_the_same_mean() {
         for vertices in [1, 3] {
             let world = World::new(vertices, 3.0, 1.0);
+            let sample = |make: fn(&World, u32) -> Sample, number| {
+                let sample = make(&world, number);
+                let is_close = sample.path[vertices].distance(sample.path[vertices + 1]) < 0.5;
+                Sample { ln: if is_close { f64::NEG_INFINITY } else { sample.ln }, ..sample }
+            };
             let made = MAKERS.map(|Maker { name, make }| Made {
                 name,
-                samples: (0..200_000).map(|sample| make(&world, sample)).collect(),
+                samples: (0..200_000).map(|number| sample(make, number)).collect(),
             });
             let unit = made[3].mean(0.0).0.ln();
             let means = made.each_ref().map(|made| (made.name, made.mean(unit)));
