@@ -12,6 +12,8 @@ mod info;
 mod loading;
 mod merge;
 mod onlookers;
+mod paper;
+mod paths;
 mod presets;
 mod progress;
 mod render;
@@ -56,6 +58,10 @@ enum Command {
     Merge(MergeArgs),
     /// Describe a scene and what it costs to render, an image and its header, a checkpoint, or a volume and its grids.
     Info(InfoArgs),
+    /// Make the tables and figures of the paper on multiple-vertex next event estimation again, as one HTML report.
+    Paper(paper::PaperArgs),
+    /// Draw paths that a technique makes from a point to the lights.
+    Paths(paths::PathsArgs),
     /// List the media that a scene can name as its preset, with their coefficients and sources.
     Presets(PresetsArgs),
 }
@@ -296,6 +302,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             Err(error) => args.progress.fail(&error),
         }),
         Some(Command::Info(args)) => info::run(&args).map(|()| ExitCode::SUCCESS),
+        Some(Command::Paper(args)) => paper::run(&args),
+        Some(Command::Paths(args)) => paths::run(&args).map(|()| ExitCode::SUCCESS),
         Some(Command::Presets(args)) => presets::run(&args).map(|()| ExitCode::SUCCESS),
         None => unreachable!("without arguments the parser prints help"),
     };

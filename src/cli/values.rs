@@ -60,6 +60,81 @@ pub fn image() -> impl clap::builder::TypedValueParser<Value = ImageOutput> {
     OsStringValueParser::new().try_map(ImageOutput::parse)
 }
 
+/// A drawing of paths to write.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawingOutput {
+    /// Where to.
+    pub path: PathBuf,
+    /// As what.
+    pub format: DrawingFormat,
+}
+
+/// What drawings of paths are written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawingFormat {
+    /// A drawing with letters.
+    Svg,
+    /// A picture without letters.
+    Png,
+    /// The vertices as a table.
+    Csv,
+}
+
+/// `--output` of drawings.
+pub fn drawing() -> impl clap::builder::TypedValueParser<Value = DrawingOutput> {
+    use clap::builder::{OsStringValueParser, TypedValueParser};
+    OsStringValueParser::new().try_map(|text: OsString| {
+        let known = [("svg", DrawingFormat::Svg), ("png", DrawingFormat::Png), ("csv", DrawingFormat::Csv)];
+        let path = PathBuf::from(text);
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+        match known.into_iter().find(|(name, _)| *name == ending) {
+            Some((_, format)) => Ok(DrawingOutput { path, format }),
+            None => {
+                let remedy = "end the name in .svg, .png or .csv";
+                refuse("--output", &path.to_string_lossy(), "names neither a drawing nor a table", remedy)
+            }
+        }
+    })
+}
+
+/// `--from`: a point.
+pub fn point(text: &str) -> Result<[f64; 3]> {
+    triple(text).map_or_else(|| refuse("--from", text, "is no point", "give x,y,z in metres, for example 0,1.5,-3"), Ok)
+}
+
+/// `--dir`: a direction, made a unit vector.
+pub fn direction(text: &str) -> Result<[f64; 3]> {
+    let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let unit = triple(text).filter(|v| length(v) > 0.0 && length(v).is_finite()).map(|v| v.map(|x| x / length(&v)));
+    unit.map_or_else(|| refuse("--dir", text, "is no direction", "give x,y,z, not all 0, for example 0,0,1"), Ok)
+}
+
+/// Three finite numbers.
+fn triple(text: &str) -> Option<[f64; 3]> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers?.try_into().ok().filter(|v: &[f64; 3]| v.iter().all(|x| x.is_finite()))
+}
+
+/// `--to`: any light, or the one of this number.
+pub fn target(text: &str) -> Result<LightChoice> {
+    let number = text.strip_prefix("light[").and_then(|rest| rest.strip_suffix(']'));
+    match (text, number.map(str::parse)) {
+        ("light", _) => Ok(LightChoice(None)),
+        (_, Some(Ok(number))) => Ok(LightChoice(Some(number))),
+        _ => refuse("--to", text, "is no light", "give light for any, or light[0] for the first light of the scene"),
+    }
+}
+
+/// The light that paths lead to, by its place in the scene; none for any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightChoice(pub Option<u32>);
+
+/// `--budget`
+pub fn budget(text: &str) -> Result<Duration> {
+    duration(text)
+        .or_else(|finding| refuse("--budget", text, finding, "give numbers with units, for example 60s, 5min or 1h"))
+}
+
 /// `--png`
 pub fn difference() -> impl clap::builder::TypedValueParser<Value = PathBuf> {
     use clap::builder::{OsStringValueParser, TypedValueParser};

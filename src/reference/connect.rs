@@ -27,21 +27,25 @@ impl Walk<'_> {
 
     /// Draws a light point and joins the last vertex with it.
     fn try_technique(&mut self, connection: &Connection<'_>) {
-        let Frame { lengths, seed, .. } = *self.frame;
-        let Some((emitter, point)) = self.light_point(connection.scope) else {
-            return;
-        };
-        let inserted = match connection.chain {
-            Chain::Straight => Some(Vec::new()),
-            Chain::OnceMore => Some(vec![self.once_more(point)]),
-            Chain::Mvnee(mvnee) => self.seeds_to(mvnee, point, lengths, seed),
-            Chain::Bridge(bridge) => self.bridge_to(bridge, point, lengths, seed),
-            Chain::FromLight(lis) => self.vertices_from_light(lis, emitter, point),
-        };
-        if let Some(mut rest) = inserted {
-            rest.push(point);
+        if let Some((emitter, rest)) = self.join(connection) {
             self.try_connection(connection, emitter, &rest);
         }
+    }
+
+    /// The emitter that the last vertex is joined with, and the vertices after it, the last of which is the point on
+    /// that emitter.
+    pub(super) fn join(&self, connection: &Connection<'_>) -> Option<(usize, Vec<DVec3>)> {
+        let Frame { lengths, seed, .. } = *self.frame;
+        let (emitter, point) = self.light_point(connection.scope)?;
+        let mut rest = match connection.chain {
+            Chain::Straight => Vec::new(),
+            Chain::OnceMore => vec![self.once_more(point)],
+            Chain::Mvnee(mvnee) => self.seeds_to(mvnee, point, lengths, seed)?,
+            Chain::Bridge(bridge) => self.bridge_to(bridge, point, lengths, seed)?,
+            Chain::FromLight(lis) => self.vertices_from_light(lis, emitter, point)?,
+        };
+        rest.push(point);
+        Some((emitter, rest))
     }
 
     /// The vertex that once-more next event estimation inserts between the last one and `point`.
@@ -116,13 +120,18 @@ impl Walk<'_> {
             return;
         }
         worth.weight /= survival;
-        let Frame { lights, surfaces, .. } = self.frame;
-        let occluded = occlusion::reference::is_occluded(lights, emitter, &chain);
-        if !occluded && !occlusion::reference::is_hidden(lights, surfaces, emitter, &chain) {
+        if self.is_free(emitter, &chain) {
             let through = self.comes_through(&chain, purpose, None);
             worth.factor = [0, 1, 2].map(|c| worth.factor[c] * through[c]);
             self.add(Some(technique), emitter, worth, rest.len() - 1);
         }
+    }
+
+    /// Whether nothing is in the way of a chain to a point on an `emitter`.
+    pub(super) fn is_free(&self, emitter: usize, chain: &[DVec3]) -> bool {
+        let Frame { lights, surfaces, .. } = self.frame;
+        !occlusion::reference::is_occluded(lights, emitter, chain)
+            && !occlusion::reference::is_hidden(lights, surfaces, emitter, chain)
     }
 
     /// What the turns of a chain from the last vertex count by the phase functions of the media that they are in.

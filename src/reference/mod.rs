@@ -17,6 +17,7 @@
 //! Whatever made it, a candidate path X of n segments counts `C(X) = Le T factor / (reach(n) + sum of reach(i) r_i)`.
 //! Connections play roulette on it before they are tested for occlusion.
 
+pub mod chains;
 mod connect;
 
 use fogbow_kernels::columns::queues::SurfaceHit;
@@ -60,19 +61,7 @@ pub fn radiance(frame: &Frame, pixel: u32, sample: u32) -> [f64; 3] {
 /// Everything that the path of `sample` of `pixel` finds.
 pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution> {
     let (origin, direction) = generate::reference::camera_ray(&frame.camera, pixel, sample, frame.seed);
-    let mut walk = Walk {
-        frame,
-        pixel,
-        sample,
-        path: vec![origin],
-        direction,
-        last_surface: None,
-        throughput: [1.0; 3],
-        hero: if frame.medium.is_coloured() { generate::reference::hero(pixel, sample, frame.seed) } else { 0 }
-            as usize,
-        log_posterior: [f64::from(SHARE.ln()); CHANNELS],
-        found: Vec::new(),
-    };
+    let mut walk = Walk::leaving(frame, (pixel, sample), origin, direction);
     for segment in 0..frame.walk_segments() {
         let words = medium_sample::reference::words(pixel, sample, segment, frame.seed);
         if segment > 0 && !medium_sample::reference::survives(&frame.walk, segment, random::uniform(words[3])) {
@@ -119,6 +108,26 @@ struct Walk<'a> {
     /// ln of the probability that the path was drawn for a channel, where extinction is coloured.
     log_posterior: [f64; CHANNELS],
     found: Vec<Contribution>,
+}
+
+impl<'a> Walk<'a> {
+    /// A walk with the random numbers of a sample of a pixel that leaves `origin` in the unit `direction`.
+    fn leaving(frame: &'a Frame, (pixel, sample): (u32, u32), origin: DVec3, direction: DVec3) -> Self {
+        let is_coloured = frame.medium.is_coloured();
+        let hero = if is_coloured { generate::reference::hero(pixel, sample, frame.seed) } else { 0 } as usize;
+        Self {
+            frame,
+            pixel,
+            sample,
+            path: vec![origin],
+            direction,
+            last_surface: None,
+            throughput: [1.0; 3],
+            hero,
+            log_posterior: [f64::from(SHARE.ln()); CHANNELS],
+            found: Vec::new(),
+        }
+    }
 }
 
 impl Walk<'_> {

@@ -21,6 +21,8 @@ mod left_out;
 mod limits;
 mod merge;
 mod models;
+mod paper;
+mod paths;
 mod phases;
 mod presets;
 mod preview;

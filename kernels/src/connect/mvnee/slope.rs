@@ -2,16 +2,21 @@
 //!
 //! The published table (Weber et al. 2017, Table 1, mean free path 1 m) ends at g = 0.9. It comes from an experiment:
 //! the irradiance that one scattering event casts on a plane one mean free path ahead, averaged over rings, fitted by a
-//! Gaussian. The tests repeat the experiment: on the published plane (8 x 8 mean free paths, 256 x 256 pixels) it
-//! reproduces the ten values to 1.1 %. Past 0.9 the spot is a few pixels wide there, so the last three values
-//! come from a plane that shrinks with the spot, 80 (1 - g) mean free paths wide. From 0.99 on the spot's shape no
-//! longer changes, only its size, in proportion to 1 - g.
+//! Gaussian. [`projection`] is the experiment, and the tests repeat it: on the published plane (8 x 8 mean free paths,
+//! 256 x 256 pixels) it reproduces the ten values to 1.1 %. Past 0.9 the spot is a few pixels wide there, so the last
+//! three values come from a plane that shrinks with the spot, 80 (1 - g) mean free paths wide. From 0.99 on the spot's
+//! shape no longer changes, only its size, in proportion to 1 - g.
 //!
 //! Backward scattering, g < 0, uses the isotropic value: the perturbation is a sampling density, and any width that is
 //! positive everywhere leaves the estimate unbiased, because the weights contain the same density.
 
+pub mod projection;
+
+/// The first rows of [`TABLE`] are the published ones.
+pub const PUBLISHED: usize = 10;
+
 /// (g, sigma_phi), linear in between.
-const TABLE: [(f64, f64); 13] = [
+pub const TABLE: [(f64, f64); 13] = [
     (0.0, 1.07526),
     (0.1, 0.961113),
     (0.2, 0.839835),

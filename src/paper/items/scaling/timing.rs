@@ -1,0 +1,120 @@
+//! Time per sample, of settings in turn.
+
+use std::time::Instant;
+
+use fogbow_kernels::pipeline::SIMD;
+
+use crate::error::{Error, Result};
+use crate::film::{Film, Region, tile_size};
+use crate::frame::Frame;
+use crate::paper::bench::Bench;
+use crate::render::{Monitor, Renderer, Workers};
+use crate::scene::LoadedScene;
+
+/// Turns of every setting.
+const TURNS: u32 = 5;
+/// Samples of every pixel in the turn that is not counted.
+const WARM_UP: u32 = 1;
+
+/// Something of which a sample is timed.
+pub struct Setting {
+    /// The number that it has in its series.
+    pub x: f64,
+    /// Paths in flight per thread; none for what suits the frame.
+    lanes: Option<usize>,
+    frame: Frame,
+    size: [u32; 2],
+    threads: usize,
+}
+
+impl Setting {
+    /// `scene` on so many threads.
+    pub fn of(x: f64, scene: LoadedScene, threads: usize) -> Self {
+        Self { x, lanes: None, size: scene.scene.film.size, frame: scene.frame, threads }
+    }
+
+    /// The same with so many paths in flight per thread.
+    pub fn with_lanes(self, lanes: usize) -> Self {
+        Self { lanes: Some(lanes), ..self }
+    }
+}
+
+/// What a sample costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// Wall-clock time times threads per camera path, median of the turns [ns].
+    pub nanoseconds: f64,
+    /// Half the distance between the fastest and the slowest turn, over the median.
+    pub spread: f64,
+}
+
+/// A setting that is being timed.
+struct Timed<'a> {
+    setting: &'a Setting,
+    renderer: Renderer,
+    film: Film,
+    samples: u32,
+    turns: Vec<f64>,
+}
+
+impl<'a> Timed<'a> {
+    fn new(setting: &'a Setting) -> Result<Self> {
+        let Setting { lanes, frame, size: [width, height], threads, .. } = setting;
+        let workers = Workers { threads: *threads, lanes: *lanes, detailed_stats: false };
+        let renderer = Renderer::new(workers).map_err(|error| {
+            Error::failure(
+                "--threads",
+                format!("threads cannot be started: {error}"),
+                "give a smaller number of threads",
+            )
+        })?;
+        let region = Region::whole(*width, *height);
+        let film = Film::new(frame, region, tile_size(region));
+        Ok(Self { setting, renderer, film, samples: 0, turns: Vec::new() })
+    }
+
+    /// Takes `samples` more of every pixel, and says how long that took [s].
+    fn take(&mut self, samples: u32) -> f64 {
+        let (start, range) = (Instant::now(), self.samples..self.samples + samples);
+        self.renderer.render(&self.setting.frame, &SIMD, &self.film, range, &Monitor::default());
+        self.samples += samples;
+        start.elapsed().as_secs_f64()
+    }
+
+    fn turn(&mut self, samples: u32) {
+        let seconds = self.take(samples);
+        let paths = f64::from(samples) * self.film.region().pixels() as f64;
+        self.turns.push(1e9 * seconds * self.renderer.threads() as f64 / paths);
+    }
+
+    fn cost(mut self) -> Cost {
+        self.turns.sort_by(f64::total_cmp);
+        let [fastest, .., slowest] = self.turns[..] else {
+            return Cost { nanoseconds: self.turns.first().copied().unwrap_or(f64::NAN), spread: 0.0 };
+        };
+        let median = self.turns[self.turns.len() / 2];
+        Cost { nanoseconds: median, spread: 0.5 * (slowest - fastest) / median }
+    }
+}
+
+/// What samples of `settings` cost, in their order, within the budget of the item.
+pub fn measure(bench: &Bench<'_>, settings: &[&Setting]) -> Result<Vec<Cost>> {
+    let mut all: Vec<Timed<'_>> = settings.iter().map(|setting| Timed::new(setting)).collect::<Result<_>>()?;
+    let turn = bench.budget.as_secs_f64() / (f64::from(TURNS) * all.len() as f64);
+    let warm_up = |timed: &mut Timed<'_>| {
+        let seconds = timed.take(WARM_UP) / f64::from(WARM_UP);
+        (turn / seconds).clamp(1.0, 1e5) as u32
+    };
+    let mut samples = Vec::new();
+    for timed in &mut all {
+        samples.push(if bench.tell.stops() { 1 } else { warm_up(timed) });
+    }
+    for _ in 0..TURNS {
+        for (timed, samples) in all.iter_mut().zip(&samples) {
+            if !bench.tell.stops() {
+                timed.turn(*samples);
+            }
+        }
+    }
+    Ok(all.into_iter().map(Timed::cost).collect())
+}

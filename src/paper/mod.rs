@@ -1,0 +1,208 @@
+//! The tables and figures of "Multiple Vertex Next Event Estimation" (Weber, Hanika, Dachsbacher 2017), made again, and
+//! what lies beyond them.
+//!
+//! Every [`Item`] makes pictures, data, plots and a [`Section`], which says all that the report shows of it. A report
+//! is made of the sections that a folder holds, so that items can be made one at a time, and an item that is there for
+//! the same settings is not made again.
+
+pub mod bench;
+pub mod folder;
+mod items;
+pub mod measure;
+pub mod report;
+pub mod rmse;
+pub mod scenes;
+pub mod section;
+pub mod summary;
+
+use std::time::Duration;
+
+use crate::error::{Error, Result};
+use bench::Bench;
+pub use section::Section;
+
+/// Rendering time of all items together, if nothing else is asked for. With what is not counted, preparing scenes and
+/// writing the report, it comes to about a quarter of an hour.
+pub const DEFAULT_BUDGET: Duration = Duration::from_secs(12 * 60);
+
+/// Authors, title and year of the paper.
+pub const CITATION: &str = "Weber, Hanika, Dachsbacher: Multiple Vertex Next Event Estimation, 2017";
+
+/// Version of what items make: sections of another one are made again.
+const MAKING: u32 = 1;
+
+/// Something to make.
+#[derive(Clone, Copy)]
+pub struct Item {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it shows.
+    pub title: &'static str,
+    /// Its part of the budget, as a weight; 0 if it takes no time to speak of.
+    pub share: f64,
+    /// The scenes that it renders.
+    pub scenes: &'static [&'static str],
+    make: fn(&Bench<'_>) -> Result<Section>,
+}
+
+/// All items, in the order of the report.
+pub const ITEMS: [Item; 11] = [
+    Item {
+        name: "fig1",
+        title: "Figure 1: the colonnade, and ten paths by each technique",
+        share: 2.5,
+        scenes: &["colonnade"],
+        make: items::fig1::make,
+    },
+    Item {
+        name: "table1",
+        title: "Table 1: widths of the perturbation",
+        share: 0.0,
+        scenes: &[],
+        make: items::table1::make,
+    },
+    Item {
+        name: "fig3",
+        title: "Figure 3: a scattering event on a plane",
+        share: 0.0,
+        scenes: &[],
+        make: items::fig3::make,
+    },
+    Item {
+        name: "fig7",
+        title: "Figure 7: correctness",
+        share: 1.0,
+        scenes: &["cornell-fog"],
+        make: items::fig7::make,
+    },
+    Item {
+        name: "fig8",
+        title: "Figure 8: light through a perforated plate, at equal time",
+        share: 2.5,
+        scenes: &["dense-plate"],
+        make: items::fig8::make,
+    },
+    Item {
+        name: "fig9",
+        title: "Figure 9: phase functions, and lights that face the camera or not",
+        share: 2.0,
+        scenes: &["fog-facing", "fog-perpendicular"],
+        make: items::fig9::make,
+    },
+    Item {
+        name: "fig10",
+        title: "Figure 10: a cloud in a box",
+        share: 2.0,
+        scenes: &["cloud-box"],
+        make: items::fig10::make,
+    },
+    Item {
+        name: "fig11",
+        title: "Figure 11: a spotlight",
+        share: 1.5,
+        scenes: &["spotlight"],
+        make: items::fig11::make,
+    },
+    Item {
+        name: "fig12",
+        title: "Figure 12: paths of 100 vertices",
+        share: 0.0,
+        scenes: &[],
+        make: items::fig12::make,
+    },
+    Item {
+        name: "peers",
+        title: "Beside Mitsuba 3",
+        share: 1.5,
+        scenes: &["fog-facing", "fog-perpendicular", "dense-plate", "cornell-fog"],
+        make: items::peers::make,
+    },
+    Item {
+        name: "scaling",
+        title: "What a sample costs",
+        share: 1.5,
+        scenes: &["fog-facing", "dense-plate"],
+        make: items::scaling::make,
+    },
+];
+
+/// The items called `names`, in the order of the report; all of them if none is named.
+///
+/// # Errors
+/// If there is no item of a name.
+pub fn named(names: &[String]) -> Result<Vec<Item>> {
+    if let Some(unknown) = names.iter().find(|name| ITEMS.iter().all(|item| item.name != name.as_str())) {
+        let known: Vec<_> = ITEMS.iter().map(|item| item.name).collect();
+        let remedy = format!("name some of {}, or none for all", known.join(", "));
+        return Err(Error::usage(format!("ITEM {unknown}"), "is not an item of the paper", remedy));
+    }
+    let is_meant = |item: &Item| names.is_empty() || names.iter().any(|name| name == item.name);
+    Ok(ITEMS.into_iter().filter(is_meant).collect())
+}
+
+/// The rendering time of each of `items`, of a budget for all of them; without one, its part of what all items of the
+/// report take.
+pub fn budgets(items: &[Item], budget: Option<Duration>) -> Vec<Duration> {
+    let sum = |items: &[Item]| items.iter().map(|item| item.share).sum::<f64>();
+    let (whole, all) = budget.map_or((DEFAULT_BUDGET, sum(&ITEMS)), |budget| (budget, sum(items)));
+    let part = |item: &Item| if item.share > 0.0 { whole.mul_f64(item.share / all) } else { Duration::ZERO };
+    items.iter().map(part).collect()
+}
+
+/// What is told while items are made.
+pub trait Tell {
+    /// A line for people.
+    fn line(&self, text: &str);
+
+    /// Whether somebody wants it to end.
+    fn stops(&self) -> bool;
+}
+
+/// What became of an item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Made {
+    /// It was made.
+    Now,
+    /// It was there.
+    Before,
+    /// Somebody stopped it; there is nothing of it.
+    Interrupted,
+}
+
+impl Item {
+    /// Makes it, unless it is there.
+    ///
+    /// # Errors
+    /// If a scene cannot be read, or something cannot be written.
+    pub fn make(&self, bench: &Bench<'_>) -> Result<Made> {
+        let key = bench.key(self)?;
+        if bench.folder.section(self.name).is_some_and(|section| section.key == key) {
+            return Ok(Made::Before);
+        }
+        let start = std::time::Instant::now();
+        let section = (self.make)(bench)?;
+        if bench.tell.stops() {
+            return Ok(Made::Interrupted);
+        }
+        let made = section::Making::now(bench.threads(), start.elapsed());
+        let head = (self.name.to_string(), self.title.to_string());
+        bench.folder.write_section(&Section { item: head.0, title: head.1, key, made, ..section })?;
+        Ok(Made::Now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_are_shared_among_the_items_that_are_made() {
+        let items = named(&["fig8".into(), "fig7".into(), "table1".into()]).expect("items");
+        assert_eq!(items.iter().map(|item| item.name).collect::<Vec<_>>(), ["table1", "fig7", "fig8"]);
+        let seconds = budgets(&items, Some(Duration::from_secs(70))).iter().map(Duration::as_secs).collect::<Vec<_>>();
+        assert_eq!(seconds, [0, 20, 50]);
+        let all: Duration = budgets(&ITEMS, None).into_iter().sum();
+        assert!((all.as_secs_f64() - DEFAULT_BUDGET.as_secs_f64()).abs() < 1e-3);
+        assert_eq!(budgets(&items, None)[1], budgets(&ITEMS, None)[3], "the same, whatever else is made");
+    }
+}

@@ -1,0 +1,147 @@
+//! The page, from the sections.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::embed;
+use crate::error::Result;
+use crate::figures::duration;
+use crate::paper::CITATION;
+use crate::paper::folder::Folder;
+use crate::paper::section::{Claim, Gallery, Making, Plot, Section, Table};
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// The whole page.
+///
+/// # Errors
+/// If a picture cannot be read.
+pub fn page(folder: &Folder, sections: &[Section]) -> Result<String> {
+    let parts: Vec<Markup> = sections.iter().map(|section| part(folder, section)).collect::<Result<_>>()?;
+    let markup = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Multiple Vertex Next Event Estimation, made again by fogbow" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { "Multiple Vertex Next Event Estimation, made again" }
+                    p { (CITATION) ". Tables and figures by fogbow " (env!("CARGO_PKG_VERSION")) "." }
+                    p { "Our cameras are right-handed, so that pictures are mirror images of those in the paper. "
+                        "Each picture is exposed alike within its group. Numbers that are published stand beside ours, "
+                        "with their source." }
+                    nav { @for section in sections { a href={ "#" (section.item) } { (section.title) } } }
+                    (verdicts(sections))
+                }
+                main { @for part in parts { (part) } }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    Ok(markup.into_string())
+}
+
+/// All claims at a glance.
+fn verdicts(sections: &[Section]) -> Markup {
+    let all: Vec<_> =
+        sections.iter().flat_map(|section| section.claims.iter().map(move |claim| (section, claim))).collect();
+    html! {
+        @if !all.is_empty() {
+            h2 { "Published claims and what is found here" }
+            table.verdicts {
+                thead { tr { th { "" } th { "published" } th { "found" } } }
+                tbody {
+                    @for (section, claim) in all {
+                        tr {
+                            td { a href={ "#" (section.item) } { (section.item) } " " (mark(claim)) }
+                            td { (claim.published) }
+                            td { (claim.found) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn mark(claim: &Claim) -> Markup {
+    html! { @if claim.agrees { span.agrees { "agrees" } } @else { span.differs { "differs" } } }
+}
+
+fn part(folder: &Folder, section: &Section) -> Result<Markup> {
+    let galleries: Vec<Markup> = section.galleries.iter().map(|one| gallery(folder, one)).collect::<Result<_>>()?;
+    let plots: Vec<Markup> = section.plots.iter().map(|one| plot(folder, &section.item, one)).collect::<Result<_>>()?;
+    Ok(html! {
+        section id=(section.item) {
+            h2 { (section.title) }
+            @for paragraph in &section.text { p { (paragraph) } }
+            @for claim in &section.claims { (said(claim)) }
+            @for gallery in galleries { (gallery) }
+            @for one in &section.tables { (table(one)) }
+            div.plots { @for plot in plots { (plot) } }
+            p.made { (made(&section.made)) }
+        }
+    })
+}
+
+fn said(claim: &Claim) -> Markup {
+    html! {
+        div.claim {
+            p { (mark(claim)) " Published: " (claim.published) " " span.source { "(" (claim.source) ")" } }
+            p { "Found: " (claim.found) }
+            @if !claim.why.is_empty() { p { "Why: " (claim.why) } }
+        }
+    }
+}
+
+fn made(made: &Making) -> String {
+    let Making { version, date, processor, threads, seconds } = made;
+    let took = duration(*seconds);
+    format!("fogbow {version}, {date}, {processor}, {threads} threads, {took} in all.")
+}
+
+fn table(table: &Table) -> Markup {
+    html! {
+        figure {
+            figcaption { (table.caption) }
+            table {
+                thead { tr { @for title in &table.columns { th { (title) } } } }
+                tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
+            }
+        }
+    }
+}
+
+fn plot(folder: &Folder, item: &str, plot: &Plot) -> Result<Markup> {
+    let uri = embed::file(&folder.path(&format!("{item}/{}", plot.file)))?;
+    Ok(html! {
+        figure.plot.wide[plot.file.starts_with("paths")] {
+            img src=(uri) alt=(plot.caption) loading="lazy";
+            figcaption { (plot.caption) }
+        }
+    })
+}
+
+/// The viewer of a gallery; the script fills it.
+fn gallery(folder: &Folder, gallery: &Gallery) -> Result<Markup> {
+    let pictures: Vec<_> = gallery
+        .pictures
+        .iter()
+        .map(|picture| Ok((picture, embed::radiances(&folder.path(&picture.file))?)))
+        .collect::<Result<_>>()?;
+    let reference = if gallery.has_reference { "yes" } else { "no" };
+    Ok(html! {
+        figure.gallery data-exposure=(gallery.exposure) data-reference=(reference) {
+            figcaption { (gallery.caption) }
+            @for (picture, embedded) in &pictures {
+                img.source hidden src=(embedded.uri) data-name=(picture.name) data-note=(picture.note)
+                    data-width=(embedded.width) data-height=(embedded.height) alt=(picture.name);
+            }
+            noscript { p { "Pictures are shown by a script, which is part of this page." } }
+        }
+    })
+}

@@ -1,0 +1,237 @@
+// Viewers of galleries: flip and wipe between two pictures, their difference, a zoomed inset, exposure.
+"use strict";
+
+const WHITE = 16; // exposed radiance from which on a pixel is full, as in fogbow's own PNG images
+const BIAS = 128;
+const INSET = 24; // pixels of a picture that the inset shows across
+
+// Radiances of a picture: mantissas in its upper half, exponents in its lower one.
+function decode(image) {
+  const width = Number(image.dataset.width), height = Number(image.dataset.height);
+  const canvas = document.createElement("canvas");
+  canvas.width = width;
+  canvas.height = 2 * height;
+  const context = canvas.getContext("2d", { willReadFrequently: true, colorSpace: "srgb" });
+  context.drawImage(image, 0, 0);
+  const bytes = context.getImageData(0, 0, width, 2 * height).data;
+  const count = width * height, radiance = new Float32Array(3 * count);
+  for (let i = 0; i < count; i++) {
+    const scale = bytes[4 * (count + i)] === 0 ? 0 : 2 ** (bytes[4 * (count + i)] - BIAS) / 256;
+    for (let c = 0; c < 3; c++) radiance[3 * i + c] = bytes[4 * i + c] * scale;
+  }
+  return { name: image.dataset.name, note: image.dataset.note, width, height, radiance };
+}
+
+const srgb = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+
+// The picture as it is shown: Reinhard's curve on the largest channel, then sRGB.
+function expose(picture, stops) {
+  const { width, height, radiance } = picture, scale = 2 ** stops, shown = new ImageData(width, height);
+  for (let i = 0; i < width * height; i++) {
+    const rgb = [0, 1, 2].map((c) => scale * radiance[3 * i + c]);
+    const largest = Math.max(...rgb);
+    const curve = largest < WHITE ? (1 + largest / (WHITE * WHITE)) / (1 + largest) : 1 / largest;
+    for (let c = 0; c < 3; c++) shown.data[4 * i + c] = srgb(Math.min(1, curve * rgb[c]));
+    shown.data[4 * i + 3] = 255;
+  }
+  return shown;
+}
+
+// The difference of two pictures: white where they agree, red where a is brighter, blue where it is darker; full colour
+// is a quarter of middle grey.
+function difference(a, b, stops) {
+  const shown = new ImageData(a.width, a.height), scale = 2 ** stops / 0.045;
+  for (let i = 0; i < a.width * a.height; i++) {
+    let sum = 0;
+    for (let c = 0; c < 3; c++) sum += (a.radiance[3 * i + c] - b.radiance[3 * i + c]) / 3;
+    const t = Math.max(-1, Math.min(1, scale * sum)), away = 245 * (1 - Math.abs(t));
+    shown.data.set(t > 0 ? [245, away, away, 255] : [away, away, 245, 255], 4 * i);
+  }
+  return shown;
+}
+
+function element(name, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+}
+
+function canvasOf(picture, shown) {
+  const canvas = element("canvas", { width: picture.width, height: picture.height });
+  canvas.getContext("2d").putImageData(shown, 0, 0);
+  return canvas;
+}
+
+function label(picture) {
+  return element("span", { className: "label" }, element("b", {}, picture.name), picture.note);
+}
+
+class Viewer {
+  constructor(figure, pictures) {
+    this.pictures = pictures;
+    this.exposure = Number(figure.dataset.exposure);
+    this.stops = 0;
+    this.mode = "wipe";
+    this.split = 0.5;
+    this.at = [0.5, 0.5];
+    this.side = 0;
+    this.a = 0;
+    this.b = pictures.length - 1;
+    this.build(figure);
+    this.expose();
+    if (pictures.length === 1) this.setMode("flip");
+  }
+
+  build(figure) {
+    this.thumbs = element("div", { className: "thumbs" });
+    const button = (mode, text, title) => {
+      const made = element("button", { type: "button", title }, text);
+      made.dataset.mode = mode;
+      made.addEventListener("click", () => {
+        if (mode === "flip" && this.mode === "flip") this.side = 1 - this.side;
+        this.setMode(mode);
+      });
+      return made;
+    };
+    this.buttons = [
+      button("flip", "flip", "one picture; click again, or press F, for the other"),
+      button("wipe", "wipe", "both, on either side of the pointer"),
+      button("error", "error map", "A minus B: red where A is brighter, blue where it is darker"),
+    ];
+    const select = (which) => {
+      const options = this.pictures.map((picture, i) => element("option", { value: i }, picture.name));
+      const made = element("select", {}, ...options);
+      made.value = this[which];
+      made.addEventListener("change", () => this.choose(which, Number(made.value)));
+      return made;
+    };
+    this.selects = { a: select("a"), b: select("b") };
+    this.slider = element("input", { type: "range", min: -6, max: 6, step: 0.25, value: 0 });
+    this.value = element("output");
+    this.slider.addEventListener("input", () => {
+      this.stops = Number(this.slider.value);
+      this.expose();
+    });
+    const comparing = this.pictures.length > 1;
+    const controls = element("div", { className: "controls" });
+    if (comparing) {
+      controls.append(element("label", {}, "A ", this.selects.a), element("label", {}, "B ", this.selects.b));
+      controls.append(element("span", {}, ...this.buttons));
+    }
+    controls.append(element("label", {}, "exposure ", this.slider, " ", this.value));
+    this.canvas = element("canvas");
+    this.caption = element("span", { className: "label" });
+    this.view = element("div", { className: "view", tabIndex: 0 }, this.canvas, this.caption);
+    this.view.addEventListener("pointermove", (event) => this.point(event));
+    this.view.addEventListener("keydown", (event) => {
+      if (event.key.toLowerCase() !== "f") return;
+      this.side = 1 - this.side;
+      this.setMode("flip");
+    });
+    this.zoom = element("canvas", { width: 240, height: 240 });
+    this.reading = element("p");
+    const inset = element("div", { className: "inset" }, this.zoom, this.reading);
+    figure.append(this.thumbs, controls, element("div", { className: "stage" }, this.view, inset));
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    this.draw();
+  }
+
+  choose(which, index) {
+    this[which] = index;
+    this.selects[which].value = index;
+    this.draw();
+  }
+
+  point(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const inside = (x) => Math.max(0, Math.min(1, x));
+    this.at = [inside((event.clientX - box.left) / box.width), inside((event.clientY - box.top) / box.height)];
+    if (this.mode === "wipe") this.split = this.at[0];
+    this.draw();
+  }
+
+  // Everything anew for another exposure.
+  expose() {
+    const stops = this.exposure + this.stops;
+    this.value.textContent = `${this.stops >= 0 ? "+" : ""}${this.stops} EV`;
+    this.shown = this.pictures.map((picture) => canvasOf(picture, expose(picture, stops)));
+    const thumb = (picture, i) => {
+      const made = element("button", { className: "thumb", type: "button", title: "click: A; shift and click: B" });
+      const canvas = element("canvas", { width: picture.width, height: picture.height });
+      canvas.getContext("2d").drawImage(this.shown[i], 0, 0);
+      made.append(canvas, label(picture));
+      made.addEventListener("click", (event) => this.choose(event.shiftKey ? "b" : "a", i));
+      return made;
+    };
+    this.thumbs.replaceChildren(...this.pictures.map(thumb));
+    this.draw();
+  }
+
+  // What the view shows, at the size of the pictures.
+  composed() {
+    const a = this.pictures[this.a], b = this.pictures[this.b];
+    const same = a.width === b.width && a.height === b.height;
+    if (this.mode === "error" && same) {
+      return [canvasOf(a, difference(a, b, this.exposure + this.stops)), `${a.name} minus ${b.name}`];
+    }
+    if (this.mode === "flip" || !same) {
+      const index = this.side === 0 ? this.a : this.b;
+      return [this.shown[index], `${this.side === 0 ? "A" : "B"}: ${this.pictures[index].name}`];
+    }
+    const both = element("canvas", { width: a.width, height: a.height }), context = both.getContext("2d");
+    const edge = Math.round(this.split * a.width);
+    context.drawImage(this.shown[this.b], 0, 0);
+    if (edge > 0) context.drawImage(this.shown[this.a], 0, 0, edge, a.height, 0, 0, edge, a.height);
+    return [both, `${a.name} | ${b.name}`];
+  }
+
+  draw() {
+    const [picture, text] = this.composed(), context = this.canvas.getContext("2d");
+    this.canvas.width = picture.width;
+    this.canvas.height = picture.height;
+    context.drawImage(picture, 0, 0);
+    if (this.mode === "wipe" && this.pictures.length > 1) {
+      context.fillStyle = "rgba(255, 255, 255, 0.8)";
+      context.fillRect(Math.round(this.split * picture.width), 0, 1, picture.height);
+    }
+    this.caption.textContent = text;
+    for (const button of this.buttons) button.setAttribute("aria-pressed", button.dataset.mode === this.mode);
+    [...this.thumbs.children].forEach((thumb, i) => {
+      thumb.classList.toggle("a", i === this.a);
+      thumb.classList.toggle("b", i === this.b && i !== this.a);
+    });
+    this.drawInset(picture);
+  }
+
+  drawInset(picture) {
+    const { width, height } = picture, across = Math.min(INSET, width, height);
+    const x = Math.min(width - 1, Math.floor(this.at[0] * width));
+    const y = Math.min(height - 1, Math.floor(this.at[1] * height));
+    const left = Math.max(0, Math.min(width - across, x - across / 2));
+    const top = Math.max(0, Math.min(height - across, y - across / 2));
+    const context = this.zoom.getContext("2d");
+    context.imageSmoothingEnabled = false;
+    context.drawImage(picture, left, top, across, across, 0, 0, 240, 240);
+    const read = (index) => {
+      const { name, radiance } = this.pictures[index];
+      const rgb = [0, 1, 2].map((c) => radiance[3 * (y * width + x) + c].toPrecision(3));
+      return `${name}: ${rgb.join(", ")}`;
+    };
+    const lines = [`pixel ${x}, ${y}`, read(this.a), ...(this.a === this.b ? [] : [read(this.b)])];
+    this.reading.replaceChildren(...lines.flatMap((line) => [line, document.createElement("br")]));
+  }
+}
+
+async function start(figure) {
+  const images = [...figure.querySelectorAll("img.source")];
+  await Promise.all(images.map((image) => image.decode()));
+  figure.viewer = new Viewer(figure, images.map(decode));
+  figure.dataset.ready = "yes";
+}
+
+Promise.all([...document.querySelectorAll(".gallery")].map(start)).then(() => {
+  document.body.dataset.ready = "yes";
+});

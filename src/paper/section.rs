@@ -1,0 +1,152 @@
+//! What an item says: everything that the report shows of it, as it stands in `data.json`.
+
+use std::time::{Duration, SystemTime};
+
+use serde::{Deserialize, Serialize};
+
+/// An item of the report.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Section {
+    /// Its name.
+    pub item: String,
+    /// What stands above it.
+    pub title: String,
+    /// A hash of the settings and the program that made it.
+    pub key: String,
+    /// Where and when that was.
+    pub made: Making,
+    /// What it is about, in paragraphs.
+    pub text: Vec<String>,
+    /// Published claims, and what is found here.
+    pub claims: Vec<Claim>,
+    /// Tables.
+    pub tables: Vec<Table>,
+    /// Plots.
+    pub plots: Vec<Plot>,
+    /// Pictures that are compared with each other.
+    pub galleries: Vec<Gallery>,
+}
+
+/// Where and when something was made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Making {
+    /// Version of the program.
+    pub version: String,
+    /// Day and time, UTC.
+    pub date: String,
+    /// The processor.
+    pub processor: String,
+    /// Worker threads.
+    pub threads: usize,
+    /// How long it took, all in all.
+    pub seconds: f64,
+}
+
+impl Making {
+    /// Here and now.
+    pub fn now(threads: usize, elapsed: Duration) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            date: humantime::format_rfc3339_seconds(SystemTime::now())
+                .to_string()
+                .replace('T', " ")
+                .replace('Z', " UTC"),
+            processor: processor(),
+            threads,
+            seconds: elapsed.as_secs_f64(),
+        }
+    }
+}
+
+/// What the processor calls itself, as far as the system tells.
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':').map(|(_, name)| name));
+    name.map_or_else(|| std::env::consts::ARCH.to_string(), |name| name.trim().to_string())
+}
+
+/// Something published, and what is found here.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// What was published.
+    pub published: String,
+    /// Where that comes from.
+    pub source: String,
+    /// What is found here.
+    pub found: String,
+    /// Whether that agrees.
+    pub agrees: bool,
+    /// Why, where it does not.
+    pub why: String,
+}
+
+/// A table of texts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// What it shows.
+    pub caption: String,
+    /// Titles of the columns; the first is that of the rows' names.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// The table as CSV: texts with commas or quotes are quoted.
+    pub fn csv(&self) -> String {
+        let cell = |text: &String| {
+            if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.clone() }
+        };
+        let line = |cells: &Vec<String>| cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n";
+        core::iter::once(&self.columns).chain(&self.rows).map(line).collect()
+    }
+}
+
+/// A plot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plot {
+    /// Its SVG file, in the item's folder.
+    pub file: String,
+    /// What it shows.
+    pub caption: String,
+}
+
+/// Pictures of the same size that are compared with each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gallery {
+    /// What they show.
+    pub caption: String,
+    /// In which exposure [EV].
+    pub exposure: f64,
+    /// The pictures; a reference, if there is one, is the last.
+    pub pictures: Vec<Picture>,
+    /// Whether the last one is a reference.
+    pub has_reference: bool,
+}
+
+/// A picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Its EXR file, in the folder of the report.
+    pub file: String,
+    /// What it is called.
+    pub name: String,
+    /// What is printed on it: its error and its samples.
+    pub note: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_valid_csv() {
+        let row = |cells: [&str; 2]| cells.map(String::from).to_vec();
+        let table = Table {
+            caption: "not in it".into(),
+            columns: row(["technique", "RMSE"]),
+            rows: vec![row(["nee, \"lis\"", "0.5"]), row(["path", "1"])],
+        };
+        assert_eq!(table.csv(), "technique,RMSE\n\"nee, \"\"lis\"\"\",0.5\npath,1\n");
+    }
+}

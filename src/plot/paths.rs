@@ -1,0 +1,211 @@
+//! Paths from a point to a light, drawn to scale in a plane.
+
+use plotters::prelude::*;
+
+/// Paths of one technique, on the plane of the drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// What stands above them.
+    pub title: String,
+    /// Each as its vertices `[m]`.
+    pub paths: Vec<Vec<[f64; 2]>>,
+    /// Outlines of lights `[m]`.
+    pub lights: Vec<Vec<[f64; 2]>>,
+    /// The colour of the paths.
+    pub colour: [u8; 3],
+}
+
+/// Width of a drawing in pixels, and the least and largest height of a panel.
+const WIDTH: u32 = 960;
+const HEIGHTS: [f64; 2] = [140.0, 480.0];
+/// Width over height below which panels stand side by side, in two columns.
+const NARROW: f64 = 1.6;
+/// Room for what stands above a panel, and around it.
+const TITLE: u32 = 30;
+const MARGIN: f64 = 24.0;
+/// Share of a panel's width that the scale bar has at most.
+const BAR: f64 = 0.25;
+
+/// What all panels share: the part of the plane that they show, and its scale.
+struct View {
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Pixels per metre.
+    scale: f64,
+    /// Panels in a row, and pixels of each.
+    columns: u32,
+    width: u32,
+    height: u32,
+}
+
+impl View {
+    fn of(panels: &[Panel]) -> Self {
+        let points = panels.iter().flat_map(|panel| panel.paths.iter().chain(&panel.lights)).flatten();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in points.filter(|point| point.iter().all(|place| place.is_finite())) {
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
+            }
+        }
+        if low[0] > high[0] {
+            (low, high) = ([0.0; 2], [1.0; 2]);
+        }
+        let extent = [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-9));
+        let columns = if panels.len() > 1 && extent[0] < NARROW * extent[1] { 2 } else { 1 };
+        let width = WIDTH / columns;
+        let scale = ((f64::from(width) - 2.0 * MARGIN) / extent[0]).min((HEIGHTS[1] - 2.0 * MARGIN) / extent[1]);
+        let height = (scale * extent[1] + 2.0 * MARGIN).clamp(HEIGHTS[0], HEIGHTS[1]).ceil();
+        Self { low, high, scale, columns, width, height: height as u32 }
+    }
+
+    /// Left and upper edge of panel `index`, below its title.
+    fn corner(&self, index: usize) -> [u32; 2] {
+        let (column, row) = (index as u32 % self.columns, index as u32 / self.columns);
+        [column * self.width, row * (TITLE + self.height) + TITLE]
+    }
+
+    /// Pixels of a drawing of so many panels.
+    fn size(&self, panels: usize) -> (u32, u32) {
+        (WIDTH, (TITLE + self.height) * (panels as u32).div_ceil(self.columns))
+    }
+
+    /// The pixel of a point, that of the middle of what is shown in the middle of the panel.
+    fn pixel(&self, point: [f64; 2], [left, top]: [u32; 2]) -> (i32, i32) {
+        let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
+        let x = f64::from(left) + 0.5 * f64::from(self.width) + self.scale * (point[0] - middle[0]);
+        let y = f64::from(top) + 0.5 * f64::from(self.height) - self.scale * (point[1] - middle[1]);
+        (x.round() as i32, y.round() as i32)
+    }
+
+    /// A round length `[m]` for the scale bar.
+    fn bar(&self) -> f64 {
+        let most = BAR * f64::from(self.width) / self.scale;
+        let power = 10.0_f64.powf(most.log10().floor());
+        [5.0, 2.0, 1.0].into_iter().map(|digit| digit * power).find(|length| *length <= most).unwrap_or(power)
+    }
+}
+
+/// The panels, one above the other, all to one scale, as SVG with titles and a scale bar.
+///
+/// # Errors
+/// What the plotting library says.
+pub fn paths_svg(panels: &[Panel]) -> Result<String, String> {
+    let view = View::of(panels);
+    let mut text = String::new();
+    let size = view.size(panels.len());
+    draw(SVGBackend::with_string(&mut text, size).into_drawing_area(), panels, &view, true)
+        .map_err(|error| error.to_string())?;
+    Ok(text)
+}
+
+/// The same as RGB bytes, with their width and height, without letters.
+///
+/// # Errors
+/// What the plotting library says.
+pub fn paths_png(panels: &[Panel]) -> Result<(Vec<u8>, [u32; 2]), String> {
+    let view = View::of(panels);
+    let (width, height) = view.size(panels.len());
+    let mut pixels = vec![255; 3 * (width * height) as usize];
+    let backend = BitMapBackend::with_buffer(&mut pixels, (width, height));
+    draw(backend.into_drawing_area(), panels, &view, false).map_err(|error| error.to_string())?;
+    Ok((pixels, [width, height]))
+}
+
+type Area<B> = DrawingArea<B, plotters::coord::Shift>;
+type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
+fn draw<B: DrawingBackend>(area: Area<B>, panels: &[Panel], view: &View, letters: bool) -> Outcome<B> {
+    area.fill(&WHITE)?;
+    for (index, panel) in panels.iter().enumerate() {
+        let corner = view.corner(index);
+        draw_panel(&area, panel, view, corner)?;
+        if letters {
+            let title = ("sans-serif", 18).into_font().color(&BLACK);
+            area.draw(&Text::new(
+                panel.title.clone(),
+                (corner[0] as i32 + MARGIN as i32, corner[1] as i32 - 22),
+                title,
+            ))?;
+        }
+    }
+    draw_bar(&area, view, letters)?;
+    area.present()
+}
+
+fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, view: &View, corner: [u32; 2]) -> Outcome<B> {
+    let [r, g, b] = panel.colour;
+    let colour = RGBColor(r, g, b);
+    let pixels = |points: &[[f64; 2]]| points.iter().map(|point| view.pixel(*point, corner)).collect::<Vec<_>>();
+    for light in &panel.lights {
+        area.draw(&PathElement::new(pixels(light), RGBColor(230, 159, 0).stroke_width(3)))?;
+    }
+    // Marks of paths with many vertices would hide the paths.
+    let is_long = panel.paths.iter().any(|path| path.len() > 40);
+    for path in &panel.paths {
+        let vertices = pixels(path);
+        area.draw(&PathElement::new(vertices.clone(), colour.mix(0.75).stroke_width(1)))?;
+        for vertex in vertices.iter().skip(1).filter(|_| !is_long) {
+            area.draw(&Circle::new(*vertex, 2, colour.filled()))?;
+        }
+    }
+    match panel.paths.first().and_then(|path| path.first()) {
+        Some(start) => area.draw(&Circle::new(view.pixel(*start, corner), 4, BLACK.filled())),
+        None => Ok(()),
+    }
+}
+
+/// The scale bar, below the last panel.
+fn draw_bar<B: DrawingBackend>(area: &Area<B>, view: &View, letters: bool) -> Outcome<B> {
+    let (length, bottom) = (view.bar(), area.dim_in_pixel().1 as i32 - 8);
+    let left = MARGIN as i32;
+    let right = left + (view.scale * length).round() as i32;
+    area.draw(&PathElement::new(vec![(left, bottom), (right, bottom)], BLACK.stroke_width(2)))?;
+    if !letters {
+        return Ok(());
+    }
+    let text = format!("{} m", crate::figures::number(length, 1));
+    area.draw(&Text::new(text, (right + 6, bottom - 9), ("sans-serif", 14).into_font().color(&BLACK)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn panel() -> Panel {
+        Panel {
+            title: "two & two".into(),
+            paths: vec![vec![[0.0, 0.0], [1.0, 1.0], [4.0, 0.0]], vec![[0.0, 0.0], [4.0, 0.1]]],
+            lights: vec![vec![[4.0, -0.5], [4.0, 0.5]]],
+            colour: [0, 114, 178],
+        }
+    }
+
+    #[test]
+    fn paths_are_drawn_to_scale() {
+        let panels = [panel(), panel()];
+        let view = View::of(&panels);
+        let [origin, right, up] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|point| view.pixel(point, [0, 10]));
+        assert!((right.0 - origin.0 - (origin.1 - up.1)).abs() <= 1 && right.1 == origin.1 && up.0 == origin.0);
+        assert!(view.scale > 0.0 && view.bar() == 1.0);
+        let text = paths_svg(&panels).expect("a drawing");
+        assert_eq!(text.matches("two &amp; two").count(), 2);
+        assert!(text.contains("1 m"), "{text}");
+    }
+
+    #[test]
+    fn narrow_panels_stand_side_by_side() {
+        let narrow = Panel { paths: vec![vec![[0.0, 0.0], [1.0, 3.0]]], lights: vec![], ..panel() };
+        let view = View::of(&[narrow.clone(), narrow.clone(), narrow.clone()]);
+        assert_eq!((view.columns, view.corner(1)[0], view.corner(2)[0]), (2, WIDTH / 2, 0));
+        assert_eq!(view.size(3).1, 2 * (TITLE + view.height));
+        assert_eq!(View::of(&[narrow]).columns, 1, "a single one has all of the width");
+    }
+
+    #[test]
+    fn a_picture_has_ink_of_the_paths() {
+        let (pixels, [width, height]) = paths_png(&[panel()]).expect("a drawing");
+        assert_eq!(pixels.len() as u32, 3 * width * height);
+        let dark = pixels.chunks(3).filter(|rgb| rgb.iter().any(|channel| *channel < 128)).count();
+        assert!(dark > 500, "{dark} dark pixels");
+    }
+}
