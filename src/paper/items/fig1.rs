@@ -77,7 +77,7 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
             "MVNEE has less noise than NEE in the same time.",
             PAPER,
             over_nee > 1.0,
-            format!("MVNEE-4 is {} as efficient as NEE; {best} has the least error.", times(over_nee)),
+            format!("MVNEE-4 is {} as efficient as NEE. The least error is that of {best}.", times(over_nee)),
             "The camera is in the fog that the lights shine through: most vertices are farther from every light than \
              MVNEE-4 reaches, and their samples cost more than those of NEE.",
         )],
