@@ -116,7 +116,7 @@ pub struct Plot {
 pub struct Gallery {
     /// What they show.
     pub caption: String,
-    /// In which exposure [EV].
+    /// In which exposure `[EV]`.
     pub exposure: f64,
     /// The pictures; a reference, if there is one, is the last.
     pub pictures: Vec<Picture>,
