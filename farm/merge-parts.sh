@@ -11,4 +11,4 @@ if [ $# -lt 3 ]; then
 fi
 parts=$1 samples=$2 out=$3
 shift 3
-exec "${FOGBOW:-fogbow}" merge "$parts"/*-*.exr --expect "0..$samples" -o "$out" "$@"
+exec "${FOGBOW:-fogbow}" merge "$parts"/*[0-9]-*[0-9].exr --expect "0..$samples" -o "$out" "$@"
