@@ -10,6 +10,10 @@ use crate::image::exr::{self, AboutImage};
 const COUNT: &str = "N";
 /// Prefix of channels with standard errors.
 const ERROR: &str = "SE.";
+/// The channel with the mean depth of samples that hit something.
+const DEPTH: &str = "depth.Z";
+/// The channel with their share of all samples.
+const HITS: &str = "depth.A";
 
 /// The mean of the EXR images at `paths`, pixel by pixel, weighted by their numbers of samples where all have such a
 /// channel, `N`, and alike otherwise. Channels that not all of them have are left out. One image at a time is in memory.
@@ -32,6 +36,7 @@ pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
     }
     let counted = names.iter().any(|name| name == COUNT);
     let mut total = vec![0.0; first.width * first.height];
+    let mut total_of_hits = total.clone();
     let mut sums: Vec<_> = names.iter().map(|_| total.clone()).collect();
     for (path, about) in paths.iter().zip(&abouts) {
         let image = exr::read_image(path)?;
@@ -43,15 +48,22 @@ pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
         };
         let weights = plane(COUNT).filter(|_| counted);
         let weight = |place: usize| weights.map_or(1.0, |weights| f64::from(weights[place]));
+        // Depth is the mean over samples that hit something.
+        let hits = plane(HITS);
+        let hit_weight = |place: usize| weight(place) * hits.map_or(1.0, |hits| f64::from(hits[place]));
         for ((name, sums), plane) in names.iter().zip(&mut sums).zip(planes) {
             for (place, (sum, value)) in sums.iter_mut().zip(plane).enumerate() {
-                *sum += term(name, f64::from(*value), weight(place));
+                let weight = if name == DEPTH { hit_weight(place) } else { weight(place) };
+                *sum += term(name, f64::from(*value), weight);
             }
         }
         total.iter_mut().enumerate().for_each(|(place, total)| *total += weight(place));
+        total_of_hits.iter_mut().enumerate().for_each(|(place, total)| *total += hit_weight(place));
     }
-    let mean =
-        |name: &str, sums: &[f64]| sums.iter().zip(&total).map(|(sum, total)| value(name, *sum, *total)).collect();
+    let mean = |name: &str, sums: &[f64]| {
+        let total = if name == DEPTH { &total_of_hits } else { &total };
+        sums.iter().zip(total).map(|(sum, total)| value(name, *sum, *total)).collect()
+    };
     let channels = names.iter().zip(&sums).map(|(name, sums)| (name.clone(), mean(name, sums))).collect();
     let header = vec![(format!("{}merged", exr::PREFIX), format!("weighted mean of {} images", paths.len()))];
     Ok(Image { width: first.width, height: first.height, channels, header })

@@ -13,6 +13,23 @@ fn layers(folder: &Folder, name: &str, flags: &[&str]) {
     folder.done(&[&base[..], flags].concat());
 }
 
+/// Depths are means over samples that hit something: parts count by how many these are.
+#[test]
+fn weighted_means_of_depths_count_what_hit() {
+    let folder = Folder::with_scene();
+    for (name, samples) in [("a.exr", "0..3"), ("b.exr", "3..4")] {
+        layers(&folder, name, &["--aov", "depth", "--sample-range", samples]);
+    }
+    folder.done(&["merge", "a.exr", "b.exr", "--weighted", "-o", "w.exr"]);
+    folder.done(&["merge", "a.exr", "b.exr", "-o", "whole.exr"]);
+    let [weighted, whole] = ["w.exr", "whole.exr"].map(|name| folder.image(name));
+    for channel in ["depth.Z", "depth.A"] {
+        for (a, b) in plane(&weighted, channel).iter().zip(plane(&whole, channel)) {
+            assert!((a - b).abs() <= 1e-5 * b.abs(), "{channel}: {a} and {b}");
+        }
+    }
+}
+
 /// Whether `fogbow compare` says that both images have the same exact sums, those of all layers.
 fn are_same(folder: &Folder, a: &str, b: &str) -> bool {
     let run = folder.done(&["compare", a, b]);
@@ -176,6 +193,24 @@ mod denoised {
         }
         assert_eq!(folder.names(), ["a.exr", "a.png", "scene.toml"]);
         assert_eq!(header(&folder.image("a.exr"), "aov"), "normal,albedo");
+    }
+
+    /// It is told at once and in the end, and no frame is missing for it. What cannot be there is not waited for.
+    #[test]
+    fn without_the_library_all_frames_are_rendered() {
+        let folder = super::super::frames::animated();
+        let flags = super::super::frames::flags("a#.exr", "3-5", &["--denoise"]);
+        let render = |more: &[&str]| Run::of(without_library(&folder).args(&flags).args(more));
+        let run = render(&[]);
+        if run.code == Some(0) {
+            eprintln!("not run: Open Image Denoise is installed for all programs");
+            return;
+        }
+        let warnings = run.stderr.matches("warning: --denoise: ").count();
+        assert!(run.code == Some(1) && warnings == 1 && run.stderr.contains("error: --denoise: "), "{run}");
+        assert!(["a3.exr", "a4.exr", "a5.exr"].iter().all(|name| folder.path(name).is_file()), "{run}");
+        let run = render(&["--resume"]);
+        assert!(run.code == Some(1) && run.stderr.matches("there already").count() == 3, "{run}");
     }
 
     #[test]
