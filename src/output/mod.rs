@@ -74,11 +74,7 @@ fn own_prefix(path: &Path) -> String {
 /// # Errors
 /// As [`write()`].
 pub fn rewrite(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> core::result::Result<(), String>) -> Result<()> {
-    write_as(path, &own_prefix(path), || false, fill)?;
-    // Not before the folder is on the disk, too, does a power cut leave the new file and not the one before. Where a
-    // folder cannot be opened or synced, that is left to the system.
-    let _ = File::open(place::folder(path)).and_then(|folder| folder.sync_all());
-    Ok(())
+    write_as(path, &own_prefix(path), || false, fill)
 }
 
 /// Removes temporary files that were to take the place of `path` when the program that wrote them was killed.
@@ -114,6 +110,9 @@ fn write_as(
     keep_mode(&file, temporary.as_file()).map_err(|error| failed(path, error))?;
     temporary.as_file().sync_all().map_err(|error| failed(path, error))?;
     temporary.persist(&file).map_err(|error| failed(path, error.error))?;
+    // Not before the folder is on the disk, too, does a power cut leave the new file and not the one before. Where a
+    // folder cannot be opened or synced, that is left to the system.
+    let _ = File::open(place::folder(&file)).and_then(|folder| folder.sync_all());
     Ok(())
 }
 
