@@ -33,6 +33,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from mitsuba_objects import diffuse, mesh, objects, rgb  # noqa: E402: needs a variant
 
 T = mi.ScalarTransform4f
+# Samples per pixel and call.
+SAMPLES = 16
 
 
 def medium(keys):
@@ -91,17 +93,20 @@ def scene(keys):
 
 def main():
     built = scene(json.loads(pathlib.Path(sys.argv[1]).read_text()))
-    mi.render(built, spp=1, seed=99999).numpy()  # compiles
+    # Kernels differ between numbers of samples: all renders take this one, which is compiled before any is timed.
+    mi.render(built, spp=SAMPLES, seed=99999).numpy()
     print("ready", mi.__version__, VARIANT, flush=True)
     total, samples, seed = 0.0, 0, 0
     for line in sys.stdin:
         command, argument = line.strip().split(" ", 1)
         if command == "render":
-            start = time.time()
-            image = mi.render(built, spp=int(argument), seed=seed).numpy()[..., :3]
-            seconds, seed = time.time() - start, seed + 1
-            total, samples = total + int(argument) * image.astype(np.float64), samples + int(argument)
-            print(seconds, flush=True)
+            seconds, taken = 0.0, 0
+            while taken < int(argument):
+                start = time.time()
+                image = mi.render(built, spp=SAMPLES, seed=seed).numpy()[..., :3]
+                seconds, taken, seed = seconds + time.time() - start, taken + SAMPLES, seed + 1
+                total, samples = total + SAMPLES * image.astype(np.float64), samples + SAMPLES
+            print(seconds, taken, flush=True)
         elif command == "write":
             mi.Bitmap((total / samples).astype(np.float32)).write(argument)
             print("written", flush=True)

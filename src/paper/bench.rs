@@ -101,7 +101,9 @@ impl Bench<'_> {
         self.tell.line(&format!("  reference of {}", scene.name));
         let mut run = Run::begin(Contender { name: "reference".into(), scene }, self.workers, self.tell)?;
         run.until(seconds, self.tell);
-        run.write(&path)?;
+        if !self.tell.stops() {
+            run.write(&path)?;
+        }
         let pixels = run.film().pixels().collect();
         Ok(Reference { file, pixels, samples: run.samples() })
     }

@@ -72,6 +72,21 @@ impl Folder {
         files.all(|file| self.root.join(file).is_file()).then_some(section)
     }
 
+    /// Removes what an item found.
+    ///
+    /// # Errors
+    /// If it is there and cannot be removed.
+    pub fn forget(&self, item: &str) -> Result<()> {
+        let path = self.root.join(item).join(DATA);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                let finding = format!("cannot be removed: {error}");
+                Err(Error::failure(path.display(), finding, "check its permissions"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Writes what an item found: all of it as JSON, and its tables as CSV. JSON comes last, so that what is there is
     /// complete.
     ///

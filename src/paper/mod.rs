@@ -179,6 +179,8 @@ impl Item {
         if bench.folder.section(self.name).is_some_and(|section| section.key == key) {
             return Ok(Made::Before);
         }
+        // What it found before is not about the pictures that it makes now.
+        bench.folder.forget(self.name)?;
         let start = std::time::Instant::now();
         let section = (self.make)(bench)?;
         if bench.tell.stops() {

@@ -14,9 +14,13 @@ pub fn panel(frame: &Frame, title: String, found: &Found, target: DVec3, colour:
     let start = found.paths.first().and_then(|path| path.vertices.get(..2));
     let (origin, direction) = start.map_or((DVec3::ZERO, DVec3::Y), |two| (two[0], two[1] - two[0]));
     let right = (target - origin).normalize_or(DVec3::X);
-    let across = |v: DVec3| (v - v.dot(right) * right).try_normalize();
+    let across = |v: DVec3| {
+        let part = v - v.dot(right) * right;
+        // What is left of a vector along the way is rounding.
+        (part.length() > 1e-6).then(|| (part - part.dot(right) * right).normalize())
+    };
     // Any plane will do where paths leave straight for the target.
-    let up = across(direction.normalize_or_zero() * 1e3).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::X));
+    let up = across(direction.normalize_or_zero()).or_else(|| across(DVec3::Y)).or_else(|| across(DVec3::X));
     let up = up.unwrap_or(DVec3::Y);
     let flat = |points: &[DVec3]| -> Vec<[f64; 2]> {
         points.iter().map(|point| [(*point - origin).dot(right), (*point - origin).dot(up)]).collect()

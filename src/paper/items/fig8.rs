@@ -34,7 +34,7 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section {
         text: vec![
             "A disk light shines through 13 holes of a plate into fog of mean free path 0.5 m and g = 0.9. All \
-             techniques get the same time, in turns. RMSE is against our own converged reference, whose own error is \
+             techniques get the same time, in turns. RMSE is against our own longer reference, whose own error is \
              subtracted."
                 .into(),
         ],

@@ -72,9 +72,12 @@ impl Mitsuba {
         while self.seconds < seconds || self.samples == 0.0 {
             let samples = 0.9 * (seconds - self.seconds) * self.samples / self.seconds;
             let samples = if samples.is_finite() { samples.clamp(1.0, 1e5) as u32 } else { 1 };
-            let took = self.ask(&format!("render {samples}"))?;
-            self.seconds += took.trim().parse::<f64>().map_err(|_| format!("Mitsuba says {took:?}"))?;
-            self.samples += f64::from(samples);
+            let told = self.ask(&format!("render {samples}"))?;
+            // It renders a few samples at a time, so they may be more.
+            let figures: Vec<f64> = told.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
+            let [seconds, samples] = figures[..] else { return Err(format!("Mitsuba says {told:?}")) };
+            self.seconds += seconds;
+            self.samples += samples;
         }
         Ok(())
     }
