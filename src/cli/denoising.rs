@@ -10,6 +10,9 @@ use crate::image::tone::Exposure;
 use crate::output;
 use crate::session::identity::Entry;
 
+/// The flag.
+pub const DENOISE: &str = "--denoise";
+
 /// An image with its noise.
 #[derive(Clone, Copy)]
 pub struct Noisy<'a> {
@@ -51,14 +54,19 @@ impl Denoising {
 
     /// The same as results.
     pub fn destinations(&self) -> impl Iterator<Item = Destination<'_>> {
-        self.outputs.iter().map(|image| Destination { flag: "--denoise", path: &image.path })
+        self.outputs.iter().map(|image| Destination { flag: DENOISE, path: &image.path })
     }
 
     /// What is said at once if images cannot be denoised: somebody may want to do something about it before they are
     /// rendered.
     pub fn warning(&self) -> Option<String> {
-        let Error { finding, .. } = self.denoiser.as_ref().err()?;
+        let Error { finding, .. } = self.obstacle()?;
         Some(format!("--denoise: {finding}; the image will be written with its noise"))
+    }
+
+    /// Why images cannot be denoised.
+    pub fn obstacle(&self) -> Option<&Error> {
+        self.denoiser.as_ref().err()
     }
 
     /// Denoises an image that has been written.

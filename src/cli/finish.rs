@@ -34,12 +34,14 @@ pub struct Ending<'a> {
     pub is_kept: bool,
 }
 
-/// Writes what there is and says so; the exit code is that of the signal that ended it, if one did.
+/// Writes what there is and says so; the exit code is that of the signal that ended it, if one did. Why an image cannot
+/// be denoised is put down as `noisy`, unless there is something: all else goes on.
 pub fn finish(
     ending: &Ending<'_>,
     outputs: &[ImageOutput],
     stats: Option<&Path>,
     reporter: &Reporter,
+    noisy: &mut Option<Error>,
 ) -> Result<ExitCode> {
     let Ending { session, outcome, signals, plan, denoising, is_kept } = *ending;
     let (stopped, samples) = (signals.exit_code(), session.film.samples());
@@ -76,7 +78,10 @@ pub fn finish(
         let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
         let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
         let (film, threads) = (&session.film, session.threads());
-        denoising.finish(&Noisy { film, size, header: &header, exposure, threads }, || signals.came(), reporter)?;
+        let image = Noisy { film, size, header: &header, exposure, threads };
+        if let Err(error) = denoising.finish(&image, || signals.came(), reporter) {
+            noisy.get_or_insert(error);
+        }
     }
     Ok(stopped.map_or(ExitCode::SUCCESS, ExitCode::from))
 }

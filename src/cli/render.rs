@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::thread;
 
 use super::checkpoints::{Keeper, Plan};
-use super::denoising::Denoising;
+use super::denoising::{DENOISE, Denoising};
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
 use super::frames::{self, Sequence};
@@ -35,13 +35,14 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let sequence = Sequence::new(args)?;
     let (reporter, signals) = (Reporter::new(args.progress), Signals::watch()?);
     let onlookers = Onlookers::invite(args, &reporter)?;
-    let mut run = Run { args, reporter, signals, onlookers, told: BTreeSet::new() };
+    let mut run = Run { args, reporter, signals, onlookers, told: BTreeSet::new(), noisy: None };
     let code = match sequence {
-        Some(sequence) => run.render_all(&sequence)?,
-        None => run.render(None)?,
+        Some(sequence) => run.render_all(&sequence),
+        None => run.render(None),
     };
     run.onlookers.leave(&run.reporter);
-    Ok(code)
+    let code = code?;
+    run.noisy.map_or(Ok(code), Err)
 }
 
 /// One run of the program: a render, or one for every frame.
@@ -52,6 +53,8 @@ struct Run<'a> {
     onlookers: Onlookers,
     /// Warnings of scenes that were told: frames have most of them in common.
     told: BTreeSet<String>,
+    /// Why the first image that was to be denoised was not. Everything else is done all the same.
+    noisy: Option<Error>,
 }
 
 /// What is asked of a render of one scene.
@@ -74,14 +77,20 @@ impl Request {
         let denoised = self.denoising.iter().flat_map(Denoising::destinations);
         denoised.chain(self.statistics.iter().map(|path| Destination { flag: "--stats", path }))
     }
+
+    /// Those that can be there.
+    fn possible_others(&self) -> impl Iterator<Item = Destination<'_>> {
+        let is_possible = self.denoising.as_ref().is_some_and(|denoising| denoising.obstacle().is_none());
+        self.others().filter(move |other| is_possible || other.flag != DENOISE)
+    }
 }
 
 impl Run<'_> {
-    /// Renders all frames, up to one that a signal ends or that fails.
+    /// Renders all frames, up to one that fails or that a signal ends; if one comes between two, it ends the second.
     fn render_all(&mut self, sequence: &Sequence) -> Result<ExitCode> {
         for turn in sequence.turns() {
             let code = self.render(Some((turn, sequence.time(turn))))?;
-            if code != ExitCode::SUCCESS || self.signals.came() {
+            if code != ExitCode::SUCCESS {
                 return Ok(code);
             }
         }
@@ -98,6 +107,8 @@ impl Run<'_> {
         let mut session = Session::new(scene, request.settings)?;
         self.warn_of_no_effect(&session, request.limits);
         if turn.is_some() && self.args.resume && self.is_done(&session, &request) {
+            let obstacle = request.denoising.as_ref().and_then(Denoising::obstacle);
+            self.noisy = self.noisy.take().or(obstacle.cloned());
             return Ok(ExitCode::SUCCESS);
         }
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
@@ -110,11 +121,11 @@ impl Run<'_> {
         let session = Arc::new(session);
         self.onlookers.show(&session, &self.reporter);
         let (outcome, is_kept) = self.sample(&session, &request);
-        let Self { signals, reporter, .. } = self;
+        let Self { signals, reporter, noisy, .. } = self;
         let Request { plan, denoising, .. } = &request;
         let denoising = denoising.as_ref();
         let ending = Ending { session: &session, outcome: &outcome, signals, plan, denoising, is_kept };
-        finish(&ending, &request.outputs, request.statistics.as_deref(), reporter)
+        finish(&ending, &request.outputs, request.statistics.as_deref(), reporter, noisy)
     }
 
     /// The scene; none if a signal came meanwhile.
@@ -185,7 +196,7 @@ impl Run<'_> {
     /// Whether all results of a frame are there, so that nothing is left to do.
     fn is_done(&self, session: &Session, request: &Request) -> bool {
         let Request { outputs, limits, plan, .. } = request;
-        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, request.others());
+        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, request.possible_others());
         if is_done {
             let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
             self.reporter.line(format!("{}: there already", names.join(", ")));

@@ -13,6 +13,8 @@ const PATIENCE: Duration = Duration::from_millis(10);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     region: Region,
+    /// Number of the frame, if it is one of an animation.
+    frame: Option<u32>,
     /// How it is exposed.
     exposure: Exposure,
     /// Samples of all pixels of every tile.
@@ -28,6 +30,7 @@ impl Picture {
         let film = &session.film;
         let fresh = || Self {
             region: film.region(),
+            frame: session.frame_number(),
             exposure: Exposure(0.0),
             samples: vec![0; film.tile_count()],
             pixels: vec![[0.0, 0.0, 0.0, f32::NAN]; film.region().pixels() as usize],
@@ -71,6 +74,11 @@ impl Picture {
     /// The pixels of the whole image that it shows.
     pub fn region(&self) -> Region {
         self.region
+    }
+
+    /// Number of the frame, if it is one of an animation.
+    pub fn frame(&self) -> Option<u32> {
+        self.frame
     }
 
     /// Samples of all pixels together.

@@ -75,8 +75,8 @@ fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>) -> R
         io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => SLOW.to_string(),
         _ => format!("the connection was lost: {error}"),
     };
-    // Those of the image that is there.
-    let (mut size, mut samples) = (None, 0);
+    // Those of the image that is there. Frames may have as many samples as each other.
+    let (mut size, mut shown) = (None, None);
     loop {
         let is_last = ended.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Disconnected);
         if let Some(picture) = board.picture() {
@@ -85,9 +85,10 @@ fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>) -> R
                 create(&mut tev, name, own).map_err(lost)?;
                 size = Some(own);
             }
-            if picture.samples() != samples {
+            let own = Some((picture.frame(), picture.samples()));
+            if shown != own {
                 update(&mut tev, name, &picture).map_err(lost)?;
-                samples = picture.samples();
+                shown = own;
             }
         }
         if is_last {

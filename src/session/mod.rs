@@ -224,6 +224,11 @@ impl Session {
         (frame, Preparation { trials, left_out, exposure })
     }
 
+    /// Number of its frame, if it is one of an animation.
+    pub fn frame_number(&self) -> Option<u32> {
+        self.settings.frame
+    }
+
     /// The exposure of its images, as far as it is settled before they are rendered.
     pub fn exposure(&self) -> Option<Exposure> {
         self.preparation.exposure.or(self.scene.scene.film.exposure.0.map(Exposure))

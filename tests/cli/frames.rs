@@ -42,12 +42,12 @@ fn animate(model: &mut Value) {
     ]);
 }
 
-fn animated() -> Folder {
+pub fn animated() -> Folder {
     with_model(animate)
 }
 
 /// Flags of a render of four frames a second.
-fn flags<'a>(output: &'a str, frames: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+pub fn flags<'a>(output: &'a str, frames: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let base = ["render", "room.gltf", "-o", output, "--frames", frames, "--fps", "4"];
     let is_given = |flag| more.contains(&flag) || (flag == "--samples" && more.contains(&"--sample-range"));
     let settings = SMALL.chunks(2).chain([&["--samples", "4"][..]]).filter(|setting| !is_given(setting[0]));
