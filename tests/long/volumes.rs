@@ -9,12 +9,13 @@ use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::document::Override;
 use fogbow::volume::Leaf;
 use fogbow::{pilot, scene};
-use fogbow_kernels::PathLengths;
+use fogbow_kernels::{LONGEST_PATH, PathLengths};
 use fogbow_testing::agreement::assert_equal_means;
 use fogbow_testing::random::Random;
 use fogbow_testing::render::{WORKERS, green, render};
 use fogbow_testing::statistics::Moments;
 use fogbow_testing::{frames, null_vertices, volume_writer, volumes};
+use statrs::function::erf::erfc;
 
 #[test]
 fn a_hundred_thousand_damaged_volumes_are_grids_or_errors() {
@@ -135,16 +136,22 @@ fn weights_by_null_vertices_have_the_same_mean_in_a_cloud() {
 
 /// Far from a small source in endless white fog the fluence is that of diffusion, P / (4 pi D r) with D = 1 / (3 mu_s'),
 /// and with absorption it falls by e^(-kappa r). Radiance at the angles of cosine +- 1 / sqrt 3 to the source, whose mean
-/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a hundredth of its light.
+/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a fiftieth of its light.
+///
+/// Without absorption, light that has come a way s is of age s in the equation of diffusion, and erf(r / (2 sqrt(D s)))
+/// of it comes later: beyond the longest paths that there are, a twenty-fourth of all. Absorption leaves none of that.
 #[test]
 fn light_diffuses_from_a_point_in_endless_fog() {
-    let (radius, radiance, scattering, distance) = (0.02_f64, 1000.0, 20.0 * 0.3, 1.0);
+    let (radius, radiance, distance) = (0.02_f64, 1000.0, 1.0);
+    let (scattering, reduced) = (20.0, 20.0 * 0.3); // [1/m], the second times one minus the mean cosine
     let power = 4.0 * core::f64::consts::PI.powi(2) * radius.powi(2) * radiance;
     for absorption in [0.0_f64, 0.06] {
-        let diffusion = 1.0 / (3.0 * (scattering + absorption));
+        let diffusion = 1.0 / (3.0 * (reduced + absorption));
         let fluence = power * (-(absorption / diffusion).sqrt() * distance).exp()
             / (4.0 * core::f64::consts::PI * diffusion * distance);
-        let expected = fluence / (4.0 * core::f64::consts::PI);
+        let longest = f64::from(LONGEST_PATH) / scattering;
+        let seen = if absorption == 0.0 { erfc(distance / (2.0 * (diffusion * longest).sqrt())) } else { 1.0 };
+        let expected = seen * fluence / (4.0 * core::f64::consts::PI);
         let [toward, away] = [1.0, -1.0].map(|side: f64| {
             let look_at = format!("camera.look_at=[{}, 0.81649658093, 0]", side / 3.0_f64.sqrt());
             let settings = [look_at, format!("medium.absorption={absorption:?}")];
