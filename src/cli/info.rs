@@ -7,12 +7,13 @@ use fogbow_kernels::WalkLimits;
 use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::pipeline::SIMD;
 
+use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
 use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, number, rate, starts, survival};
 use crate::film::{self, Film, Region};
-use crate::gltf::quoted;
+use crate::gltf::{Animated, quoted};
 use crate::image::{self, Format};
 use crate::pilot;
 use crate::render::{Monitor, Renderer, Workers};
@@ -181,6 +182,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         ))?;
     }
     describe_contents(contents)?;
+    describe_animations(contents)?;
     warnings.iter().try_for_each(|warning| say(format!("warning: {}", warning_text(warning, verbose))))?;
     describe_environment(loaded)?;
     loaded.lights.iter().take(MOST_NAMED).try_for_each(|light| describe_light(light, loaded))?;
@@ -233,6 +235,31 @@ fn describe_contents(contents: &Contents) -> Result<()> {
     for (index, name) in contents.cameras.iter().enumerate() {
         let renders = if contents.camera == Some(index) { ", used for the render" } else { "" };
         say(format!("camera {}{renders}", quoted(name)))?;
+    }
+    Ok(())
+}
+
+/// Animations of the scene's glTF file, and the frames that they have where nobody asks for other ones.
+fn describe_animations(contents: &Contents) -> Result<()> {
+    for Animated { name, duration, cameras, nodes } in contents.animations.iter().take(MOST_NAMED) {
+        let duration = duration.map_or_else(
+            || "cannot be played".into(),
+            |seconds| {
+                // Times are single precision: a frame that they miss by less than that is the last one.
+                let last = (seconds * FRAMES_PER_SECOND - 1e-3).ceil().max(0.0);
+                format!("{} s, frames 0-{last} at {FRAMES_PER_SECOND} per second", number(seconds, 4))
+            },
+        );
+        let cameras = cameras.iter().map(|name| format!("camera {}", quoted(name)));
+        let moved: Vec<_> = cameras.chain(nodes.iter().cloned()).collect();
+        let more = moved.len().saturating_sub(MOST_NAMED);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let moved = moved[..moved.len().min(MOST_NAMED)].join(", ");
+        let moved = if moved.is_empty() { "nothing".into() } else { moved };
+        say(format!("{name}: {duration}; moves {moved}{more}"))?;
+    }
+    if let Some(more @ 1..) = contents.animations.len().checked_sub(MOST_NAMED) {
+        say(format!("and {}", count(more, "more animation")))?;
     }
     Ok(())
 }

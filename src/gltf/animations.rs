@@ -1,5 +1,6 @@
 //! Animations: where nodes are at a time. All animations of a file play together.
 
+mod about;
 mod curve;
 
 use std::collections::BTreeMap;
@@ -10,6 +11,7 @@ use super::fault::{At, Checked, Fault, entry, label, quoted, require};
 use super::nodes::node_label;
 use super::schema::{Animation, AnimationSampler, Channel, Node};
 use super::warnings::Warnings;
+pub use about::about;
 use curve::{Curve, Interpolation};
 
 /// Keyframes of the longest curve that is read.

@@ -134,6 +134,7 @@ impl Asset {
             textures,
             images,
             lights,
+            animations: animations::about(root, &self.cameras, accessors),
             extras: extras(root, &self.places)?,
             cameras: Vec::new(),
             warnings: Vec::new(),

@@ -52,7 +52,7 @@ pub use asset::Asset;
 pub(crate) use fault::{label, quoted};
 pub use fogbow_kernels::tables::textures::{Filter, Image, Texture, TextureRef, Wrap};
 pub(crate) use geometry::LARGEST_COORDINATE;
-pub use model::{Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
+pub use model::{Animated, Camera, Extras, Instance, Light, LightKind, Material, Model, NodeExtras, Triangle};
 
 use crate::error::Result;
 

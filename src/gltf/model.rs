@@ -37,6 +37,8 @@ pub struct Model {
     pub cameras: Vec<Camera>,
     /// Punctual lights.
     pub lights: Vec<Light>,
+    /// What moves with time.
+    pub animations: Vec<Animated>,
     /// What the file says beyond glTF.
     pub extras: Extras,
     /// What was passed over, a line each.
@@ -161,6 +163,19 @@ pub enum LightKind {
     },
     /// Shines in one direction, from infinitely far away.
     Directional,
+}
+
+/// An animation, as far as it is a description.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animated {
+    /// `animation 0 "Walk"`, or `animation 0` if it has no name.
+    pub name: String,
+    /// Time of its last keyframe `[s]`; none if that cannot be read, or there is none.
+    pub duration: Option<f64>,
+    /// Names of the perspective cameras that it moves, with their node or one above.
+    pub cameras: Vec<String>,
+    /// The other nodes that it moves, each as `node 0 "Wall"`. What is below them moves with them.
+    pub nodes: Vec<String>,
 }
 
 /// Values beyond glTF, for whoever put them into the file. Those of materials, cameras and lights are with them.

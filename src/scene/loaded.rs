@@ -6,7 +6,7 @@ use super::filling::Filling;
 use super::schema::{self, AovList, Camera, CameraOrName, NumberOrAuto, Scene, Starts};
 use crate::film::aov::{Aov, Aovs};
 use crate::frame::Frame;
-use crate::gltf::Model;
+use crate::gltf::{Animated, Model};
 use crate::pilot::Choices;
 use crate::warning::Warning;
 
@@ -45,7 +45,7 @@ pub struct Light {
     pub values: schema::Light,
 }
 
-/// Cameras and meshes of a glTF file.
+/// Cameras, meshes and animations of a glTF file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
     /// Names of the perspective cameras.
@@ -54,6 +54,8 @@ pub struct Contents {
     pub camera: Option<usize>,
     /// Names of the placed meshes, and their numbers of triangles.
     pub meshes: Vec<(String, usize)>,
+    /// Its animations.
+    pub animations: Vec<Animated>,
 }
 
 impl Contents {
@@ -61,7 +63,7 @@ impl Contents {
     pub fn of(model: &Model, camera: Option<usize>) -> Self {
         let cameras = model.cameras.iter().map(|camera| camera.name.clone()).collect();
         let meshes = model.instances.iter().map(|mesh| (mesh.name.clone(), mesh.triangles.len())).collect();
-        Self { cameras, camera, meshes }
+        Self { cameras, camera, meshes, animations: model.animations.clone() }
     }
 }
 
