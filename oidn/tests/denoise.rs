@@ -2,6 +2,9 @@
 
 use fogbow_oidn::{Images, Library};
 
+#[path = "../../tests/support/src/not_run.rs"]
+mod not_run;
+
 const SIDE: usize = 48;
 
 /// A number in [0, 1) that looks random.
@@ -20,7 +23,7 @@ fn images(level: f32) -> [Vec<[f32; 3]>; 3] {
 fn noise_goes_and_the_mean_stays_whatever_the_brightness() {
     let library = match Library::load() {
         Ok(library) => library,
-        Err(error) => return eprintln!("not run: {error}"),
+        Err(error) => return not_run::not_run(error),
     };
     assert!(library.version().expect("a version").starts_with("2."));
     for level in [1e-4, 1.0, 1e4] {

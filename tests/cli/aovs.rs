@@ -180,7 +180,7 @@ mod denoised {
         let folder = Folder::with_scene();
         let run = Run::of(without_library(&folder).args(NOISY));
         if run.code == Some(0) {
-            eprintln!("not run: Open Image Denoise is installed for all programs");
+            not_run("Open Image Denoise is installed for all programs");
             return;
         }
         assert_eq!(run.code, Some(1), "{run}");
@@ -193,6 +193,7 @@ mod denoised {
         }
         assert_eq!(folder.names(), ["a.exr", "a.png", "scene.toml"]);
         assert_eq!(header(&folder.image("a.exr"), "aov"), "normal,albedo");
+    use fogbow_testing::not_run::not_run;
     }
 
     /// It is told at once and in the end, and no frame is missing for it. What cannot be there is not waited for.
@@ -203,7 +204,7 @@ mod denoised {
         let render = |more: &[&str]| Run::of(without_library(&folder).args(&flags).args(more));
         let run = render(&[]);
         if run.code == Some(0) {
-            eprintln!("not run: Open Image Denoise is installed for all programs");
+            not_run("Open Image Denoise is installed for all programs");
             return;
         }
         let warnings = run.stderr.matches("warning: --denoise: ").count();
@@ -216,7 +217,7 @@ mod denoised {
     #[test]
     fn with_the_library_there_is_less_noise_and_the_noisy_image_is_kept() {
         if let Err(error) = Denoiser::find() {
-            eprintln!("not run: {error}");
+            not_run(error);
             return;
         }
         let folder = Folder::with_edited_scene("radiance = 10", "radiance = [10, 7, 0.3]");
@@ -243,7 +244,7 @@ mod denoised {
     #[test]
     fn merged_parts_are_denoised_as_one_image() {
         if let Err(error) = Denoiser::find() {
-            eprintln!("not run: {error}");
+            not_run(error);
             return;
         }
         let folder = Folder::with_scene();

@@ -4,6 +4,8 @@
 
 use std::process::Command;
 
+use fogbow_testing::not_run::not_run;
+
 use super::support::Folder;
 
 /// What a render of about a second writes to a terminal of so many columns, which has others after half of it.
@@ -37,7 +39,7 @@ fn bars(written: &str) -> Vec<&str> {
 fn a_bar_fits_any_width_from_20_columns_on() {
     for columns in [20, 33, 55, 56, 95, 133] {
         let Some(written) = drawn([columns; 2]) else {
-            println!("not run: there is no script");
+            not_run("there is no script");
             return;
         };
         let bars = bars(&written);
@@ -62,7 +64,7 @@ fn a_bar_and_the_time_behind_it_belong_together() {
     // The pilot takes a part of the time, so that the bar does not begin empty.
     let flags = "--time 2s --technique bridge --max-segments 32 --set medium.scattering=3 --size 64x64";
     let Some(written) = drawn_with(flags, [100; 2]) else {
-        println!("not run: there is no script");
+        not_run("there is no script");
         return;
     };
     let bars = bars(&written);
@@ -77,7 +79,7 @@ fn a_bar_and_the_time_behind_it_belong_together() {
 #[test]
 fn a_bar_says_how_noisy_it_is_and_when_it_is_done() {
     let Some(written) = drawn_with("--noise 1e-7 --samples 1000000000 --time 1500ms --size 32x32", [110; 2]) else {
-        println!("not run: there is no script");
+        not_run("there is no script");
         return;
     };
     let last = *bars(&written).last().expect("a bar");
@@ -87,7 +89,7 @@ fn a_bar_says_how_noisy_it_is_and_when_it_is_done() {
 #[test]
 fn a_bar_follows_a_terminal_that_becomes_narrower() {
     let Some(written) = drawn([100, 30]) else {
-        println!("not run: there is no script");
+        not_run("there is no script");
         return;
     };
     let widths: Vec<_> = bars(&written).into_iter().map(|bar| bar.chars().count()).collect();

@@ -71,6 +71,8 @@ mod on_signals {
     use std::process::{Child, Command};
     use std::thread::sleep;
 
+    use fogbow_testing::not_run::not_run;
+
     use super::super::support::{assert_same_bits, header, plane, program};
     use super::*;
 
@@ -305,7 +307,7 @@ mod on_signals {
         fs::create_dir(&sub).expect("a folder");
         let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=2m", "tmpfs"]).arg(&sub).output();
         if !mount.is_ok_and(|output| output.status.success()) {
-            println!("not run: no tmpfs can be mounted here");
+            not_run("no tmpfs can be mounted here");
             return;
         }
         // All but a page or two.

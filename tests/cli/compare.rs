@@ -2,6 +2,7 @@
 
 use super::support::{Folder, mean};
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, WritableImage};
+use fogbow_testing::not_run::not_run;
 use serde_json::Value;
 
 /// A folder with renders of two seeds and one of another size.
@@ -140,7 +141,7 @@ fn the_picture_may_go_into_a_pipe() {
         assert!(is_png(&picture) && report.starts_with("a.exr and b.exr: 8x8 pixels\nR  means "), "{report}");
     }
     if std::process::Command::new("bash").arg("--version").output().is_err() {
-        println!("not run in part: there is no bash");
+        not_run("there is no bash; all but process substitution was");
         return;
     }
     for name in [">(cat > d.png)", "png:>(cat > d.png)"] {

@@ -241,6 +241,8 @@ fn a_file_that_its_owner_made_read_only_is_refused() {
 fn a_file_of_somebody_else_in_a_folder_like_tmp_is_refused() {
     use std::os::unix::fs::{PermissionsExt, chown};
     use std::os::unix::process::CommandExt;
+
+    use fogbow_testing::not_run::not_run;
     let folder = Folder::with_scene();
     folder.write("a.exr", "precious");
     let allow = |name: &str, mode: u32| {
@@ -251,7 +253,7 @@ fn a_file_of_somebody_else_in_a_folder_like_tmp_is_refused() {
     allow(".", 0o1777);
     let (other, nobody) = (65_533, 65_534);
     if chown(folder.path("."), Some(other), None).and(chown(folder.path("a.exr"), Some(other), None)).is_err() {
-        println!("not run: only root may give files away");
+        not_run("only root may give files away");
         return;
     }
     // Where others may not run what this user has built, they may run a copy.

@@ -6,6 +6,8 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use fogbow_testing::not_run::not_run;
+
 use super::support::{Folder, header, plane, program};
 
 /// How much slower a build without optimisation is.
@@ -223,7 +225,7 @@ fn the_exit_code_says_which_signal_it_was() {
         let folder = Folder::with_scene();
         let child = started(&folder, &["--samples", "1000000000", "--progress", "none"]);
         if signal == "-HUP" && has_signal(child.id(), "SigIgn:", 1) {
-            println!("not run: these tests were started with SIGHUP ignored");
+            not_run("these tests were started with SIGHUP ignored");
             ended_by("-INT", child);
             continue;
         }

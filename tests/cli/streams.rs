@@ -6,6 +6,7 @@ use std::fs;
 use std::os::unix::fs::{FileTypeExt, symlink};
 use std::process::Command;
 
+use fogbow_testing::not_run::not_run;
 use serde_json::Value;
 
 use super::support::{Folder, Run, program};
@@ -115,7 +116,7 @@ fn what_a_shell_has_open_is_added_to() {
 fn process_substitution_gets_its_part() {
     let folder = Folder::with_scene();
     if Command::new("bash").arg("--version").output().is_err() {
-        println!("not run: there is no bash");
+        not_run("there is no bash");
         return;
     }
     let text = "\"$0\" render scene.toml -o png:>(cat > a.png) --stats >(cat > s.json); wait; sleep 0.2";
@@ -146,7 +147,7 @@ fn disks_are_refused() {
     let folder = Folder::with_scene();
     let made = Command::new("mknod").args(["a.exr", "b", "7", "99"]).current_dir(folder.path(".")).output();
     if !made.is_ok_and(|made| made.status.success()) {
-        println!("not run: only root may make a device");
+        not_run("only root may make a device");
         return;
     }
     folder.refused(&["render", "scene.toml", "-o", "a.exr"], 1, "a.exr: is a disk, whose contents would be lost\n");

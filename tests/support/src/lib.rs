@@ -7,6 +7,7 @@ pub mod compare;
 pub mod frames;
 pub mod generated;
 pub mod meshes;
+pub mod not_run;
 pub mod null_vertices;
 pub mod quadrature;
 pub mod random;
