@@ -112,7 +112,7 @@ impl Run<'_> {
             return Ok(ExitCode::SUCCESS);
         }
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
-        self.prepare(&mut session, request.has_png())?;
+        self.prepare(&mut session, request.has_png());
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
             session.resume(&mut checkpoint)?;
             request.plan.check_samples(&session)?;
@@ -204,16 +204,15 @@ impl Run<'_> {
         is_done
     }
 
-    fn prepare(&mut self, session: &mut Session, has_png: bool) -> Result<()> {
+    fn prepare(&mut self, session: &mut Session, has_png: bool) {
         let Self { reporter, signals, onlookers, .. } = self;
-        signals.set(&session.monitor().stop)?;
+        session.stop_by(signals.stop());
         session.prepare(has_png, |state| {
             reporter.update(state);
             onlookers.look(state, reporter);
         });
         let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
         left_out.iter().for_each(|left_out| reporter.warn(left_out));
-        Ok(())
     }
 
     /// Takes all samples; how that ended, and whether a checkpoint of them was written.

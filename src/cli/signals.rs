@@ -22,6 +22,8 @@ const ENDED_BY_SIGNAL: i32 = 128;
 pub struct Signals {
     received: Arc<AtomicUsize>,
     checkpoint: Arc<AtomicBool>,
+    /// Set by a signal, and by whatever else stops the render at hand.
+    stop: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -53,16 +55,18 @@ impl Signals {
         flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&again))?;
         flag::register(signal, again)?;
         flag::register_usize(signal, Arc::clone(&self.received), signal as usize)?;
+        // After the number: whoever clears this flag and then finds none loses no signal.
+        flag::register(signal, Arc::clone(&self.stop))?;
         Ok(())
     }
 
-    /// From now on a signal also sets `stop`, as one that came before does at once.
-    pub fn set(&self, stop: &Arc<AtomicBool>) -> Result<()> {
-        each(|signal| flag::register(signal, Arc::clone(stop)).map(|_| ()))?;
-        if self.came() {
-            stop.store(true, Ordering::Relaxed);
+    /// What stops the next render: a signal sets it, as one that came before has. What stopped the one before does not.
+    pub fn stop(&self) -> Arc<AtomicBool> {
+        self.stop.store(false, Ordering::SeqCst);
+        if self.received.load(Ordering::SeqCst) != 0 {
+            self.stop.store(true, Ordering::SeqCst);
         }
-        Ok(())
+        Arc::clone(&self.stop)
     }
 
     /// Whether one came.
@@ -93,4 +97,20 @@ fn is_ignored(signal: i32) -> bool {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
     mask >> (signal - 1) & 1 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stopped_one_render_does_not_stop_the_next_unless_it_was_a_signal() {
+        let signals = Signals::default();
+        signals.stop().store(true, Ordering::Relaxed);
+        let next = signals.stop();
+        assert!(!next.load(Ordering::Relaxed), "the time of the one before was up");
+        signals.received.store(SIGTERM as usize, Ordering::Relaxed);
+        assert!(signals.stop().load(Ordering::Relaxed));
+        assert!(Arc::ptr_eq(&next, &signals.stop()), "handlers know no other");
+    }
 }

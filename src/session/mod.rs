@@ -10,8 +10,8 @@ mod rounds;
 mod watch;
 
 use std::path::Path;
-use std::sync::atomic::AtomicU32;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU32};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::accumulate::Dropped;
@@ -192,6 +192,11 @@ impl Session {
     /// Contributions that were not finite, and so were dropped, those before it was resumed included.
     pub fn dropped(&self) -> Dropped {
         self.monitor.dropped()
+    }
+
+    /// Has `stop` stop a running round when it is set, by the clock as well.
+    pub fn stop_by(&mut self, stop: Arc<AtomicBool>) {
+        self.monitor.stop = stop;
     }
 
     /// What stops a running round when it is set.
