@@ -114,6 +114,7 @@ impl Run<'_> {
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
         self.prepare(&mut session, request.has_png());
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
+            self.reporter.finish(State::default().done());
             session.resume(&mut checkpoint)?;
             request.plan.check_samples(&session)?;
             self.reporter.line(format!("going on after {} samples", session.film.samples()));

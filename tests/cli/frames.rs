@@ -144,6 +144,53 @@ fn frames_that_are_no_frames_are_refused() {
 }
 
 #[test]
+fn frames_that_are_there_count_as_progress() {
+    let folder = animated();
+    folder.done(&flags("a#.exr", "1-2", &[]));
+    let render = |style| folder.done(&flags("a#.exr", "1-4", &["--resume", "--progress", style]));
+    let run = render("openjd");
+    let percents: Vec<_> = run.stdout.lines().filter_map(|line| line.strip_prefix("openjd_progress: ")).collect();
+    assert_eq!(percents, ["25.00", "50.00", "75.00", "100.00"], "{run}");
+    let run = render("alf");
+    assert_eq!(run.stdout, "ALF_PROGRESS 25%\nALF_PROGRESS 50%\nALF_PROGRESS 75%\nALF_PROGRESS 100%\n", "{run}");
+    let run = render("json");
+    let messages = run.stderr.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON"));
+    let done: Vec<_> = messages.filter(|message| message["event"] == "progress").collect();
+    assert_eq!(done.len(), 4, "{run}");
+    for (message, place) in done.iter().zip(1..) {
+        assert_eq!((&message["frame"]["place"], &message["fraction"]), (&json!(place), &json!(1.0)), "{run}");
+    }
+}
+
+#[test]
+fn info_says_how_long_animations_are_and_what_they_move() {
+    let lines = |folder: &Folder| {
+        let run = folder.done(&["info", "room.gltf"]);
+        let lines = run.stdout.lines().filter(|line| line.starts_with("animation"));
+        lines.map(String::from).collect::<Vec<_>>()
+    };
+    let moves = |wall: &str| format!("animation 0: 4 s, frames 0-96 at 24 per second; moves {wall}, node 2 \"Lamp\"");
+    let turn = "animation 1: 2 s, frames 0-48 at 24 per second; moves camera \"Eye\"".to_string();
+    assert_eq!(lines(&animated()), [moves("node 0 \"Wall\""), turn.clone()]);
+    let above = with_model(|model| {
+        animate(model);
+        model["animations"][1]["name"] = "Turn".into();
+        model["nodes"][0]["children"] = json!([1]);
+        model["scenes"][0]["nodes"] = json!([0, 2]);
+    });
+    let turn = turn.replace("animation 1:", "animation 1 \"Turn\":");
+    assert_eq!(lines(&above), [moves("camera \"Eye\", node 0 \"Wall\""), turn], "the camera is below the wall");
+    let strange = with_model(|model| {
+        animate(model);
+        model["animations"][0]["samplers"][1]["input"] = json!(99);
+        model["animations"][1]["channels"][0]["target"] = json!({ "path": "pointer" });
+    });
+    let unplayable = moves("node 0 \"Wall\"").replace("4 s, frames 0-96 at 24 per second", "cannot be played");
+    assert_eq!(lines(&strange), [unplayable.as_str(), "animation 1: 2 s, frames 0-48 at 24 per second; moves nothing"]);
+    assert_eq!(lines(&with_model(|_| {})), [""; 0]);
+}
+
+#[test]
 fn a_malformed_animation_names_its_place() {
     let folder = with_model(|model| {
         animate(model);
