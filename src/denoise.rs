@@ -141,6 +141,14 @@ pub fn beside(path: &Path) -> Option<PathBuf> {
     Some(path.with_file_name(name))
 }
 
+/// Where the image with its noise is, if the one at `path` is where [`beside`] puts it.
+pub fn noisy(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let (stem, ending) = name.rsplit_once(".denoised")?;
+    let is_ending = ending.is_empty() || ending.strip_prefix('.').is_some_and(|ending| !ending.contains('.'));
+    is_ending.then(|| path.with_file_name(format!("{stem}{ending}")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,7 +163,9 @@ mod tests {
             ("/x/.hidden", "/x/.hidden.denoised"),
         ] {
             assert_eq!(beside(path).as_deref(), Some(expected));
+            assert_eq!(noisy(Path::new(expected)).as_deref(), Some(Path::new(path)));
         }
+        assert_eq!(["fog.exr", "a.denoised.b.exr"].map(|path| noisy(Path::new(path))), [None, None]);
         assert_eq!(beside(".."), None);
     }
 

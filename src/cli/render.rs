@@ -177,6 +177,12 @@ impl Run<'_> {
             self.warn_once(flicker.into());
         }
         Ok(request)
+        let has_exr = request.outputs.iter().any(|image| image.format == Format::Exr);
+        if let Some(names) = args.aov.as_ref().filter(|_| !has_exr) {
+            let finding = "has no effect: layers are channels of EXR images, and none is written";
+            let number = if turn.is_some() { ".####" } else { "" };
+            self.warn_once(format!("--aov {names} {finding}; add -o {}{number}.exr, or leave it out", scene.name));
+        }
     }
 
     /// Warns of what all frames have in common.

@@ -1,5 +1,6 @@
 //! `--aov`: layers beside radiance in images, parts and checkpoints.
 
+use fogbow::film::Region;
 use fogbow::session::checkpoint::Checkpoint;
 use fogbow::session::{Session, Settings};
 use fogbow::{Scene, Target};
@@ -157,10 +158,42 @@ fn a_session_with_layers_goes_on_from_a_checkpoint_to_the_same_bits() {
     assert!(info.stdout.contains(&format!("aov: {ALL}")), "{info}");
 }
 
+#[test]
+fn layers_without_an_exr_image_are_warned_of_once() {
+    let folder = super::frames::animated();
+    let flags = super::frames::flags("a#.png", "1-2", &["--aov", "depth,normal", "--exposure", "0"]);
+    let run = folder.done(&flags);
+    let warning = "warning: --aov depth,normal has no effect: layers are channels of EXR images, and none is written; \
+                   add -o room.####.exr, or leave it out\n";
+    assert_eq!(run.stderr.matches("warning: --aov").count(), 1, "{run}");
+    assert!(run.stderr.contains(warning), "{run}");
+    let run = folder.done(&[&flags[..], &["-o", "b#.exr"]].concat());
+    assert!(!run.stderr.contains("--aov"), "{run}");
+}
+
+#[test]
+fn a_denoised_image_is_no_part_and_the_noisy_one_is_named() {
+    let folder = Folder::with_scene();
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    let (region, entry) = (Region::whole(8, 8), ("denoised".to_string(), "Open Image Denoise 2.0.0".to_string()));
+    for (name, noisy) in [("a.denoised.exr", ", a.exr"), ("clean.exr", "")] {
+        let file = std::fs::File::create(folder.path(name)).expect("a file");
+        let pixels = vec![[0.5; 3]; 64];
+        fogbow::image::exr::write_pixels(file, &pixels, region, [8, 8], std::slice::from_ref(&entry))
+            .expect("an image");
+        let finding = format!(
+            "{name}: is a denoised image, which has no samples to merge\n  help: give the noisy one{noisy}; merge \
+             --denoise denoises what is merged\n"
+        );
+        folder.refused(&["merge", "a.exr", name, "-o", "b.exr"], 1, &finding);
+    }
+}
+
 mod denoised {
     use std::process::Command;
 
     use fogbow::denoise::Denoiser;
+    use fogbow_testing::not_run::not_run;
 
     use super::super::support::{Run, program};
     use super::*;
@@ -193,7 +226,6 @@ mod denoised {
         }
         assert_eq!(folder.names(), ["a.exr", "a.png", "scene.toml"]);
         assert_eq!(header(&folder.image("a.exr"), "aov"), "normal,albedo");
-    use fogbow_testing::not_run::not_run;
     }
 
     /// It is told at once and in the end, and no frame is missing for it. What cannot be there is not waited for.

@@ -92,6 +92,13 @@ fn useless(path: &Path, finding: impl core::fmt::Display) -> Error {
     Error::failure(path.display(), finding, remedy)
 }
 
+/// The error that the image at `path` was denoised: what that left has no samples.
+fn denoised(path: &Path) -> Error {
+    let noisy = crate::denoise::noisy(path).map_or_else(String::new, |path| format!(", {}", path.display()));
+    let remedy = format!("give the noisy one{noisy}; merge --denoise denoises what is merged");
+    Error::failure(path.display(), "is a denoised image, which has no samples to merge", remedy)
+}
+
 /// What the file at `path` says of its sums.
 ///
 /// # Errors
@@ -107,6 +114,9 @@ pub fn about(path: &Path) -> Result<About> {
         .filter_map(|(name, text)| Some((name.strip_prefix(PREFIX)?.to_string(), text)))
         .collect();
     let Some(place) = header.iter().position(|(name, _)| *name == name_without_prefix()) else {
+        if header.iter().any(|(name, _)| name == "denoised") {
+            return Err(denoised(path));
+        }
         return Err(useless("has no exact sums: another program wrote it, or an earlier version of fogbow"));
     };
     let (_, text) = header.remove(place);
