@@ -1,5 +1,6 @@
 //! Who looks on while a render runs: a page (`--serve`), a tev (`--preview`). Neither can stop it.
 
+use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,7 +8,7 @@ use std::time::Duration;
 use super::RenderArgs;
 use super::progress::Reporter;
 use crate::error::{Error, Result};
-use crate::live::{Board, Page, Preview, Turn};
+use crate::live::{Board, Page, Phase, Preview, Turn};
 use crate::session::{Session, State};
 
 /// How long a browser may take to fetch the last picture.
@@ -59,15 +60,16 @@ impl Onlookers {
         failure.iter().for_each(|failure| self.warn(failure, reporter));
     }
 
-    /// The render has ended in this state.
-    pub fn end(&self, state: State, is_stopped: bool) {
+    /// The render has all its samples, in this state, and its results are written.
+    pub fn write(&self, state: State) {
         let Some(board) = &self.board else { return };
         board.note(state);
-        board.end(is_stopped);
+        board.enter(Phase::Writing);
     }
 
-    /// Gives them the last picture.
-    pub fn leave(mut self, reporter: &Reporter) {
+    /// Tells them how all of it ended, and gives them the last picture.
+    pub fn leave(mut self, end: Phase, reporter: &Reporter) {
+        self.board.iter().for_each(|board| board.enter(end));
         let preview = self.tev.as_mut().and_then(|(_, preview)| preview.take());
         let failure = preview.and_then(|mut preview| preview.finish());
         failure.iter().for_each(|failure| self.warn(failure, reporter));
@@ -84,7 +86,38 @@ impl Onlookers {
 
 fn open(address: SocketAddr, board: &Arc<Board>) -> Result<Page> {
     Page::open(address, board).map_err(|error| {
-        let finding = format!("the page cannot be served there: {error}");
-        Error::failure(format!("--serve {address}"), finding, "give another port, or 0 for any that is free")
+        let (reason, remedy) = obstacle(&error, address);
+        Error::failure(format!("--serve {address}"), format!("the page cannot be served there: {reason}"), remedy)
     })
+}
+
+/// Why nobody can listen at `address`, and what to do.
+fn obstacle(error: &io::Error, address: SocketAddr) -> (String, &'static str) {
+    match error.kind() {
+        io::ErrorKind::AddrInUse => {
+            (format!("another program has port {}", address.port()), "give another port, or 0 for any that is free")
+        }
+        io::ErrorKind::AddrNotAvailable => (
+            format!("{} is no address of this machine", address.ip()),
+            "give one of its addresses, 0.0.0.0 for all of them, or a port alone",
+        ),
+        io::ErrorKind::PermissionDenied => (
+            format!("the system reserves port {}", address.port()),
+            "give a port from 1024 on, or 0 for any that is free",
+        ),
+        _ => (error.to_string(), "give another address or port, or a port alone"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ports_that_only_the_system_may_have_are_named() {
+        let error = io::Error::from(io::ErrorKind::PermissionDenied);
+        let (reason, remedy) = obstacle(&error, SocketAddr::from(([127, 0, 0, 1], 80)));
+        assert_eq!(reason, "the system reserves port 80");
+        assert!(remedy.contains("1024"), "{remedy}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Progress of a render: a bar, lines, or messages for other programs.
 
 use std::io::IsTerminal;
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -196,12 +196,22 @@ impl Reporter {
         }
     }
 
-    /// Where the render can be seen.
+    /// Where the render can be seen: from this machine, if at all of its addresses.
     pub fn serving(&self, address: SocketAddr) {
-        let url = format!("http://{address}/");
+        let (is_everywhere, port) = (address.ip().is_unspecified(), address.port());
+        let here = match address.ip() {
+            IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+            IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+            ip => ip,
+        };
+        let url = format!("http://{}/", SocketAddr::new(here, port));
+        let others =
+            if is_everywhere { format!(", from elsewhere at port {port} of this machine") } else { String::new() };
         match self.style {
-            Progress::Json => tell(json!({ "event": "serving", "url": url })),
-            _ => self.line(format!("the render can be seen at {url}")),
+            Progress::Json => {
+                tell(json!({ "event": "serving", "url": url, "listens_at": address.to_string() }));
+            }
+            _ => self.line(format!("the render can be seen at {url}{others}")),
         }
     }
 

@@ -23,7 +23,7 @@ use crate::denoise::GUIDES;
 use crate::error::{Error, Result};
 use crate::film::Region;
 use crate::image::Format;
-use crate::live::Turn;
+use crate::live::{Phase, Turn};
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
 use crate::session::{Limits, Outcome, Session, Settings, State};
@@ -40,7 +40,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         Some(sequence) => run.render_all(&sequence),
         None => run.render(None),
     };
-    run.onlookers.leave(&run.reporter);
+    let end = match &code {
+        _ if run.signals.came() => Phase::Stopped,
+        Ok(code) if *code == ExitCode::SUCCESS && run.noisy.is_none() => Phase::Finished,
+        _ => Phase::Failed,
+    };
+    run.onlookers.leave(end, &run.reporter);
     let code = code?;
     run.noisy.map_or(Ok(code), Err)
 }
@@ -109,12 +114,12 @@ impl Run<'_> {
         if turn.is_some() && self.args.resume && self.is_done(&session, &request) {
             let obstacle = request.denoising.as_ref().and_then(Denoising::obstacle);
             self.noisy = self.noisy.take().or(obstacle.cloned());
+            self.reporter.finish(State::default().done());
             return Ok(ExitCode::SUCCESS);
         }
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
         self.prepare(&mut session, request.has_png());
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
-            self.reporter.finish(State::default().done());
             session.resume(&mut checkpoint)?;
             request.plan.check_samples(&session)?;
             self.reporter.line(format!("going on after {} samples", session.film.samples()));
@@ -172,17 +177,17 @@ impl Run<'_> {
             let finding = "has no effect: only PNG images are exposed, and none is written";
             self.reporter.warn(format!("--exposure {stops} {finding}"));
         }
-        if turn.is_some_and(|turn| turn.count > 1) && request.has_png() && scene.scene.film.exposure.0.is_none() {
-            let flicker = "PNG images of frames are each exposed for themselves: give all the same --exposure";
-            self.warn_once(flicker.into());
-        }
-        Ok(request)
         let has_exr = request.outputs.iter().any(|image| image.format == Format::Exr);
         if let Some(names) = args.aov.as_ref().filter(|_| !has_exr) {
             let finding = "has no effect: layers are channels of EXR images, and none is written";
             let number = if turn.is_some() { ".####" } else { "" };
             self.warn_once(format!("--aov {names} {finding}; add -o {}{number}.exr, or leave it out", scene.name));
         }
+        if turn.is_some_and(|turn| turn.count > 1) && request.has_png() && scene.scene.film.exposure.0.is_none() {
+            let flicker = "PNG images of frames are each exposed for themselves: give all the same --exposure";
+            self.warn_once(flicker.into());
+        }
+        Ok(request)
     }
 
     /// Warns of what all frames have in common.
@@ -237,7 +242,7 @@ impl Run<'_> {
             let outcome = session.run(*limits, || signals.came(), look);
             let end = if signals.came() { last } else { last.done() };
             reporter.finish(end);
-            onlookers.end(end, signals.came());
+            onlookers.write(end);
             (outcome, keeper.end(session, &last, signals.came(), reporter))
         })
     }

@@ -50,6 +50,31 @@ impl core::fmt::Display for Turn {
     }
 }
 
+/// What a render is at once it has all its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Its results are being written.
+    Writing,
+    /// They are there: nothing more will be done.
+    Finished,
+    /// Somebody ended it early.
+    Stopped,
+    /// Something that was asked for is not there.
+    Failed,
+}
+
+impl Phase {
+    /// What it is called.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Writing => "writing",
+            Self::Finished => "finished",
+            Self::Stopped => "stopped",
+            Self::Failed => "failed",
+        }
+    }
+}
+
 /// What there is to see of a render.
 #[derive(Default)]
 pub struct Board {
@@ -66,14 +91,21 @@ struct Shown {
     turn: Option<Turn>,
     session: Option<Arc<Session>>,
     state: State,
-    /// How it ended, if it has: `finished` or `stopped`.
-    end: Option<&'static str>,
+    /// What it is at, once it has all its samples.
+    phase: Option<Phase>,
     /// When somebody last asked.
     asked: Option<Instant>,
     /// Whether somebody was told of the end, was sent the last picture, and has asked again since.
     is_told: bool,
     is_sent: bool,
     is_seen: bool,
+}
+
+impl Shown {
+    /// Whether nothing more will be done.
+    fn is_over(&self) -> bool {
+        self.phase.is_some_and(|phase| phase != Phase::Writing)
+    }
 }
 
 /// The last picture.
@@ -114,9 +146,9 @@ impl Board {
         self.shown().state = state;
     }
 
-    /// The render is done, or was stopped.
-    pub fn end(&self, is_stopped: bool) {
-        self.shown().end = Some(if is_stopped { "stopped" } else { "finished" });
+    /// There will be no more samples, and this comes next.
+    pub fn enter(&self, phase: Phase) {
+        self.shown().phase = Some(phase);
     }
 
     /// If somebody looks on, waits until they have the last picture, but no longer than `patience`.
@@ -136,12 +168,12 @@ impl Board {
             shown.is_seen = true;
             self.seen.notify_all();
         }
-        shown.is_told = shown.end.is_some();
+        shown.is_told = shown.is_over();
         let turn = shown.turn.map(Turn::figures);
         let mut status = Map::from_iter([("scene".to_string(), json!(shown.name)), ("frame".to_string(), json!(turn))]);
         status.extend(shown.state.figures());
-        if let Some(end) = shown.end {
-            status.insert("phase".into(), end.into());
+        if let Some(phase) = shown.phase {
+            status.insert("phase".into(), phase.name().into());
         }
         let session = shown.session.clone();
         drop(shown);
@@ -161,16 +193,17 @@ impl Board {
         Value::Object(status)
     }
 
-    /// The picture so far, not necessarily of this moment; all of the image once the render has ended. None before the
-    /// first sample.
+    /// The picture so far, not necessarily of this moment; all of the image once there will be no more samples. None
+    /// before the first sample.
     pub fn picture(&self) -> Option<Arc<Picture>> {
-        let (session, is_over) = {
+        let (session, is_complete) = {
             let shown = self.shown();
-            (shown.session.clone()?, shown.end.is_some())
+            (shown.session.clone()?, shown.phase.is_some())
         };
         let mut gallery = self.gallery();
         let is_early = gallery.next.is_some_and(|next| Instant::now() < next);
-        if gallery.picture.is_some() && is_early && !is_over {
+        let is_last = || gallery.picture.as_ref().is_some_and(|last| last.samples() == session.film.samples());
+        if if is_complete { is_last() } else { is_early } {
             return gallery.picture.clone();
         }
         let start = Instant::now();
@@ -189,6 +222,59 @@ impl Board {
     fn note_sent(&self, picture: &Picture) {
         let mut shown = self.shown();
         let is_all = shown.session.as_ref().is_some_and(|session| session.film.samples() == picture.samples());
-        shown.is_sent |= shown.end.is_some() && is_all;
+        shown.is_sent |= shown.phase.is_some() && is_all;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+    use crate::session::{Settings, Target};
+
+    const SCENE: &str = "[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, 1]\nvertical_fov_deg = 60\n\
+                         [film]\nsize = [8, 8]\n[medium]\nscattering = 1\n\
+                         [[light]]\ntype = \"disk\"\ncenter = [0, 0, 3]\nnormal = [0, 0, -1]\nradius = 1\nradiance = 1\n";
+
+    /// A board, and a session that it shows, of which nothing is rendered yet.
+    fn shown() -> (Board, Arc<Session>) {
+        let scene = scene::parse("scene.toml", SCENE).expect("a scene");
+        let session = Arc::new(Session::new(scene, Settings::default()).expect("a session"));
+        let board = Board::default();
+        board.begin("scene", None);
+        board.show(&session);
+        (board, session)
+    }
+
+    fn render(session: &Session, samples: u32) {
+        session.run(Target::Samples(samples), || false, |_| {});
+    }
+
+    #[test]
+    fn a_picture_is_taken_and_encoded_once_for_all_who_ask() {
+        let (board, session) = shown();
+        render(&session, 1);
+        let first = board.picture().expect("a picture");
+        board.gallery().next = Some(Instant::now() + Duration::from_secs(3600));
+        render(&session, 2);
+        let again = board.picture().expect("a picture");
+        assert!(Arc::ptr_eq(&first, &again), "it is too early for the next one");
+        assert!(Arc::ptr_eq(&first.bytes(), &again.bytes()));
+        board.enter(Phase::Writing);
+        let [last, again] = [(); 2].map(|()| board.picture().expect("a picture"));
+        assert_eq!((first.samples(), last.samples()), (64, 128), "the last picture has all samples at once");
+        assert!(Arc::ptr_eq(&last, &again) && Arc::ptr_eq(&last.bytes(), &again.bytes()));
+        assert!(last.bytes() != first.bytes(), "bytes are those of the picture");
+    }
+
+    #[test]
+    fn before_the_first_sample_pictures_are_not_taken_all_the_time() {
+        let (board, session) = shown();
+        assert!(board.picture().is_none());
+        board.gallery().next = Some(Instant::now() + Duration::from_secs(3600));
+        render(&session, 1);
+        assert!(board.picture().is_none(), "it is too early");
+        board.enter(Phase::Writing);
+        assert!(board.picture().is_some());
     }
 }

@@ -5,7 +5,7 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::thread;
 
-use tiny_http::{Header, Method, Request, Response, Server};
+use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
 
 use super::{Board, Picture};
 
@@ -30,7 +30,7 @@ const HEADERS: [(&str, &str); 3] = [
 /// | path | |
 /// |---|---|
 /// | `/` | the page |
-/// | `/status` | JSON: scene, `frame` of an animation, `phase` (preparing, rendering, finished, stopped), progress, and statistics per stage and technique, of the `share_counted` of the samples |
+/// | `/status` | JSON: scene, `frame` of an animation, `phase` (preparing, rendering, writing; in the end finished, stopped or failed), progress, and statistics per stage and technique, of the `share_counted` of the samples |
 /// | `/picture` | the image so far, little-endian: u32 first column, first row, width, height; f64 samples of all pixels together, exposure in stops; then for every pixel, row by row from the top, f32 red, green, blue `[W/(m^2 sr)]` and standard error over mean, NaN where that is unknown. 503 before the first sample |
 ///
 /// On the loopback interface it answers only those who call it by an address or `localhost`: a page from elsewhere whose
@@ -44,7 +44,7 @@ impl Page {
     /// Listens at `address`; port 0 is any that is free.
     ///
     /// # Errors
-    /// If somebody else does, or may not be disturbed.
+    /// If somebody else does, it is no address of this machine, or may not be listened at.
     pub fn open(address: SocketAddr, board: &Arc<Board>) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         let address = listener.local_addr()?;
@@ -70,15 +70,15 @@ impl Drop for Page {
     }
 }
 
-type Answer = Response<Cursor<Vec<u8>>>;
+type Answer = Response<Cursor<Arc<[u8]>>>;
 
 /// Answers one request; whoever goes away meanwhile is not missed.
 fn answer(request: Request, address: SocketAddr, board: &Board) {
     let (answer, picture) = match (request.method(), request.url().split('?').next().unwrap_or("/")) {
-        _ if address.ip().is_loopback() && !is_called_by_address(&request) => {
+        _ if address.ip().to_canonical().is_loopback() && !is_called_by_address(&request) => {
             (text(403, "this page is to be called by its address, or as localhost"), None)
         }
-        (Method::Get | Method::Head, "/") => (content("text/html; charset=utf-8", HTML.into()), None),
+        (Method::Get | Method::Head, "/") => (content("text/html; charset=utf-8", HTML.as_bytes()), None),
         (Method::Get | Method::Head, "/status") => {
             (content("application/json", board.status().to_string().into_bytes()), None)
         }
@@ -95,7 +95,7 @@ fn answer(request: Request, address: SocketAddr, board: &Board) {
 
 fn picture(board: &Board) -> (Answer, Option<Arc<Picture>>) {
     match board.picture() {
-        Some(picture) => (content("application/octet-stream", picture.to_bytes()), Some(picture)),
+        Some(picture) => (content("application/octet-stream", picture.bytes()), Some(picture)),
         None => (text(503, "there is no sample yet"), None),
     }
 }
@@ -104,15 +104,18 @@ fn picture(board: &Board) -> (Answer, Option<Arc<Picture>>) {
 fn is_called_by_address(request: &Request) -> bool {
     let host = request.headers().iter().find(|header| header.field.equiv("Host"));
     host.is_none_or(|host| {
-        let host = host.value.as_str();
+        let host = host.value.as_str().to_ascii_lowercase();
+        let host = host.as_str();
         let is_port = |port: &str| port.parse::<u16>().is_ok();
         let name = host.rsplit_once(':').filter(|(_, port)| is_port(port)).map_or(host, |(name, _)| name);
         name == "localhost" || name.trim_matches(['[', ']']).parse::<IpAddr>().is_ok()
     })
 }
 
-fn content(kind: &str, bytes: Vec<u8>) -> Answer {
-    let answer = Response::from_data(bytes);
+fn content(kind: &str, bytes: impl Into<Arc<[u8]>>) -> Answer {
+    let bytes = bytes.into();
+    let length = bytes.len();
+    let answer = Response::new(StatusCode(200), Vec::new(), Cursor::new(bytes), Some(length), None);
     let headers = HEADERS.into_iter().chain([("Content-Type", kind)]);
     headers.fold(answer, |answer, (name, value)| {
         answer.with_header(Header::from_bytes(name, value).expect("names and values of ASCII"))

@@ -1,5 +1,6 @@
 //! The image so far in single precision: what onlookers are shown.
 
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use crate::film::{Film, Region, Tile, dark, length};
@@ -22,6 +23,8 @@ pub struct Picture {
     /// Row by row from the top: mean radiance, red, green, blue, and the length of the vector of their standard errors,
     /// NaN where there is none yet [W/(m^2 sr)].
     pixels: Vec<[f32; 4]>,
+    /// All of it as bytes, once somebody has asked.
+    bytes: OnceLock<Arc<[u8]>>,
 }
 
 impl Picture {
@@ -34,8 +37,10 @@ impl Picture {
             exposure: Exposure(0.0),
             samples: vec![0; film.tile_count()],
             pixels: vec![[0.0, 0.0, 0.0, f32::NAN]; film.region().pixels() as usize],
+            bytes: OnceLock::new(),
         };
         let mut picture = before.cloned().unwrap_or_else(fresh);
+        picture.bytes = OnceLock::new();
         picture.update(film);
         picture.exposure = session.exposure().unwrap_or_else(|| Exposure::metered(picture.means()));
         picture
@@ -105,8 +110,12 @@ impl Picture {
         })
     }
 
-    /// As bytes, little-endian; see [`super::Page`].
-    pub fn to_bytes(&self) -> Vec<u8> {
+    /// As bytes, little-endian; see [`super::Page`]. Whoever else asks gets the same.
+    pub fn bytes(&self) -> Arc<[u8]> {
+        Arc::clone(self.bytes.get_or_init(|| self.encoded().into()))
+    }
+
+    fn encoded(&self) -> Vec<u8> {
         let Region { x0, y0, .. } = self.region;
         let mut bytes = Vec::with_capacity(32 + 16 * self.pixels.len());
         bytes.extend([x0, y0, self.region.width(), self.region.height()].map(u32::to_le_bytes).as_flattened());

@@ -1,11 +1,12 @@
 //! `--serve`: the page of a running render, without a browser; tests/page looks at it with one.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
 use std::process::{Child, ChildStderr};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use fogbow_testing::not_run::not_run;
 use serde_json::Value;
 
 use super::support::{Folder, assert_same_bits, header, plane, program};
@@ -34,7 +35,15 @@ impl Served {
     }
 
     fn start_to(folder: &Folder, output: &str, flags: &[&str]) -> Self {
-        let base = ["render", "scene.toml", "-o", output, "--serve", "0", "--progress", "json"];
+        let (served, message) = Self::start_at(folder, "0", &[&["-o", output], flags].concat());
+        assert!(served.address.starts_with("127.0.0.1:"), "{message}");
+        assert_eq!(message["listens_at"], served.address);
+        served
+    }
+
+    /// One that listens at `place`, and what it says of that.
+    fn start_at(folder: &Folder, place: &str, flags: &[&str]) -> (Self, Value) {
+        let base = ["render", "scene.toml", "--serve", place, "--progress", "json"];
         let mut child = program(folder).args(base).args(flags).spawn().expect("the program starts");
         let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
         let mut line = String::new();
@@ -44,8 +53,7 @@ impl Served {
         let url = message["url"].as_str().expect("an address");
         let address =
             url.strip_prefix("http://").and_then(|url| url.strip_suffix('/')).expect("an address").to_string();
-        assert!(address.starts_with("127.0.0.1:"), "{address}");
-        Self { child, stderr, address }
+        (Self { child, stderr, address }, message)
     }
 
     /// Says that the last picture has arrived; what ends then may not answer any more.
@@ -134,7 +142,7 @@ fn the_page_shows_a_render_from_its_first_samples_to_its_image() {
     }
     assert_eq!((&running["pixels"], &running["until"]), (&(16 * 12).into(), &"time".into()));
 
-    let end = served.wait("the end", |status| status["phase"] != "rendering");
+    let end = served.wait("the end", |status| status["phase"] == "finished");
     assert_eq!((&end["phase"], &end["fraction"]), (&"finished".into(), &1.0.into()), "{end:#}");
     let (region, samples, exposure, pixels) = picture(&served.get("/picture").body);
     served.confirm();
@@ -190,7 +198,7 @@ fn the_page_answers_only_what_it_is_asked_by_its_address() {
     let served = Served::start(&folder, &["--time", "3s"]);
     let port = served.address.rsplit_once(':').expect("a port").1;
     let code = |method: &str, path: &str, host: &str| served.ask(method, path, host).code;
-    for host in [&served.address, "localhost", &format!("localhost:{port}"), "127.0.0.1", "[::1]"] {
+    for host in [&served.address, "localhost", "LocalHost", &format!("localhost:{port}"), "127.0.0.1", "[::1]"] {
         assert_eq!(code("GET", "/status", host), 200, "{host}");
     }
     for host in ["elsewhere.example", &format!("elsewhere.example:{port}"), "localhost.example"] {
@@ -206,11 +214,90 @@ fn the_page_answers_only_what_it_is_asked_by_its_address() {
 
 #[test]
 fn an_address_that_is_taken_is_refused_before_anything_is_rendered() {
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = taken.local_addr().expect("an address");
     let port = address.port().to_string();
     let flags = ["render", "scene.toml", "-o", "a.exr", "--serve", &port];
-    Folder::with_scene().refused(&flags, 1, &format!("--serve {address}: the page cannot be served there: "));
+    let finding = format!("--serve {address}: the page cannot be served there: another program has port {port}\n");
+    Folder::with_scene().refused(&flags, 1, &finding);
+}
+
+#[test]
+fn an_address_of_another_machine_is_refused_before_anything_is_rendered() {
+    // One of those that are for documentation.
+    let flags = ["render", "scene.toml", "-o", "a.exr", "--serve", "192.0.2.1:8080"];
+    let finding = "--serve 192.0.2.1:8080: the page cannot be served there: 192.0.2.1 is no address of this machine\n";
+    Folder::with_scene().refused(&flags, 1, finding);
+}
+
+#[test]
+fn the_address_that_is_told_can_be_opened() {
+    let has_ipv6 = TcpListener::bind("[::1]:0").is_ok();
+    if !has_ipv6 {
+        not_run("there is no IPv6; all of addresses but that was");
+    }
+    for (place, told, is_ipv6) in [
+        ("127.0.0.1:0", "127.0.0.1:", false),
+        ("0.0.0.0:0", "127.0.0.1:", false),
+        ("[::1]:0", "[::1]:", true),
+        ("[::]:0", "[::1]:", true),
+    ] {
+        if is_ipv6 && !has_ipv6 {
+            continue;
+        }
+        let folder = Folder::with_scene();
+        let (served, message) = Served::start_at(&folder, place, &["-o", "a.exr", "--time", "1s"]);
+        let listens_at = message["listens_at"].as_str().expect("an address");
+        let (host, port) = listens_at.rsplit_once(':').expect("a port");
+        assert_eq!(format!("{host}:0"), place, "{message}");
+        assert_eq!(served.address, format!("{told}{port}"), "{message}");
+        assert_eq!(served.get("/status").code, 200, "{message}");
+        assert_eq!(served.end().0, Some(0));
+    }
+    let run = Folder::with_scene().done(&["render", "scene.toml", "-o", "a.exr", "--serve", "0.0.0.0:0"]);
+    let line = run.stderr.lines().next().expect("a line");
+    let (url, others) = line.split_once(", ").expect("two ways");
+    let port = url.strip_prefix("the render can be seen at http://127.0.0.1:").and_then(|url| url.strip_suffix('/'));
+    let port: u16 = port.and_then(|port| port.parse().ok()).unwrap_or_else(|| panic!("{run}"));
+    assert_eq!(others, format!("from elsewhere at port {port} of this machine"), "{run}");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_page_says_finished_once_all_images_are_written() {
+    let folder = Folder::with_scene();
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe")).status().expect("mkfifo");
+    assert!(made.success());
+    let flags = ["-o", "exr:pipe", "-o", "a##.png", "--frames", "7-8", "--samples", "2", "--exposure", "0"];
+    let (served, _) = Served::start_at(&folder, "0", &flags);
+    let read = || std::fs::read(folder.path("pipe")).expect("an image");
+    for place in [1, 2] {
+        let is_at = |status: &Value| status["frame"]["place"] == place && status["phase"] == "writing";
+        let status = served.wait("the pipe that nobody reads", is_at);
+        assert_eq!((&status["fraction"], &status["frame"]["of"]), (&1.0.into(), &2.into()), "{status:#}");
+        assert_eq!(served.get("/picture").code, 200);
+        assert!(!folder.path(&format!("a{}.png", 6 + place)).exists(), "images are written one after the other");
+        assert!(read().starts_with(b"\x76\x2f\x31\x01"), "an EXR image");
+        let status = served.wait("what comes next", |status| !is_at(status));
+        assert_eq!(status["phase"] == "finished", place == 2, "{status:#}");
+    }
+    assert!(folder.path("a07.png").is_file() && folder.path("a08.png").is_file());
+    served.confirm();
+    assert_eq!(served.end().0, Some(0));
+}
+
+#[test]
+fn the_page_says_that_a_result_is_missing() {
+    let folder = Folder::with_scene();
+    std::fs::create_dir(folder.path("sub")).expect("a folder");
+    let (served, _) = Served::start_at(&folder, "0", &["-o", "sub/a.exr", "--time", "1500ms"]);
+    served.wait("samples", |status| status["samples"].as_u64() > Some(0));
+    std::fs::remove_dir_all(folder.path("sub")).expect("a folder");
+    served.wait("the end", |status| status["phase"] == "failed");
+    served.get("/picture");
+    served.confirm();
+    let (code, rest) = served.end();
+    assert!(code == Some(1) && rest.contains("sub/a.exr"), "{rest}");
 }
 
 #[test]
