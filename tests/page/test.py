@@ -3,7 +3,7 @@
 
 FOGBOW is the program (default: the release build), SCREENSHOTS a folder that is to get screenshots (default: none are
 kept). Needs chromium and chromedriver (Debian: chromium, chromium-driver), and nothing else but Python. Takes about
-half a minute. Exit code 77: not run.
+a minute. Exit code 77: not run.
 """
 
 import base64
@@ -102,7 +102,7 @@ class Browser:
 
     def point_at(self, x, y):
         """Moves the mouse to the middle of a pixel of the image."""
-        script = f"return [left + zoom * ({x} + 0.5), top_ + zoom * ({y} + 0.5)].map(Math.round)"
+        script = f"return [left + zoom * ({x} + 0.5), top_ + zoom * ({y} + 0.5)]"
         left, top = self.run(f"{script}.map((v, i) => v + view.getBoundingClientRect()[i ? 'top' : 'left'])")
         move = {"type": "pointerMove", "duration": 0, "x": round(left), "y": round(top)}
         mouse = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": [move]}
@@ -111,6 +111,12 @@ class Browser:
     def errors(self):
         log = self.call("POST", "/se/log", {"type": "browser"})
         return [entry["message"] for entry in log if entry["level"] == "SEVERE" and "503" not in entry["message"]]
+
+    def resize(self, width, height):
+        """Has the page be so many pixels wide and high; the window itself may not be as narrow."""
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        body = {"cmd": "Emulation.setDeviceMetricsOverride", "params": size}
+        self.call("POST", "/goog/cdp/execute", body)
 
     def screenshot(self, name):
         if folder := os.environ.get("SCREENSHOTS"):
@@ -221,6 +227,56 @@ def watch(browser, work):
     browser.screenshot("4-finished")
 
 
+def widths(browser, work):
+    step("narrow and wide windows")
+    scene = work / "a scene with a name that is rather long for a header" / "scene.toml"
+    scene.parent.mkdir()
+    scene.write_text((ROOT / "scenes" / "fog-facing" / "scene.toml").read_text())
+    flags = [str(scene.parent), "-o", "w.png", "--size", "320x240", "--time", "20s", "--noise", "1e-5"]
+    render, url = started(work, [*flags, "--technique", "path,nee,mvnee,bridge"])
+    browser.open(url)
+    wait_for("the first picture", lambda: browser.run("return picture !== null"))
+    wait_for("statistics", lambda: len(browser.rows("stages")) > 5 and len(browser.rows("connections")) > 3)
+    for width, height in ((400, 800), (900, 700), (1600, 900)):
+        browser.resize(width, height)
+        time.sleep(0.5)
+        # What is wider than the page, or than its own box: nobody is to scroll sideways.
+        wide = browser.run(
+            "const all = [...document.querySelectorAll('body, header, main, aside, footer, section, table, .row')];"
+            "return all.filter(e => e.getBoundingClientRect().right > innerWidth + 1 || (e.tagName !== 'MAIN' && "
+            "e.scrollWidth > e.clientWidth + 1 && e.clientWidth)).map(e => e.id || e.tagName)"
+        )
+        assert not wide, f"{width}: {wide}"
+        assert browser.run("return document.documentElement.scrollWidth") <= width
+        shown = browser.run("const b = canvas.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]")
+        assert shown[0] >= 0 and shown[1] <= width and shown[2] >= 0 and shown[3] <= height, (width, shown)
+        browser.point_at(160, 120)
+        assert browser.text("pixel") == "160, 120"
+        browser.screenshot(f"7-{width}")
+    browser.call("POST", "/goog/cdp/execute", {"cmd": "Emulation.clearDeviceMetricsOverride", "params": {}})
+    render.send_signal(2)
+    render.wait(PATIENCE)
+
+
+def dark(browser, work):
+    step("scenes of any brightness can be exposed")
+    for radiance in ("1e-7", "1e9"):
+        flags = [str(ROOT / "scenes" / "fog-facing"), "-o", "d.png", "--size", "64x64", "--time", "20s"]
+        render, url = started(work, [*flags, "--set", f"light[0].radiance={radiance}"])
+        browser.open(url)
+        wait_for("the first picture", lambda: browser.run("return picture !== null"))
+        least, stops, most = browser.run("return [+slider.min, stops, +slider.max]")
+        assert abs(stops) > 10 and least <= stops - 9.9 and most >= stops + 9.9, (least, stops, most)
+        assert abs(browser.run("return +slider.value") - stops) < 0.1
+        light = browser.canvas()[2]
+        assert 20 < sum(light[0::4]) / len(light[0::4]) < 235
+        browser.run("slider.value = stops + 2; slider.dispatchEvent(new Event('input'))")
+        assert sum(browser.canvas()[2][0::4]) > 1.1 * sum(light[0::4])
+        browser.screenshot(f"8-{radiance}")
+        render.send_signal(2)
+        render.wait(PATIENCE)
+
+
 def crop(browser, work):
     step("a crop, its noise and its end by Ctrl-C")
     scene = str(ROOT / "scenes" / "cornell-fog")
@@ -261,6 +317,8 @@ def main():
         browser = Browser(work / "profile")
         try:
             watch(browser, work)
+            widths(browser, work)
+            dark(browser, work)
             crop(browser, work)
             frames(browser, work)
         finally:
