@@ -31,12 +31,13 @@ step "render and merge are one render"
 flags='--size 32x32 --seed 7'
 # shellcheck disable=SC2086
 "$FOGBOW" render "$scene" $flags --samples 10 -o whole.exr --progress none
-run a 10 4 --step Merge --run-dependencies >a.log || { cat a.log && fail "the job"; }
+run a 10 4 -p MergeFlags='--exposure 3' --step Merge --run-dependencies >a.log || { cat a.log && fail "the job"; }
 ls a/parts
 same a/out.exr whole.exr
 for line in 'openjd_progress: 100.00' 'openjd_status: .*3 samples per pixel' 'openjd_status: .*: 3 images, 10 samples'; do
     says a.log "$line"
 done
+says a.log '--exposure 3 has no effect'
 
 step "a task that runs twice does no harm"
 part=a/parts/0000000004-0000000007.exr

@@ -7,12 +7,13 @@
 # fogbow render, but for --threads, which are those that Slurm gives. With -m, so many merges of equal numbers of parts
 # come first, at the same time, and then one of what they made. With -s, flags of sbatch for the tasks, as in
 # -s --partition=low. Given again, it renders only the parts that are not there. FOGBOW names another program than
-# fogbow, CHECKPOINT another time than 60s between checkpoints, or off. Prints the numbers of the jobs: of the tasks (if
-# there are any), of the merges of groups (with -m), and of the last merge.
+# fogbow, CHECKPOINT another time than 60s between checkpoints, or off, MERGE_FLAGS flags of fogbow merge for the last
+# merge. Prints the numbers of the jobs: of the tasks (if there are any), of the merges of groups (with -m), and of the
+# last merge.
 set -euo pipefail
 
 usage() {
-    sed -n '4,11s/^# \{0,1\}//p' "$0" >&2
+    sed -n '4,12s/^# \{0,1\}//p' "$0" >&2
     exit 2
 }
 

@@ -89,7 +89,7 @@ await() {
 }
 state() { scontrol show job "$1" 2>/dev/null | grep -o 'JobState=[A-Z_]*' | sort -u | tr '\n' ' '; }
 is() { [ "$(state "$1")" = "JobState=$2 " ]; }
-says() { grep -q "$2" "$1" 2>/dev/null; }
+says() { grep -q -- "$2" "$1" 2>/dev/null; }
 
 step "an array and its merge are one render"
 "$FOGBOW" render "$scene" --size 32x32 --samples 10 -o whole.exr --progress none
@@ -109,8 +109,11 @@ await 60 is "${jobs[0]}_1" COMPLETED
 same b.exr whole.exr
 
 step "merges of groups come to the same"
-mapfile -t jobs < <("$here/submit.sh" -n 10 -c 3 -p a.exr.parts -o e.exr -m 2 "$scene" --size 32x32)
+mapfile -t jobs < <(MERGE_FLAGS='--exposure 3' "$here/submit.sh" -n 10 -c 3 -p a.exr.parts -o e.exr -m 2 "$scene" \
+    --size 32x32)
 await 60 is "${jobs[1]}" COMPLETED
+says a.exr.parts/merge.log '--exposure 3 has no effect'
+if says a.exr.parts/merge-0.log '--exposure'; then fail "flags of the last merge were those of a group"; fi
 ls a.exr.parts/group-*.exr
 same e.exr whole.exr
 
