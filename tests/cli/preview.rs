@@ -89,6 +89,34 @@ fn read(stream: &mut TcpStream) -> Option<Packet> {
     Some(Reader(&content).packet())
 }
 
+/// Packets of tevclient 1.0.4, the Python client of tev's author: `create_image("small", 3, 2, ["R", "G", "B"])`, and
+/// `update_image` of the same image at (1, 0) with two rows of two pixels.
+const OF_TEVS_OWN_CLIENT: [&str; 2] = [
+    "1e0000000401736d616c6c00030000000200000003000000520047004200",
+    "860000000600736d616c6c000300000052004700420001000000000000000200000002000000\
+     000000000000000001000000000000000200000000000000\
+     030000000000000003000000000000000300000000000000\
+     0000803f0000004000004040000080400000a0400000c040\
+     0000003f0000803e0000003e00000000000080bf286b6e4e",
+];
+
+#[test]
+fn packets_are_read_here_as_the_client_of_tev_writes_them() {
+    let packets = OF_TEVS_OWN_CLIENT.map(|hex| {
+        let byte = |pair: &[u8]| u8::from_str_radix(core::str::from_utf8(pair).expect("digits"), 16).expect("a byte");
+        let bytes: Vec<_> = hex.as_bytes().chunks(2).map(byte).collect();
+        let (length, content) = bytes.split_first_chunk().expect("a length");
+        assert_eq!(u32::from_le_bytes(*length) as usize, bytes.len());
+        Reader(content).packet()
+    });
+    let (name, channels) = (String::from("small"), ["R", "G", "B"].map(String::from).to_vec());
+    let created = Packet::Create { name: name.clone(), width: 3, height: 2, channels: channels.clone() };
+    let data = vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.5, 0.25, 0.125, 0.0, -1.0, 1e9];
+    let (offsets, strides) = (vec![0, 1, 2], vec![3; 3]);
+    let updated = Packet::Update { name, channels, region: [1, 0, 2, 2], offsets, strides, data };
+    assert_eq!(packets, [created, updated]);
+}
+
 /// One that listens to a single render: its address, and what `listen` makes of the connection.
 fn tev<T: Send + 'static>(listen: impl FnOnce(TcpStream) -> T + Send + 'static) -> (String, JoinHandle<T>) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
