@@ -37,7 +37,7 @@ same a/out.exr whole.exr
 for line in 'openjd_progress: 100.00' 'openjd_status: .*3 samples per pixel' 'openjd_status: .*: 3 images, 10 samples'; do
     says a.log "$line"
 done
-says a.log '--exposure 3 has no effect'
+says a.log '--exposure 3.* has no effect'
 
 step "a task that runs twice does no harm"
 part=a/parts/0000000004-0000000007.exr

@@ -112,7 +112,7 @@ step "merges of groups come to the same"
 mapfile -t jobs < <(MERGE_FLAGS='--exposure 3' "$here/submit.sh" -n 10 -c 3 -p a.exr.parts -o e.exr -m 2 "$scene" \
     --size 32x32)
 await 60 is "${jobs[1]}" COMPLETED
-says a.exr.parts/merge.log '--exposure 3 has no effect'
+says a.exr.parts/merge.log '--exposure 3.* has no effect'
 if says a.exr.parts/merge-0.log '--exposure'; then fail "flags of the last merge were those of a group"; fi
 ls a.exr.parts/group-*.exr
 same e.exr whole.exr
