@@ -1,4 +1,4 @@
-//! Figures as people read them.
+//! Figures as people read them, and as programs do.
 
 use std::time::Duration;
 
@@ -53,6 +53,20 @@ pub fn duration(seconds: f64) -> String {
         ..10.0 => format!("{seconds:.1} s"),
         _ => humantime::format_duration(Duration::from_secs(seconds.round().min(1e10) as u64)).to_string(),
     }
+}
+
+/// A number that any program reads, as short as it can be without loss.
+pub fn plain(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
+}
+
+/// A line of CSV: texts with commas or quotes are quoted.
+pub fn csv_line<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> String {
+    let quoted = |text: &str| {
+        if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+    };
+    cells.into_iter().map(|cell| quoted(cell.as_ref())).collect::<Vec<_>>().join(",") + "\n"
 }
 
 #[cfg(test)]

@@ -28,8 +28,11 @@ tables as CSV, plots as SVG, images as EXR; OUT/references the converged images 
 item that is there, made by the same version of fogbow from the same scenes with the same settings, is not made again,
 so that the command can be interrupted and repeated; the report shows all items that are there.
 
+References are kept and added to: the next run that needs one goes on from what is there, until it has ten times the
+samples of what it judges. --references gives them more time at once.
+
 Renders that are compared take turns, many times, so that whatever else the machine does slows all of them alike. With
-less time per picture than 6 s pictures get smaller.";
+less time per picture than 3 s pictures get smaller.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_PAPER)]
@@ -41,9 +44,12 @@ pub struct PaperArgs {
     #[arg(short, long = "output", value_name = "DIR", required = true)]
     output: PathBuf,
     /// Rendering time of all items that are named, for example 60s or 5min; preparing scenes comes on top. Default:
-    /// their part of 12 minutes for all items.
+    /// their part of 11 minutes for all items.
     #[arg(long, value_name = "DURATION", allow_hyphen_values = true, value_parser = values::budget)]
     budget: Option<Duration>,
+    /// Time for references of all items that are named, on top of the budget, for example 1h.
+    #[arg(long, value_name = "DURATION", allow_hyphen_values = true, value_parser = values::more_for_references)]
+    references: Option<Duration>,
     /// The folder of the scenes that come with fogbow. Default: scenes in the current folder, or else in one above the
     /// program.
     #[arg(long, value_name = "DIR")]
@@ -76,11 +82,12 @@ pub fn run(args: &PaperArgs) -> Result<ExitCode> {
     let (scenes, teller) = (Scenes::find(args.scenes.as_deref()), Teller(&signals));
     cpu::advice().iter().for_each(|advice| tell(format!("warning: {advice}")));
     let workers = args.threads.unwrap_or(0) as usize;
-    for (item, budget) in items.iter().zip(paper::budgets(&items, args.budget)) {
+    let references = paper::budgets(&items, Some(args.references.unwrap_or_default()));
+    for ((item, budget), references) in items.iter().zip(paper::budgets(&items, args.budget)).zip(references) {
         if signals.came() {
             break;
         }
-        let bench = Bench { folder: &folder, scenes: &scenes, budget, workers, tell: &teller };
+        let bench = Bench { folder: &folder, scenes: &scenes, budget, references, workers, tell: &teller };
         let start = Instant::now();
         tell(format!("{}: {}", item.name, item.title));
         match item.make(&bench)? {

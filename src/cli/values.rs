@@ -131,8 +131,17 @@ pub struct LightChoice(pub Option<u32>);
 
 /// `--budget`
 pub fn budget(text: &str) -> Result<Duration> {
+    span("--budget", text)
+}
+
+/// `--references`
+pub fn more_for_references(text: &str) -> Result<Duration> {
+    span("--references", text)
+}
+
+fn span(flag: &str, text: &str) -> Result<Duration> {
     duration(text)
-        .or_else(|finding| refuse("--budget", text, finding, "give numbers with units, for example 60s, 5min or 1h"))
+        .or_else(|finding| refuse(flag, text, finding, "give numbers with units, for example 60s, 5min or 1h"))
 }
 
 /// `--png`

@@ -18,35 +18,42 @@ pub struct Rmse {
     pub squared: f64,
     /// The same of green alone.
     pub green: f64,
-    /// What the image's own standard errors say it is.
-    pub predicted: f64,
     /// Mean squared error of the reference.
     pub reference: f64,
 }
 
 impl Rmse {
-    /// That of `image` against `reference`, pixel by pixel.
-    pub fn of(image: impl Iterator<Item = Pixel>, reference: impl Iterator<Item = Pixel>) -> Self {
-        let (mut sums, mut green, mut count) = ([0.0; 3], 0.0, 0.0);
-        for (x, r) in image.zip(reference) {
-            for channel in 0..3 {
-                let own = r.standard_error[channel].powi(2);
-                let squared = (x.mean[channel] - r.mean[channel]).powi(2) - own;
-                sums[0] += squared;
+    /// That of an image of these means against `reference`, pixel by pixel.
+    pub fn of(image: impl IntoIterator<Item = [f64; 3]>, reference: &[Pixel]) -> Self {
+        let (mut squares, mut green, mut count) = (0.0, 0.0, 0.0);
+        for (x, r) in image.into_iter().zip(reference) {
+            for (channel, x) in x.into_iter().enumerate() {
+                let squared = (x - r.mean[channel]).powi(2) - r.standard_error[channel].powi(2);
+                squares += squared;
                 green += if channel == 1 { 3.0 * squared } else { 0.0 };
-                sums[1] += x.standard_error[channel].powi(2);
-                sums[2] += own;
                 count += 1.0;
             }
         }
-        let [squared, predicted, reference] = sums.map(|sum: f64| sum / f64::max(count, 1.0));
-        Self { squared, green: green / f64::max(count, 1.0), predicted, reference }
+        let [squared, green] = [squares, green].map(|sum| sum / f64::max(count, 1.0));
+        Self { squared, green, reference: own(reference.iter().copied()) }
     }
 
     /// Its root; 0 where there is nothing but noise.
     pub fn root(&self) -> f64 {
         self.squared.max(0.0).sqrt()
     }
+}
+
+/// Mean squared error of an image by its own standard errors.
+pub fn own(image: impl IntoIterator<Item = Pixel>) -> f64 {
+    let squares = |pixel: Pixel| pixel.standard_error.iter().map(|error| error * error).sum::<f64>() / 3.0;
+    let (sum, count) = image.into_iter().fold((0.0, 0.0), |(sum, count), pixel| (sum + squares(pixel), count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
+/// Means as f64.
+pub fn wide(means: &[[f32; 3]]) -> impl Iterator<Item = [f64; 3]> + '_ {
+    means.iter().map(|mean| mean.map(f64::from))
 }
 
 #[cfg(test)]
@@ -60,26 +67,31 @@ mod tests {
         (-2.0 * u.ln()).sqrt() * (core::f64::consts::TAU * v).cos()
     }
 
-    fn image(number: u32, error: f64) -> impl Iterator<Item = Pixel> {
+    fn image(number: u32, error: f64) -> Vec<Pixel> {
         let at = move |pixel: u32, channel: u32| f64::from(pixel % 10) + error * normal(number, 3 * pixel + channel);
-        (0..20_000).map(move |pixel| Pixel {
+        let pixel = |pixel: u32| Pixel {
             mean: [0, 1, 2].map(|channel| at(pixel, channel)),
             standard_error: [error; 3],
             samples: 4,
-        })
+        };
+        (0..20_000).map(pixel).collect()
+    }
+
+    fn means(image: Vec<Pixel>) -> impl Iterator<Item = [f64; 3]> {
+        image.into_iter().map(|pixel| pixel.mean)
     }
 
     /// The standard error of a mean of n squares of normal deviates of variance v is v sqrt(2 / n).
     #[test]
     fn noise_of_the_reference_does_not_count() {
         for reference in [0.0, 0.1, 0.5, 2.0] {
-            let found = Rmse::of(image(1, 0.5), image(2, reference));
+            let found = Rmse::of(means(image(1, 0.5)), &image(2, reference));
             let error = (0.25 + reference * reference) * (2.0_f64 / 60_000.0).sqrt();
             let case = format!("{found:?} against a reference with error {reference}");
             assert!((found.squared - 0.25).abs() < 4.0 * error, "{case}");
-            assert!((found.predicted - 0.25).abs() < 1e-9 && (found.reference - reference.powi(2)).abs() < 1e-9);
+            assert!((own(image(1, 0.5)) - 0.25).abs() < 1e-9 && (found.reference - reference.powi(2)).abs() < 1e-9);
         }
-        let same = Rmse::of(image(3, 0.0), image(4, 1.0));
+        let same = Rmse::of(means(image(3, 0.0)), &image(4, 1.0));
         assert!(same.squared.abs() < 4.0 * (2.0_f64 / 60_000.0).sqrt() && same.root() < 0.2, "{same:?}");
     }
 }

@@ -4,6 +4,9 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
+pub use super::ratio::Verdict;
+pub use super::table::{Cell, Column, Show, Table};
+
 /// An item of the report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Section {
@@ -13,6 +16,8 @@ pub struct Section {
     pub title: String,
     /// A hash of the settings and the program that made it.
     pub key: String,
+    /// What was not there to make it with, so that it shows something older instead.
+    pub lacks: Option<String>,
     /// Where and when that was.
     pub made: Making,
     /// What it is about, in paragraphs.
@@ -75,31 +80,9 @@ pub struct Claim {
     /// What is found here.
     pub found: String,
     /// Whether that agrees.
-    pub agrees: bool,
+    pub verdict: Verdict,
     /// Why, where it does not.
     pub why: String,
-}
-
-/// A table of texts.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Table {
-    /// What it shows.
-    pub caption: String,
-    /// Titles of the columns; the first is that of the rows' names.
-    pub columns: Vec<String>,
-    /// The rows.
-    pub rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    /// The table as CSV: texts with commas or quotes are quoted.
-    pub fn csv(&self) -> String {
-        let cell = |text: &String| {
-            if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.clone() }
-        };
-        let line = |cells: &Vec<String>| cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n";
-        core::iter::once(&self.columns).chain(&self.rows).map(line).collect()
-    }
 }
 
 /// A plot.
@@ -133,20 +116,6 @@ pub struct Picture {
     pub name: String,
     /// What is printed on it: its error and its samples.
     pub note: String,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tables_are_valid_csv() {
-        let row = |cells: [&str; 2]| cells.map(String::from).to_vec();
-        let table = Table {
-            caption: "not in it".into(),
-            columns: row(["technique", "RMSE"]),
-            rows: vec![row(["nee, \"lis\"", "0.5"]), row(["path", "1"])],
-        };
-        assert_eq!(table.csv(), "technique,RMSE\n\"nee, \"\"lis\"\"\",0.5\npath,1\n");
-    }
+    /// Its error, root mean square [W/(m^2 sr)], if that is known.
+    pub rmse: Option<f64>,
 }

@@ -29,7 +29,7 @@ pub fn write(folder: &Folder, to: &Path) -> Result<()> {
         Error::failure(format!("--summary {}", to.display()), finding, "give a folder that can be written")
     })?;
     let mut text = format!(
-        "# The paper, made again\n\n{CITATION}.\n\nThis page is written by fogbow itself, with the pictures beside it:\n\
+        "# The paper, reproduced\n\n{CITATION}.\n\nThis page is written by fogbow itself, with the pictures beside it:\n\
          \n```\ncargo run --release -- paper -o out/paper --summary docs/paper\n```\n\n`out/paper/index.html` is then the \
          whole report, with pictures to compare by flip and wipe, error maps, exposure and all data. Our cameras are \
          right-handed, so that pictures are mirror images of those in the paper.\n"
@@ -47,7 +47,7 @@ fn add(text: &mut String, section: &Section, folder: &Folder, to: &Path) -> Resu
         let _ = writeln!(text, "\n{paragraph}");
     }
     for claim in &section.claims {
-        let verdict = if claim.agrees { "agrees" } else { "differs" };
+        let verdict = claim.verdict.text();
         let why = if claim.why.is_empty() { String::new() } else { format!(" {}", claim.why) };
         let _ = writeln!(
             text,
@@ -89,10 +89,11 @@ fn add_table(text: &mut String, table: &Table) {
     let line = |cells: &[String]| {
         format!("| {} |", cells.iter().map(|cell| cell.replace('|', "\\|")).collect::<Vec<_>>().join(" | "))
     };
-    let rule = vec!["---".to_string(); table.columns.len()];
-    let _ = writeln!(text, "\n{}\n\n{}\n{}", table.caption, line(&table.columns), line(&rule));
-    for row in &table.rows {
-        let _ = writeln!(text, "{}", line(row));
+    let titles: Vec<_> = table.titles().into_iter().map(String::from).collect();
+    let rule = vec!["---".to_string(); titles.len()];
+    let _ = writeln!(text, "\n{}\n\n{}\n{}", table.caption, line(&titles), line(&rule));
+    for row in table.texts() {
+        let _ = writeln!(text, "{}", line(&row));
     }
 }
 
@@ -149,6 +150,7 @@ impl Small {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::section::{Cell, Column, Show};
 
     #[test]
     fn small_pictures_are_means() {
@@ -162,11 +164,11 @@ mod tests {
 
     #[test]
     fn tables_are_markdown() {
-        let row = |cells: [&str; 2]| cells.map(String::from).to_vec();
         let mut text = String::new();
+        let columns = Column::all([("a", Show::Digits(2)), ("|z| > 1", Show::Digits(2))]);
         add_table(
             &mut text,
-            &Table { caption: "All.".into(), columns: row(["a", "|z| > 1"]), rows: vec![row(["1", "2"])] },
+            &Table { caption: "All.".into(), columns, rows: vec![[1.0, 2.0].map(Cell::from).to_vec()] },
         );
         assert_eq!(text, "\nAll.\n\n| a | \\|z\\| > 1 |\n| --- | --- |\n| 1 | 2 |\n");
     }

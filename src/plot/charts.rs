@@ -3,6 +3,7 @@
 use plotters::prelude::*;
 
 use super::axes::{Axis, Range};
+use crate::figures::{csv_line, plain};
 
 /// Pixels of a chart.
 const SIZE: (u32, u32) = (720, 420);
@@ -25,7 +26,7 @@ pub enum Look {
 /// A series of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What the legend calls it.
+    /// What the legend calls it; several curves of a name and colour share an entry.
     pub name: String,
     /// Its points.
     pub points: Vec<(f64, f64)>,
@@ -33,6 +34,13 @@ pub struct Curve {
     pub look: Look,
     /// In which colour.
     pub colour: [u8; 3],
+}
+
+impl Curve {
+    /// A curve.
+    pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>, look: Look, colour: [u8; 3]) -> Self {
+        Self { name: name.into(), points, look, colour }
+    }
 }
 
 /// A chart.
@@ -61,6 +69,30 @@ pub enum Corner {
     UpperLeft,
     /// Where curves fall.
     LowerLeft,
+}
+
+impl Chart {
+    /// All points as CSV: curve, how it is drawn, and both coordinates, called as the axes are.
+    pub fn csv(&self) -> String {
+        let mut text = csv_line(["curve", "look", &self.x.title, &self.y.title]);
+        for Curve { name, points, look, .. } in &self.curves {
+            for (x, y) in points {
+                text += &csv_line([name, look.name(), &plain(*x), &plain(*y)]);
+            }
+        }
+        text
+    }
+}
+
+impl Look {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::MarkedLine => "marked line",
+            Self::Marks => "marks",
+            Self::Steps => "steps",
+        }
+    }
 }
 
 impl Corner {
@@ -109,16 +141,20 @@ fn draw<B: DrawingBackend>(area: DrawingArea<B, plotters::coord::Shift>, chart: 
         .y_label_formatter(&|place| y.label(*place))
         .label_style(("sans-serif", LETTERS))
         .draw()?;
-    for (curve, points) in chart.curves.iter().zip(curves) {
+    for (index, (curve, points)) in chart.curves.iter().zip(curves).enumerate() {
+        let is_named =
+            chart.curves[..index].iter().all(|other| (&other.name, other.colour) != (&curve.name, curve.colour));
         let [r, g, b] = curve.colour;
         let style = ShapeStyle { color: RGBColor(r, g, b).to_rgba(), filled: true, stroke_width: 2 };
         if curve.look != Look::Marks {
             let line = context.draw_series(LineSeries::new(points.iter().copied(), style))?;
-            line.label(&curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            if is_named {
+                line.label(&curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            }
         }
         if matches!(curve.look, Look::Marks | Look::MarkedLine) {
             let marks = context.draw_series(points.iter().map(|point| Circle::new(*point, 3, style)))?;
-            if curve.look == Look::Marks {
+            if curve.look == Look::Marks && is_named {
                 marks.label(&curve.name).legend(move |(x, y)| Circle::new((x + 9, y), 3, style));
             }
         }
@@ -192,5 +228,18 @@ mod tests {
         for part in ["What it shows", "length [m]", "radiance", "a &lt; b", "dots", "<circle", "#010203"] {
             assert!(text.contains(part), "{part} is missing in {text}");
         }
+    }
+
+    #[test]
+    fn data_are_plain_numbers_below_the_names_of_the_axes() {
+        let chart = Chart {
+            title: "not in it".into(),
+            x: Axis::linear("time [s]"),
+            y: Axis::logarithmic("RMSE"),
+            curves: vec![Curve::new("a, b", vec![(0.5, 1e-3), (1000.0, 2.0)], Look::Marks, [0; 3])],
+            from_zero: false,
+            legend: Corner::UpperLeft,
+        };
+        assert_eq!(chart.csv(), "curve,look,time [s],RMSE\n\"a, b\",marks,0.5,0.001\n\"a, b\",marks,1000,2\n");
     }
 }

@@ -2,6 +2,8 @@
 
 use plotters::prelude::*;
 
+use crate::figures::{csv_line, plain};
+
 /// Paths of one technique, on the plane of the drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
@@ -111,6 +113,20 @@ pub fn paths_png(panels: &[Panel]) -> Result<(Vec<u8>, [u32; 2]), String> {
     Ok((pixels, [width, height]))
 }
 
+/// All vertices as CSV, in metres.
+pub fn paths_csv(panels: &[Panel]) -> String {
+    let mut text = csv_line(["panel", "path", "vertex", "right [m]", "up [m]"]);
+    for Panel { title, paths, .. } in panels {
+        for (path, vertices) in paths.iter().enumerate() {
+            for (vertex, [right, up]) in vertices.iter().enumerate() {
+                let numbers = [path.to_string(), vertex.to_string(), plain(*right), plain(*up)];
+                text += &csv_line([title.to_string()].iter().chain(&numbers));
+            }
+        }
+    }
+    text
+}
+
 type Area<B> = DrawingArea<B, plotters::coord::Shift>;
 type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
@@ -190,6 +206,9 @@ mod tests {
         let text = paths_svg(&panels).expect("a drawing");
         assert_eq!(text.matches("two &amp; two").count(), 2);
         assert!(text.contains("1 m"), "{text}");
+        let data = paths_csv(&panels);
+        assert_eq!(data.lines().count(), 1 + 2 * 5);
+        assert_eq!(data.lines().nth(5), Some("two & two,1,1,4,0.1"), "{data}");
     }
 
     #[test]

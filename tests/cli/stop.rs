@@ -28,7 +28,7 @@ fn started(folder: &Folder, flags: &[&str]) -> Child {
 }
 
 /// Whether the process has a handler for SIGTERM, signal 15, the last that it asks for but one.
-fn catches_interrupts(process: u32) -> bool {
+pub fn catches_interrupts(process: u32) -> bool {
     has_signal(process, "SigCgt:", 15)
 }
 
@@ -49,7 +49,7 @@ fn interrupted(child: Child) -> (Option<i32>, String, String) {
     ended_by("-INT", child)
 }
 
-fn ended_by(signal: &str, child: Child) -> (Option<i32>, String, String) {
+pub fn ended_by(signal: &str, child: Child) -> (Option<i32>, String, String) {
     send(signal, &child);
     let output = child.wait_with_output().expect("a child");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");

@@ -16,25 +16,14 @@ import subprocess
 import sys
 import tempfile
 import time
-import urllib.error
-import urllib.request
 import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from browser import PATIENCE, Browser as Chromium  # noqa: E402: is beside this folder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 FOGBOW = os.environ.get("FOGBOW", str(TARGET / "release" / "fogbow"))
-PATIENCE = 60  # seconds
-OPTIONS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--window-size=1280,800",
-]
 
 
 def step(text):
@@ -51,35 +40,8 @@ def wait_for(what, condition):
     raise AssertionError(f"{what} takes too long")
 
 
-class Browser:
-    """A headless Chromium, driven by the WebDriver protocol."""
-
-    def __init__(self, folder):
-        self.driver = subprocess.Popen(
-            ["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-        )
-        for line in self.driver.stdout:
-            if "successfully on port" in line:
-                port = line.split("port ")[1].rstrip(".\n")
-                self.base = f"http://127.0.0.1:{port}"
-                break
-        options = {"args": [*OPTIONS, f"--user-data-dir={folder}"], "binary": shutil.which("chromium")}
-        capabilities = {"browserName": "chrome", "goog:chromeOptions": options}
-        capabilities["goog:loggingPrefs"] = {"browser": "ALL"}
-        answer = self.call("POST", "/session", {"capabilities": {"alwaysMatch": capabilities}})
-        self.base += f"/session/{answer['sessionId']}"
-
-    def call(self, method, path, body=None):
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.base + path, data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
-            return json.load(answer)["value"]
-
-    def open(self, url):
-        self.call("POST", "/url", {"url": url})
-
-    def run(self, script):
-        return self.call("POST", "/execute/sync", {"script": script, "args": []})
+class Browser(Chromium):
+    """The page in a browser."""
 
     def text(self, element):
         return self.run(f"return document.getElementById('{element}').textContent")
@@ -122,15 +84,7 @@ class Browser:
         if folder := os.environ.get("SCREENSHOTS"):
             path = pathlib.Path(folder)
             path.mkdir(parents=True, exist_ok=True)
-            (path / f"{name}.png").write_bytes(base64.b64decode(self.call("GET", "/screenshot")))
-
-    def close(self):
-        try:
-            self.call("DELETE", "")
-        except (urllib.error.URLError, ConnectionError):
-            pass
-        self.driver.terminate()
-        self.driver.wait()
+            (path / f"{name}.png").write_bytes(self.picture())
 
 
 def read_png(path):

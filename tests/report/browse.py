@@ -3,58 +3,13 @@
 
 Usage: browse.py REPORT.html [FOLDER]       (screenshots go to FOLDER)"""
 
-import base64
-import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 import time
-import urllib.request
 
-FLAGS = (
-    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-    "--disable-component-update --disable-sync --hide-scrollbars --window-size=1240,1600"
-).split()
-
-
-class Browser:
-    """A session of chromedriver (https://www.w3.org/TR/webdriver2/)."""
-
-    def __init__(self, profile):
-        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
-        for line in self.driver.stdout:
-            if "started successfully on port" in line:
-                self.root = "http://127.0.0.1:" + line.rstrip(".\n").rsplit(" ", 1)[1]
-                break
-        options = {"args": [*FLAGS, f"--user-data-dir={profile}"]}
-        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options}}}
-        try:
-            self.root += "/session/" + self.post("/session", wanted)["sessionId"]
-        except OSError as error:
-            self.driver.kill()
-            sys.exit(f"FAILED: Chromium cannot be started: {error}")
-
-    def post(self, path, body):
-        request = urllib.request.Request(
-            self.root + path, json.dumps(body).encode(), {"Content-Type": "application/json"}
-        )
-        with urllib.request.urlopen(request, timeout=60) as answer:
-            return json.loads(answer.read())["value"]
-
-    def run(self, script, *arguments):
-        return self.post("/execute/sync", {"script": script, "args": list(arguments)})
-
-    def shoot(self, path):
-        with urllib.request.urlopen(self.root + "/screenshot", timeout=60) as answer:
-            path.write_bytes(base64.b64decode(json.loads(answer.read())["value"]))
-
-    def close(self):
-        try:
-            urllib.request.urlopen(urllib.request.Request(self.root, method="DELETE"), timeout=60).close()
-        finally:
-            self.driver.terminate()
-            self.driver.wait()
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from browser import Browser  # noqa: E402: is beside this folder
 
 
 # The viewer of the item called by the first argument, and a number that stands for what a canvas shows.
@@ -114,13 +69,48 @@ def use(browser, item):
     check(all(notes), f"{item}: every picture has its name and note")
 
 
+def plots(browser):
+    """The number of plots, and captions of those without width. They load as they come into view."""
+    count = browser.run("return document.querySelectorAll('.plot img').length")
+    for index in range(count):
+        browser.run("document.querySelectorAll('.plot img')[arguments[0]].scrollIntoView()", index)
+        for _ in range(100):
+            if browser.run("return document.querySelectorAll('.plot img')[arguments[0]].complete", index):
+                break
+            time.sleep(0.05)
+    empty = "return [...document.querySelectorAll('.plot img')].filter((image) => !(image.naturalWidth > 1)).map((i) => i.alt)"
+    return count, browser.run(empty)
+
+
+def doubts(browser):
+    """Error maps beside a reference say when it is noisy itself."""
+    said = browser.run("""
+      const figure = document.querySelector(".gallery[data-reference=yes]");
+      if (!figure) return null;
+      const viewer = figure.viewer;
+      viewer.setMode("error");
+      const told = (share) => {
+        viewer.reference.rmse = share * viewer.pictures[viewer.a].rmse;
+        viewer.draw();
+        return viewer.caption.textContent;
+      };
+      viewer.choose("a", 0);
+      viewer.choose("b", viewer.pictures.length - 1);
+      const { rmse } = viewer.reference, texts = [told(0.3), told(0.5)];
+      viewer.reference.rmse = rmse;
+      viewer.setMode("wipe");
+      return texts;""")
+    if said:
+        check("own error" not in said[0] and "own error is 50 %" in said[1], "error maps say when references are noisy")
+
+
 def main():
     report = pathlib.Path(sys.argv[1]).resolve()
     shots = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        browser = Browser(profile)
+        browser = Browser(profile, "1240,1600")
         try:
-            browser.post("/url", {"url": report.as_uri()})
+            browser.open(report.as_uri())
             for _ in range(300):
                 if browser.run("return document.body.dataset.ready || null"):
                     break
@@ -130,10 +120,8 @@ def main():
             loaded = browser.run("return performance.getEntriesByType('resource').map((entry) => entry.name)")
             outside = [name for name in loaded if not name.startswith("data:")]
             check(not outside, f"nothing is loaded from outside the page ({len(outside)} names)")
-            broken = browser.run("return [...document.images].filter((image) => !image.complete "
-                                 "|| (image.loading !== 'lazy' && image.naturalWidth === 0)).map((image) => image.alt)")
-            lazy = browser.run("return [...document.images].filter((image) => image.loading === 'lazy').length")
-            check(len(broken) <= lazy, "all pictures can be read")
+            pictures, empty = plots(browser)
+            check(pictures and not empty, f"all {pictures} plots can be read ({', '.join(empty) or 'none is empty'})")
             items = browser.run("return [...document.querySelectorAll('section')].map((section) => section.id)")
             check(items, f"there are sections: {', '.join(items)}")
             for item in items:
@@ -141,13 +129,15 @@ def main():
                                        "return viewer ? viewer.pictures.length : 0", item)
                 if pictures > 1:
                     use(browser, item)
+            doubts(browser)
+            check(not browser.run("return document.body.innerText.includes('`')"), "no mark of code is left in the text")
             if shots:
                 shots.mkdir(parents=True, exist_ok=True)
-                browser.shoot(shots / "top.png")
+                (shots / "top.png").write_bytes(browser.picture())
                 for item in items:
                     browser.run("document.getElementById(arguments[0]).scrollIntoView()", item)
                     time.sleep(0.3)
-                    browser.shoot(shots / f"{item}.png")
+                    (shots / f"{item}.png").write_bytes(browser.picture())
         finally:
             browser.close()
 

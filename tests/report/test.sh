@@ -13,7 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 step "make a report"
-"$FOGBOW" paper table1 fig3 fig7 --budget 4s --scenes "$root/scenes" -o "$work/report"
+"$FOGBOW" paper table1 fig3 fig7 fig11 --budget 6s --scenes "$root/scenes" -o "$work/report"
 
 step "use it in a browser"
 python3 "$here/browse.py" "$work/report/index.html" ${shots:+"$shots"}

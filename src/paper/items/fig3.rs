@@ -5,9 +5,9 @@ use fogbow_kernels::phase::henyey_greenstein::reference::density;
 
 use super::table1::side;
 use crate::error::Result;
-use crate::figures::{number, percent};
+use crate::figures::number;
 use crate::paper::bench::{Bench, write_planes};
-use crate::paper::section::{Gallery, Picture, Plot, Section, Table};
+use crate::paper::section::{Cell, Column, Gallery, Picture, Plot, Section, Show, Table};
 use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
 
 const NAME: &str = "fig3";
@@ -55,13 +55,17 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
 fn table(all: &[Fitted]) -> Table {
     let row = |fitted: &Fitted| {
         let [(sigma, _, of_gaussian), (alpha, _, of_ggx)] = fitted.curves;
-        let numbers = [sigma, alpha].map(|width| number(width, 4));
-        [number(fitted.g, 2)].into_iter().chain(numbers).chain([of_gaussian, of_ggx].map(percent)).collect()
+        [fitted.g, sigma, alpha, 100.0 * of_gaussian, 100.0 * of_ggx].map(Cell::from).to_vec()
     };
-    let columns = ["g", "sigma of the Gaussian [m]", "alpha of GGX [m]", "misfit of the Gaussian", "misfit of GGX"];
     Table {
         caption: "Fits, and how far they are from the rings: root mean square over the value in the middle.".into(),
-        columns: columns.map(String::from).to_vec(),
+        columns: Column::all([
+            ("g", Show::Digits(2)),
+            ("sigma of the Gaussian [m]", Show::Digits(4)),
+            ("alpha of GGX [m]", Show::Digits(4)),
+            ("misfit of the Gaussian [%]", Show::Digits(3)),
+            ("misfit of GGX [%]", Show::Digits(3)),
+        ]),
         rows: all.iter().map(row).collect(),
     }
 }
@@ -74,20 +78,14 @@ fn chart(bench: &Bench<'_>, fitted: &Fitted) -> Result<Plot> {
     let along = |height: f64, width: f64, shape: fn(f64) -> f64| {
         (0..=200).map(|k| reach * f64::from(k) / 200.0).map(|radius| (radius, height * shape(radius / width))).collect()
     };
-    let curve = |name: &str, points, look, index: usize| Curve {
-        name: name.into(),
-        points,
-        look,
-        colour: plot::COLOURS[index],
-    };
     let chart = Chart {
         title: format!("g = {g}"),
         x: Axis::linear("distance from the middle [m]"),
         y: Axis::linear("irradiance [1/m^2]"),
         curves: vec![
-            curve("scattering event", shown, Look::Marks, 6),
-            curve("Gaussian", along(*top, *sigma, gaussian), Look::Line, 0),
-            curve("GGX", along(*peak, *alpha, ggx), Look::Line, 1),
+            Curve::new("scattering event", shown, Look::Marks, plot::COLOURS[6]),
+            Curve::new("Gaussian", along(*top, *sigma, gaussian), Look::Line, plot::COLOURS[0]),
+            Curve::new("GGX", along(*peak, *alpha, ggx), Look::Line, plot::COLOURS[1]),
         ],
         from_zero: true,
         legend: Corner::UpperRight,
@@ -111,7 +109,7 @@ fn spots(bench: &Bench<'_>) -> Result<Gallery> {
         let name = format!("spot-g{}.exr", (100.0 * g).round());
         write_planes(&bench.folder.file(NAME, &name)?, [size, size], &values)?;
         let note = format!("{} mean free paths wide", number(side(g), 2));
-        pictures.push(Picture { file: format!("{NAME}/{name}"), name: format!("g = {g}"), note });
+        pictures.push(Picture { file: format!("{NAME}/{name}"), name: format!("g = {g}"), note, rmse: None });
     }
     let caption = "The irradiance on the plane, relative to that in the middle.".into();
     Ok(Gallery { caption, exposure: 1.0, pictures, has_reference: false })

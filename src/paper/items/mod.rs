@@ -14,9 +14,13 @@ pub mod table1;
 
 use toml::Value;
 
-use super::bench::{Bench, Reference};
-use super::measure::{Contender, Measured, Run, equal_time};
+use super::bench::{Bench, Times};
+use super::measure::Measured;
+use super::ratio::{Ratio, Verdict, Worth};
+use super::reference::{self, Reference};
+use super::run::{Contender, Run};
 use super::section::{Claim, Plot, Table};
+use super::turns::{Renders, equal_time};
 use crate::error::Result;
 use crate::figures::number;
 use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
@@ -27,8 +31,6 @@ const PROGRAM: &str = "the published program (-O3 -march=native, 2 threads), as 
 /// Claims of the paper are given in words of our own.
 const PAPER: &str = "the paper, in our words";
 
-/// Share of an item's time that a reference gets.
-const FOR_REFERENCE: f64 = 0.25;
 /// Seed of references: other random numbers than those of what is measured against them.
 const SEED_OF_REFERENCES: i64 = 0x5eed;
 
@@ -88,106 +90,140 @@ const BRIDGES: Technique =
     Technique::new("bridges", "bridges", "bridge").with(&[("render.roll", Key::Word("uniform"))]);
 const ALIGNED: Technique = Technique::new("bridges, aligned", "aligned", "bridge");
 
-/// Renders of one scene by several techniques, of equal time, and their reference.
+/// Renders of one scene by several techniques that take turns, and their reference.
+struct Contest<'a> {
+    bench: &'a Bench<'a>,
+    scene: &'a str,
+    /// Keys of the scene that are changed.
+    changes: &'a [(&'a str, Value)],
+    techniques: &'a [Technique],
+    /// The technique of the reference, one of them.
+    best: &'a Technique,
+    times: Times,
+}
+
+/// What came of it.
 struct Match {
     measured: Vec<Measured>,
     reference: Reference,
 }
 
-/// Renders `scene` with `changes` by `techniques`, each in `seconds`, and a reference by the default technique, or by
-/// `best`, in `for_reference`.
-fn equal_times(
-    bench: &Bench<'_>,
-    scene: &str,
-    changes: &[(&str, Value)],
-    techniques: &[Technique],
-    (seconds, for_reference): (f64, f64),
-    best: &Technique,
-) -> Result<Match> {
-    let seed = [("render.seed", Value::from(SEED_OF_REFERENCES))];
-    let of_reference = best.contender(bench, scene, seconds, &[changes, &seed].concat())?;
-    let reference = bench.reference(of_reference.scene, for_reference)?;
-    let contenders: Result<Vec<_>> =
-        techniques.iter().map(|technique| technique.contender(bench, scene, seconds, changes)).collect();
-    let mut runs = bench.begin(contenders?)?;
-    equal_time(&mut runs, seconds, bench.tell);
-    Ok(Match { measured: all_measured(bench, techniques, runs, &reference), reference })
+impl Contest<'_> {
+    /// Every technique, about to begin.
+    fn begin(&self) -> Result<Vec<Run>> {
+        let Self { bench, scene, changes, techniques, times, .. } = self;
+        let contenders: Result<Vec<_>> =
+            techniques.iter().map(|technique| technique.contender(bench, scene, times.each, changes)).collect();
+        bench.begin(contenders?)
+    }
+
+    /// What `runs` are measured against.
+    fn reference(&self, runs: &[Run]) -> Result<Reference> {
+        let seed = [("render.seed", Value::from(SEED_OF_REFERENCES))];
+        let changes = [self.changes, &seed].concat();
+        let contender = self.best.contender(self.bench, self.scene, self.times.each, &changes)?;
+        let judge = runs.iter().find(|run| run.name == self.best.name).expect("the best technique is one of them");
+        self.bench.reference(contender.scene, reference::goal(runs, judge), self.times.reference)
+    }
+
+    /// What `runs` came to, errors for `common` seconds if that is given; least errors first.
+    fn measured(&self, runs: Vec<Run>, reference: &Reference, common: Option<f64>) -> Vec<Measured> {
+        let measure = |(technique, run): (&Technique, Run)| Measured {
+            common,
+            ..self.bench.measure(technique.file, run, Some(reference))
+        };
+        sorted(self.techniques.iter().zip(runs).map(measure).collect())
+    }
+
+    /// All of them at equal time.
+    fn equal_times(&self) -> Result<Match> {
+        let mut runs = self.begin()?;
+        equal_time(&mut turn_takers(&mut runs), self.times.each, self.bench.tell).expect("our own renders do not fail");
+        let reference = self.reference(&runs)?;
+        Ok(Match { measured: self.measured(runs, &reference, Some(self.times.each)), reference })
+    }
 }
 
-/// What `runs` of `techniques` came to.
-fn all_measured(bench: &Bench<'_>, techniques: &[Technique], runs: Vec<Run>, reference: &Reference) -> Vec<Measured> {
-    let pairs = techniques.iter().zip(runs);
-    pairs.map(|(technique, run)| bench.measure(technique.file, run, Some(reference))).collect()
+/// Runs as those that take turns.
+fn turn_takers(runs: &mut [Run]) -> Vec<&mut dyn Renders> {
+    runs.iter_mut().map(|run| run as &mut dyn Renders).collect()
 }
 
 /// Those with the least error first.
 fn sorted(mut measured: Vec<Measured>) -> Vec<Measured> {
-    measured.sort_by(|a, b| a.squared().total_cmp(&b.squared()));
+    let error = |one: &Measured| one.error().unwrap_or(f64::INFINITY);
+    measured.sort_by(|a, b| error(a).total_cmp(&error(b)));
     measured
 }
 
 /// The one called `name`.
 fn of<'a>(measured: &'a [Measured], technique: &Technique) -> Option<&'a Measured> {
-    measured.iter().find(|one| one.run.name == technique.name)
+    measured.iter().find(|one| one.name == technique.name)
 }
 
-/// How many times the efficiency of `base` that of `technique` is; not a number if one is not there.
-fn gain(measured: &[Measured], technique: &Technique, base: &Technique) -> f64 {
+/// What `technique` is worth over what `base` is; unknown if one is not there.
+fn over(measured: &[Measured], worth: Worth, technique: &Technique, base: &Technique) -> Ratio {
     match (of(measured, technique), of(measured, base)) {
-        (Some(a), Some(b)) => a.efficiency() / b.efficiency(),
-        _ => f64::NAN,
+        (Some(a), Some(b)) => a.over(worth, b),
+        _ => Ratio::UNKNOWN,
     }
 }
 
+/// How many times the efficiency of `base` that of `technique` is.
+fn gain(measured: &[Measured], technique: &Technique, base: &Technique) -> Ratio {
+    over(measured, Worth::Second, technique, base)
+}
+
 /// The table of `measured`, efficiencies relative to `base`.
-fn table(caption: impl Into<String>, measured: &[Measured], base: &Technique) -> Table {
-    let unit = of(measured, base).map_or(f64::NAN, Measured::efficiency);
+fn table(caption: &str, measured: &[Measured], base: &Technique, reference: &Reference) -> Table {
+    let unit = of(measured, base);
     Table {
-        caption: caption.into(),
-        columns: Measured::columns(base.name),
+        caption: format!("{caption} {}", reference.note()),
+        columns: Measured::columns(base.name, measured.first().and_then(|one| one.common)),
         rows: measured.iter().map(|one| one.row(unit)).collect(),
     }
 }
 
 /// RMSE against seconds, of what each of `measured` has and would have: it falls with the root of time.
 fn convergence(bench: &Bench<'_>, item: &str, name: &str, title: &str, measured: &[Measured]) -> Result<Plot> {
-    let seconds = measured.iter().map(|one| one.run.seconds).fold(0.0, f64::max).max(1e-3);
-    let curve = |(index, one): (usize, &Measured)| {
-        let at = |seconds: f64| (seconds, (one.efficiency() * seconds / pixels(one)).powf(-0.5));
-        Curve {
-            name: one.run.name.clone(),
-            points: (-4..=4).map(|k| at(seconds * 2.0_f64.powi(k))).collect(),
-            look: Look::MarkedLine,
-            colour: plot::colour(&one.run.name, index),
-        }
+    let seconds = measured.iter().map(|one| one.seconds).fold(0.0, f64::max).max(1e-3);
+    let curves = |(index, one): (usize, &Measured)| {
+        let law = |seconds: f64| (seconds, (one.variance() * one.pixels / one.rate() / seconds).sqrt());
+        let colour = plot::colour(&one.name, index);
+        let line = [-4, 4].map(|k| law(seconds * 2.0_f64.powi(k))).to_vec();
+        [
+            Curve::new(&one.name, line, Look::Line, colour),
+            Curve::new(&one.name, one.course.clone(), Look::Marks, colour),
+        ]
     };
     let chart = Chart {
         title: title.into(),
         x: Axis::logarithmic("rendering time [s]"),
         y: Axis::logarithmic("RMSE"),
-        curves: measured.iter().enumerate().map(curve).collect(),
+        curves: measured.iter().enumerate().flat_map(curves).collect(),
         from_zero: false,
         legend: Corner::LowerLeft,
     };
-    let caption = format!(
-        "RMSE against rendering time. Measured at {} s; the rest is the law that it falls with the root of time.",
-        number(seconds, 2)
-    );
+    let caption = "RMSE against rendering time. Marks are measured, after every turn; lines are the law that errors fall \
+                   with the root of time, through the last mark.";
     bench.plot(item, name, caption, &chart)
 }
 
-/// Pixels of an image.
-fn pixels(measured: &Measured) -> f64 {
-    measured.run.film().region().pixels() as f64
+/// A published claim beside what is found, and why that is not the same, should it not be.
+fn claim(published: &str, source: &str, verdict: Verdict, found: String, why: &str) -> Claim {
+    let why = match verdict {
+        Verdict::Agrees => "",
+        Verdict::Differs => why,
+        Verdict::Undecided => "The interval covers both answers; a longer --budget narrows it.",
+    };
+    Claim { published: published.into(), source: source.into(), found, verdict, why: why.into() }
 }
 
-/// A published claim beside what is found: whether that agrees, and why it does not, should it not.
-fn claim(published: &str, source: &str, agrees: bool, found: String, why: &str) -> Claim {
-    let why = if agrees { String::new() } else { why.to_string() };
-    Claim { published: published.into(), source: source.into(), found, agrees, why }
-}
-
-/// A factor as people read it.
-fn times(factor: f64) -> String {
-    format!("{} x", number(factor, 2))
+/// A factor with its interval: `4.1 (3.5 to 4.9) times`.
+fn times(ratio: Ratio) -> String {
+    let Ratio { value, interval: [low, high] } = ratio;
+    if !value.is_finite() || !high.is_finite() {
+        return "an unknown number of times".into();
+    }
+    format!("{} ({} to {}) times", number(value, 2), number(low, 2), number(high, 2))
 }

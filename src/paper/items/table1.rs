@@ -8,7 +8,7 @@ use super::claim;
 use crate::error::Result;
 use crate::figures::{number, percent};
 use crate::paper::bench::Bench;
-use crate::paper::section::{Plot, Section, Table};
+use crate::paper::section::{Cell, Column, Plot, Section, Show, Table, Verdict};
 use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
 
 const NAME: &str = "table1";
@@ -77,14 +77,14 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
             claim(
                 "The ten values of sigma.",
                 "Table 1 of the paper, mean free path 1 m",
-                deviation <= AGREEMENT,
+                Verdict::of(deviation <= AGREEMENT),
                 format!("The largest deviation is {}.", percent(deviation)),
                 "The fit depends on how rings are averaged, which is not published.",
             ),
             claim(
                 &format!("c_GGX = {GGX_WIDTH}: alpha of GGX over sigma."),
                 PUBLISHED_WIDTH,
-                (width / GGX_WIDTH - 1.0).abs() < 0.005,
+                Verdict::of((width / GGX_WIDTH - 1.0).abs() < 0.005),
                 format!("The mean of the ten ratios is {}.", number(width, 5)),
                 "The fit depends on how rings are averaged, which is not published.",
             ),
@@ -100,47 +100,37 @@ const PUBLISHED_WIDTH: &str = "the paper";
 fn table(rows: &[Row]) -> Table {
     let row = |row: &Row| {
         let Row { g, published, sigma: [near, far], ggx } = row;
-        let deviation = published.map(|published| format!("{:+.2} %", 100.0 * (near / published - 1.0)));
-        vec![
-            number(*g, 2),
-            published.map_or_else(|| "-".into(), |value| number(value, 6)),
-            number(*near, 5),
-            deviation.unwrap_or_else(|| "-".into()),
-            number(*far, 5),
-            format!("{:.4}", far / near),
-            number(*ggx, 5),
-        ]
+        let deviation = published.map(|published| 100.0 * (near / published - 1.0));
+        let numbers = [Some(*g), *published, Some(*near), deviation, Some(*far), Some(far / near), Some(*ggx)];
+        numbers.map(Cell::from).to_vec()
     };
-    let columns = [
-        "g",
-        "published sigma, MFP 1 m",
-        "ours",
-        "deviation",
-        "ours, MFP 10 m",
-        "ratio of both",
-        "GGX alpha over sigma",
-    ];
     Table {
-        caption: "Standard deviations in metres. Rows above g = 0.9 are not published.".into(),
-        columns: columns.map(String::from).to_vec(),
+        caption: "Standard deviations for mean free paths (MFP) of 1 m and 10 m. Rows above g = 0.9 are not published."
+            .into(),
+        columns: Column::all([
+            ("g", Show::Digits(2)),
+            ("published sigma, MFP 1 m [m]", Show::Digits(6)),
+            ("our sigma [m]", Show::Digits(5)),
+            ("deviation [%]", Show::Digits(2)),
+            ("our sigma, MFP 10 m [m]", Show::Digits(5)),
+            ("ratio of both", Show::Digits(5)),
+            ("GGX alpha over sigma", Show::Digits(5)),
+        ]),
         rows: rows.iter().map(row).collect(),
     }
 }
 
 fn chart(bench: &Bench<'_>, rows: &[Row]) -> Result<Plot> {
-    let curve = |name: &str, points: Vec<(f64, f64)>, look, index: usize| Curve {
-        name: name.into(),
-        points,
-        look,
-        colour: plot::COLOURS[index],
-    };
     let ours = rows.iter().map(|row| (row.g, row.sigma[0])).collect();
     let published = rows.iter().filter_map(|row| Some((row.g, row.published?))).collect();
     let chart = Chart {
         title: "sigma per unit of distance".into(),
         x: Axis::linear("mean cosine g"),
         y: Axis::logarithmic("sigma [m], MFP 1 m"),
-        curves: vec![curve("ours", ours, Look::Line, 0), curve("published", published, Look::Marks, 1)],
+        curves: vec![
+            Curve::new("ours", ours, Look::Line, plot::COLOURS[0]),
+            Curve::new("published", published, Look::Marks, plot::COLOURS[1]),
+        ],
         from_zero: false,
         legend: Corner::LowerLeft,
     };

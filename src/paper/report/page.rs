@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::figures::duration;
 use crate::paper::CITATION;
 use crate::paper::folder::Folder;
-use crate::paper::section::{Claim, Gallery, Making, Plot, Section, Table};
+use crate::paper::section::{Claim, Gallery, Making, Plot, Section, Table, Verdict};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -24,16 +24,17 @@ pub fn page(folder: &Folder, sections: &[Section]) -> Result<String> {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Multiple Vertex Next Event Estimation, made again by fogbow" }
+                title { "Multiple Vertex Next Event Estimation, reproduced by fogbow" }
                 style { (PreEscaped(STYLE)) }
             }
             body {
                 header {
-                    h1 { "Multiple Vertex Next Event Estimation, made again" }
+                    h1 { "Multiple Vertex Next Event Estimation, reproduced" }
                     p { (CITATION) ". Tables and figures by fogbow " (env!("CARGO_PKG_VERSION")) "." }
                     p { "Our cameras are right-handed, so that pictures are mirror images of those in the paper. "
-                        "Each picture is exposed alike within its group. Numbers that are published stand beside ours, "
-                        "with their source." }
+                        "All pictures of a group have the same exposure. Published numbers stand beside ours, with their "
+                        "source. Where ours are ratios, the numbers in brackets are the ends of their confidence interval of "
+                        "95 %; a claim is not decided where that covers both answers." }
                     nav { @for section in sections { a href={ "#" (section.item) } { (section.title) } } }
                     (verdicts(sections))
                 }
@@ -58,8 +59,8 @@ fn verdicts(sections: &[Section]) -> Markup {
                     @for (section, claim) in all {
                         tr {
                             td { a href={ "#" (section.item) } { (section.item) } " " (mark(claim)) }
-                            td { (claim.published) }
-                            td { (claim.found) }
+                            td { (prose(&claim.published)) }
+                            td { (prose(&claim.found)) }
                         }
                     }
                 }
@@ -69,7 +70,12 @@ fn verdicts(sections: &[Section]) -> Markup {
 }
 
 fn mark(claim: &Claim) -> Markup {
-    html! { @if claim.agrees { span.agrees { "agrees" } } @else { span.differs { "differs" } } }
+    let class = match claim.verdict {
+        Verdict::Agrees => "agrees",
+        Verdict::Differs => "differs",
+        Verdict::Undecided => "undecided",
+    };
+    html! { span class=(class) { (claim.verdict.text()) } }
 }
 
 fn part(folder: &Folder, section: &Section) -> Result<Markup> {
@@ -78,7 +84,7 @@ fn part(folder: &Folder, section: &Section) -> Result<Markup> {
     Ok(html! {
         section id=(section.item) {
             h2 { (section.title) }
-            @for paragraph in &section.text { p { (paragraph) } }
+            @for paragraph in &section.text { p { (prose(paragraph)) } }
             @for claim in &section.claims { (said(claim)) }
             @for gallery in galleries { (gallery) }
             @for one in &section.tables { (table(one)) }
@@ -88,12 +94,21 @@ fn part(folder: &Folder, section: &Section) -> Result<Markup> {
     })
 }
 
+/// Text with what stands between backticks as code.
+fn prose(text: &str) -> Markup {
+    html! {
+        @for (index, part) in text.split('`').enumerate() {
+            @if index % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
+}
+
 fn said(claim: &Claim) -> Markup {
     html! {
         div.claim {
-            p { (mark(claim)) " Published: " (claim.published) " " span.source { "(" (claim.source) ")" } }
-            p { "Found: " (claim.found) }
-            @if !claim.why.is_empty() { p { "Why: " (claim.why) } }
+            p { (mark(claim)) " Published: " (prose(&claim.published)) " " span.source { "(" (claim.source) ")" } }
+            p { "Found: " (prose(&claim.found)) }
+            @if !claim.why.is_empty() { p { "Why: " (prose(&claim.why)) } }
         }
     }
 }
@@ -107,10 +122,10 @@ fn made(made: &Making) -> String {
 fn table(table: &Table) -> Markup {
     html! {
         figure {
-            figcaption { (table.caption) }
+            figcaption { (prose(&table.caption)) }
             table {
-                thead { tr { @for title in &table.columns { th { (title) } } } }
-                tbody { @for row in &table.rows { tr { @for cell in row { td { (cell) } } } } }
+                thead { tr { @for title in table.titles() { th { (title) } } } }
+                tbody { @for row in table.texts() { tr { @for cell in row { td { (cell) } } } } }
             }
         }
     }
@@ -121,7 +136,7 @@ fn plot(folder: &Folder, item: &str, plot: &Plot) -> Result<Markup> {
     Ok(html! {
         figure.plot.wide[plot.file.starts_with("paths")] {
             img src=(uri) alt=(plot.caption) loading="lazy";
-            figcaption { (plot.caption) }
+            figcaption { (prose(&plot.caption)) }
         }
     })
 }
@@ -136,12 +151,22 @@ fn gallery(folder: &Folder, gallery: &Gallery) -> Result<Markup> {
     let reference = if gallery.has_reference { "yes" } else { "no" };
     Ok(html! {
         figure.gallery data-exposure=(gallery.exposure) data-reference=(reference) {
-            figcaption { (gallery.caption) }
+            figcaption { (prose(&gallery.caption)) }
             @for (picture, embedded) in &pictures {
-                img.source hidden src=(embedded.uri) data-name=(picture.name) data-note=(picture.note)
+                img.source hidden src=(embedded.uri) data-name=(picture.name) data-note=(picture.note) data-rmse=[picture.rmse]
                     data-width=(embedded.width) data-height=(embedded.height) alt=(picture.name);
             }
             noscript { p { "Pictures are shown by a script, which is part of this page." } }
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_between_backticks_is_code() {
+        assert_eq!(prose("a < b, `fogbow paths` draws").into_string(), "a &lt; b, <code>fogbow paths</code> draws");
+    }
 }

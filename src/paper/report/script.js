@@ -3,6 +3,7 @@
 
 const WHITE = 16; // exposed radiance from which on a pixel is full, as in fogbow's own PNG images
 const BIAS = 128;
+const NOISY = 1 / 3; // share of a picture's error from which on that of the reference shows
 const INSET = 24; // pixels of a picture that the inset shows across
 
 // Radiances of a picture: mantissas in its upper half, exponents in its lower one.
@@ -19,7 +20,8 @@ function decode(image) {
     const scale = bytes[4 * (count + i)] === 0 ? 0 : 2 ** (bytes[4 * (count + i)] - BIAS) / 256;
     for (let c = 0; c < 3; c++) radiance[3 * i + c] = bytes[4 * i + c] * scale;
   }
-  return { name: image.dataset.name, note: image.dataset.note, width, height, radiance };
+  const { name, note } = image.dataset, rmse = Number(image.dataset.rmse ?? NaN);
+  return { name, note, rmse, width, height, radiance };
 }
 
 const srgb = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
@@ -70,6 +72,7 @@ class Viewer {
   constructor(figure, pictures) {
     this.pictures = pictures;
     this.exposure = Number(figure.dataset.exposure);
+    this.reference = figure.dataset.reference === "yes" ? pictures[pictures.length - 1] : null;
     this.stops = 0;
     this.mode = "wipe";
     this.split = 0.5;
@@ -170,12 +173,21 @@ class Viewer {
     this.draw();
   }
 
+  // What an error map has to say of a reference that shows noise of its own.
+  doubt(a, b) {
+    if (this.reference === null || (a === b) || (a !== this.reference && b !== this.reference)) return "";
+    const judged = a === this.reference ? b : a;
+    if (!(this.reference.rmse > NOISY * judged.rmse)) return "";
+    const share = Math.round(100 * this.reference.rmse / judged.rmse);
+    return `; the reference's own error is ${share} % of that of ${judged.name}, part of what is seen`;
+  }
+
   // What the view shows, at the size of the pictures.
   composed() {
     const a = this.pictures[this.a], b = this.pictures[this.b];
     const same = a.width === b.width && a.height === b.height;
     if (this.mode === "error" && same) {
-      return [canvasOf(a, difference(a, b, this.exposure + this.stops)), `${a.name} minus ${b.name}`];
+      return [canvasOf(a, difference(a, b, this.exposure + this.stops)), `${a.name} minus ${b.name}${this.doubt(a, b)}`];
     }
     if (this.mode === "flip" || !same) {
       const index = this.side === 0 ? this.a : this.b;

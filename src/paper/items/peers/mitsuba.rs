@@ -2,13 +2,15 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::json;
 
 use super::NAME;
+use crate::image::exr;
 use crate::paper::bench::Bench;
+use crate::paper::turns::{Log, Renders};
 use crate::scene::LoadedScene;
 use crate::scene::schema::Segments;
 
@@ -26,15 +28,22 @@ pub struct Mitsuba {
     answers: BufReader<ChildStdout>,
     /// What it is called: version and variant.
     pub name: String,
-    /// Samples per pixel so far.
-    pub samples: f64,
-    /// Seconds that they took.
-    pub seconds: f64,
+    /// Its image, once it is written.
+    image: PathBuf,
+    /// What it has done.
+    pub log: Log,
+}
+
+/// Whether Mitsuba can be imported.
+pub fn is_there() -> bool {
+    let mut command = Command::new(PYTHON);
+    command.args(["-c", "import mitsuba, numpy"]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
 }
 
 impl Mitsuba {
-    /// Starts it with a scene. Or says why that does not work.
-    pub fn start(bench: &Bench<'_>, name: &str, scene: &LoadedScene) -> Result<Self, String> {
+    /// Starts it with a scene, of which it will leave an EXR image called `image`. Or says why that does not work.
+    pub fn start(bench: &Bench<'_>, name: &str, scene: &LoadedScene, image: &str) -> Result<Self, String> {
         let script = bench.scenes.folder(SCRIPT);
         if !script.is_file() {
             return Err(format!("there is no {}", script.display()));
@@ -54,7 +63,8 @@ impl Mitsuba {
             return Err(format!("{PYTHON} has no pipes"));
         };
         let answers = BufReader::new(stdout);
-        let mut peer = Self { child, told, answers, name: String::new(), samples: 0.0, seconds: 0.0 };
+        let image = file.with_file_name(image);
+        let mut peer = Self { child, told, answers, name: String::new(), image, log: Log::default() };
         let ready = peer.answer().unwrap_or_default();
         match ready.strip_prefix("ready ") {
             Some(version) => peer.name = format!("Mitsuba {}", version.trim()),
@@ -65,26 +75,6 @@ impl Mitsuba {
             }
         }
         Ok(peer)
-    }
-
-    /// Goes on until it has had `seconds`, at least for one sample of every pixel.
-    pub fn until(&mut self, seconds: f64) -> Result<(), String> {
-        while self.seconds < seconds || self.samples == 0.0 {
-            let samples = 0.9 * (seconds - self.seconds) * self.samples / self.seconds;
-            let samples = if samples.is_finite() { samples.clamp(1.0, 1e5) as u32 } else { 1 };
-            let told = self.ask(&format!("render {samples}"))?;
-            // It renders a few samples at a time, so they may be more.
-            let figures: Vec<f64> = told.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
-            let [seconds, samples] = figures[..] else { return Err(format!("Mitsuba says {told:?}")) };
-            self.seconds += seconds;
-            self.samples += samples;
-        }
-        Ok(())
-    }
-
-    /// Writes the image so far.
-    pub fn write(&mut self, path: &Path) -> Result<(), String> {
-        self.ask(&format!("write {}", path.display())).map(drop)
     }
 
     fn ask(&mut self, line: &str) -> Result<String, String> {
@@ -99,6 +89,28 @@ impl Mitsuba {
             Ok(_) => Err("Mitsuba has ended".into()),
             Err(error) => Err(format!("Mitsuba cannot be read: {error}")),
         }
+    }
+}
+
+impl Renders for Mitsuba {
+    fn take(&mut self, samples: u32) -> Result<(f64, f64), String> {
+        // It renders a few samples at a time, so they may be more.
+        let told = self.ask(&format!("render {samples}"))?;
+        let figures: Vec<f64> = told.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
+        let [seconds, samples] = figures[..] else { return Err(format!("Mitsuba says {told:?}")) };
+        Ok((samples, seconds))
+    }
+
+    fn means(&mut self) -> Result<Vec<[f32; 3]>, String> {
+        self.ask(&format!("write {}", self.image.display()))?;
+        let image = exr::read_image(&self.image).map_err(|error| error.to_string())?;
+        let planes = ["R", "G", "B"].map(|name| image.channel(name).unwrap_or_default());
+        let pixel = |i: usize| planes.map(|plane| plane.get(i).copied().unwrap_or(f32::NAN));
+        Ok((0..image.width * image.height).map(pixel).collect())
+    }
+
+    fn log(&mut self) -> &mut Log {
+        &mut self.log
     }
 }
 

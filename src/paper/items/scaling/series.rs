@@ -2,6 +2,7 @@
 
 use toml::Value;
 
+use super::ground;
 use super::timing::Setting;
 use crate::error::Result;
 use crate::paper::bench::Bench;
@@ -28,6 +29,7 @@ pub struct Series {
 }
 
 /// A group of series.
+#[derive(Clone, Copy)]
 struct Group {
     group: &'static str,
     file: &'static str,
@@ -35,10 +37,25 @@ struct Group {
     caption: &'static str,
 }
 
+/// Techniques of most groups: what they are called in plots and in scenes.
+const TECHNIQUES: [(&str, &str); 3] = [("NEE", "nee"), ("MVNEE-4", "mvnee"), ("bridges", "bridge")];
+
 impl Group {
     fn series(&self, name: &str, settings: impl Iterator<Item = Result<Setting>>) -> Result<Series> {
         let Self { group, file, axis, caption } = *self;
         Ok(Series { name: name.into(), group, file, axis, caption, settings: settings.collect::<Result<_>>()? })
+    }
+
+    /// A series for each of the usual techniques, over `numbers`.
+    fn by_technique<T: Copy>(
+        &self,
+        numbers: &[T],
+        setting: impl Fn(T, (&'static str, Value)) -> Result<Setting>,
+    ) -> Result<Vec<Series>> {
+        let one = |(name, key): (&str, &'static str)| {
+            self.series(name, numbers.iter().map(|number| setting(*number, technique(key))))
+        };
+        TECHNIQUES.into_iter().map(one).collect()
     }
 }
 
@@ -66,8 +83,15 @@ const SIDE: u32 = 64;
 
 /// All series, those of a group in a row.
 pub fn all(bench: &Bench<'_>) -> Result<Vec<Series>> {
-    let groups =
-        [segments(bench)?, connections(bench)?, threads(bench)?, lanes(bench)?, pixels(bench)?, lights(bench)?];
+    let groups = [
+        segments(bench)?,
+        connections(bench)?,
+        threads(bench)?,
+        lanes(bench)?,
+        pixels(bench)?,
+        triangles(bench)?,
+        lights(bench)?,
+    ];
     Ok(groups.into_iter().flatten().collect())
 }
 
@@ -119,15 +143,11 @@ fn threads(bench: &Bench<'_>) -> Result<Vec<Series>> {
         axis: "threads",
         caption: "dense-plate. Processor time per sample: a level line is a perfect gain.",
     };
-    let counts = || (0..).map(|power| 1_usize << power).take_while(|count| *count <= bench.threads().max(2));
-    let with = |name, technique_name| {
-        let setting = |count: usize| {
-            let loaded = load(bench, "dense-plate", 2 * SIDE, &[technique(technique_name)])?;
-            Ok(Setting::of(count as f64, loaded, count))
-        };
-        group.series(name, counts().map(setting))
-    };
-    Ok(vec![with("NEE", "nee")?, with("MVNEE-4", "mvnee")?, with("bridges", "bridge")?])
+    let most = bench.threads().max(2);
+    let counts: Vec<usize> = (0..).map(|power| 1 << power).take_while(|count| *count <= most).collect();
+    group.by_technique(&counts, |count, technique| {
+        Ok(Setting::of(count as f64, load(bench, "dense-plate", 2 * SIDE, &[technique])?, count))
+    })
 }
 
 fn lanes(bench: &Bench<'_>) -> Result<Vec<Series>> {
@@ -137,14 +157,10 @@ fn lanes(bench: &Bench<'_>) -> Result<Vec<Series>> {
         axis: "paths in flight per thread",
         caption: "dense-plate. Few paths leave lanes empty, many do not fit the caches.",
     };
-    let with = |name, technique_name| {
-        let setting = |lanes: usize| {
-            let loaded = load(bench, "dense-plate", SIDE, &[technique(technique_name)])?;
-            Ok(Setting::of(lanes as f64, loaded, bench.threads()).with_lanes(lanes))
-        };
-        group.series(name, [64, 256, 1024, 4096, 16384].into_iter().map(setting))
-    };
-    Ok(vec![with("NEE", "nee")?, with("MVNEE-4", "mvnee")?, with("bridges", "bridge")?])
+    group.by_technique(&[64, 256, 1024, 4096, 16384], |lanes, technique| {
+        let scene = load(bench, "dense-plate", SIDE, &[technique])?;
+        Ok(Setting::of(lanes as f64, scene, bench.threads()).with_lanes(lanes))
+    })
 }
 
 fn pixels(bench: &Bench<'_>) -> Result<Vec<Series>> {
@@ -154,14 +170,24 @@ fn pixels(bench: &Bench<'_>) -> Result<Vec<Series>> {
         axis: "width and height [pixels]",
         caption: "dense-plate. Samples cost the same, however many pixels they are of.",
     };
-    let with = |name, technique_name| {
-        let setting = |side: u32| {
-            let loaded = load(bench, "dense-plate", side, &[technique(technique_name)])?;
-            Ok(Setting::of(f64::from(side), loaded, bench.threads()))
-        };
-        group.series(name, [32, 64, 128, 256, 512].into_iter().map(setting))
+    group.by_technique(&[16, 32, 64, 128, 256], |side, technique| {
+        Ok(Setting::of(f64::from(side), load(bench, "dense-plate", side, &[technique])?, bench.threads()))
+    })
+}
+
+fn triangles(bench: &Bench<'_>) -> Result<Vec<Series>> {
+    let group = Group {
+        group: "triangles",
+        file: "triangles",
+        axis: "triangles",
+        caption: "fog-facing above hilly ground of more and more triangles; K = 15 throughout.",
     };
-    Ok(vec![with("NEE", "nee")?, with("MVNEE-4", "mvnee")?, with("bridges", "bridge")?])
+    group.by_technique(&ground::SIDES, |side, technique| {
+        let ground = ground::write(side)?;
+        let geometry = ("geometry", Value::from(ground.path().to_string_lossy().into_owned()));
+        let scene = load(bench, "fog-facing", SIDE, &[technique, geometry])?;
+        Ok(Setting::of(f64::from(ground::triangles(side)), scene, bench.threads()))
+    })
 }
 
 fn lights(bench: &Bench<'_>) -> Result<Vec<Series>> {
@@ -171,14 +197,10 @@ fn lights(bench: &Bench<'_>) -> Result<Vec<Series>> {
         axis: "lights",
         caption: "fog-facing with copies of its light side by side. Single lights are visited one by one.",
     };
-    let with = |name, technique_name| {
-        let setting = |count: i64| {
-            let changes = [technique(technique_name), ("light", copies(count))];
-            Ok(Setting::of(count as f64, load(bench, "fog-facing", SIDE, &changes)?, bench.threads()))
-        };
-        group.series(name, [1, 4, 16, 64].into_iter().map(setting))
-    };
-    Ok(vec![with("NEE", "nee")?, with("MVNEE-4", "mvnee")?, with("bridges", "bridge")?])
+    group.by_technique(&[1, 4, 16, 64], |count: i64, technique| {
+        let scene = load(bench, "fog-facing", SIDE, &[technique, ("light", copies(count))])?;
+        Ok(Setting::of(count as f64, scene, bench.threads()))
+    })
 }
 
 /// Disks side by side that face the camera.

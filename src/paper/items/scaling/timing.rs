@@ -40,12 +40,28 @@ impl Setting {
 }
 
 /// What a sample costs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cost {
-    /// Wall-clock time times threads per camera path, median of the turns [ns].
-    pub nanoseconds: f64,
-    /// Half the distance between the fastest and the slowest turn, over the median.
-    pub spread: f64,
+    /// Wall-clock time times threads per camera path, of every turn [ns].
+    pub turns: Vec<f64>,
+}
+
+impl Cost {
+    /// Median of the turns [ns].
+    pub fn nanoseconds(&self) -> f64 {
+        let mut turns = self.turns.clone();
+        turns.sort_by(f64::total_cmp);
+        turns.get(turns.len() / 2).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Half the distance between the fastest and the slowest turn [ns].
+    pub fn spread(&self) -> f64 {
+        let (low, high) = self
+            .turns
+            .iter()
+            .fold((f64::INFINITY, 0.0), |(low, high), turn| (f64::min(low, *turn), f64::max(high, *turn)));
+        0.5 * (high - low)
+    }
 }
 
 /// A setting that is being timed.
@@ -87,27 +103,20 @@ impl<'a> Timed<'a> {
         self.turns.push(1e9 * seconds * self.renderer.threads() as f64 / paths);
     }
 
-    fn cost(mut self) -> Cost {
-        self.turns.sort_by(f64::total_cmp);
-        let [fastest, .., slowest] = self.turns[..] else {
-            return Cost { nanoseconds: self.turns.first().copied().unwrap_or(f64::NAN), spread: 0.0 };
-        };
-        let median = self.turns[self.turns.len() / 2];
-        Cost { nanoseconds: median, spread: 0.5 * (slowest - fastest) / median }
+    fn cost(self) -> Cost {
+        Cost { turns: self.turns }
     }
 }
 
 /// What samples of `settings` cost, in their order, within the budget of the item.
 pub fn measure(bench: &Bench<'_>, settings: &[&Setting]) -> Result<Vec<Cost>> {
-    let mut all: Vec<Timed<'_>> = settings.iter().map(|setting| Timed::new(setting)).collect::<Result<_>>()?;
-    let turn = bench.budget.as_secs_f64() / (f64::from(TURNS) * all.len() as f64);
-    let warm_up = |timed: &mut Timed<'_>| {
-        let seconds = timed.take(WARM_UP) / f64::from(WARM_UP);
-        (turn / seconds).clamp(1.0, 1e5) as u32
-    };
-    let mut samples = Vec::new();
-    for timed in &mut all {
-        samples.push(if bench.tell.stops() { 1 } else { warm_up(timed) });
+    let turn = bench.budget.as_secs_f64() / (f64::from(TURNS) * settings.len() as f64);
+    let (mut all, mut samples) = (Vec::new(), Vec::new());
+    for setting in settings {
+        let mut timed = Timed::new(setting)?;
+        let taken = if bench.tell.stops() { f64::NAN } else { timed.take(WARM_UP) / f64::from(WARM_UP) };
+        samples.push(if taken.is_nan() { 1 } else { (turn / taken).clamp(1.0, 1e5) as u32 });
+        all.push(timed);
     }
     for _ in 0..TURNS {
         for (timed, samples) in all.iter_mut().zip(&samples) {
