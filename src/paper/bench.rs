@@ -8,7 +8,7 @@ use toml::Value;
 use super::folder::Folder;
 use super::measure::Measured;
 use super::reference::Reference;
-use super::run::{Contender, Run};
+use super::run::{Contender, LeftOut, Run};
 use super::scenes::Scenes;
 use super::section::{Gallery, Picture, Plot};
 use super::{Item, MAKING, Tell};
@@ -94,12 +94,14 @@ impl Bench<'_> {
         self.scenes.load(name, &[&[size], changes].concat())
     }
 
-    /// Contenders that begin.
+    /// Contenders that begin, all for the same light.
     ///
     /// # Errors
     /// If there is not enough memory.
     pub fn begin(&self, contenders: Vec<Contender>) -> Result<Vec<Run>> {
-        contenders.into_iter().map(|contender| Run::begin(contender, self.workers, self.tell)).collect()
+        let left_out = LeftOut::new();
+        let begin = |contender| Run::begin(contender, &left_out, self.workers, self.tell);
+        contenders.into_iter().map(begin).collect()
     }
 
     /// Writes the images of `measured` for `item`, and their gallery, the reference last.

@@ -68,7 +68,9 @@ impl Measured {
     pub fn note(&self) -> String {
         let time = self.common.map_or_else(String::new, |seconds| format!(" in {} s", number(seconds, 3)));
         let rmse = self.error().map_or_else(String::new, |error| format!("RMSE {}{time}, ", number(error, 3)));
-        format!("{rmse}{} samples", number(self.samples, 4))
+        let samples =
+            if self.samples == 1.0 { "1 sample".into() } else { format!("{} samples", number(self.samples, 4)) };
+        format!("{rmse}{samples}")
     }
 
     /// Its error in the common time: squares fall as one over time.
@@ -144,7 +146,7 @@ impl Measured {
         };
         let shift = value / ratio.value;
         if !(shift.is_finite() && shift > 0.0) {
-            return Ratio::UNKNOWN;
+            return Ratio { value, ..Ratio::UNKNOWN };
         }
         Ratio { value, interval: ratio.interval.map(|end| end * shift) }
     }

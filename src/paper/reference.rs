@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::bench::{Bench, TIMES};
 use super::rmse::{self, Rmse};
-use super::run::{Contender, Run};
+use super::run::{Contender, LeftOut, Run};
 use crate::error::Result;
 use crate::figures::number;
 use crate::film::Pixel;
@@ -67,11 +67,11 @@ pub fn goal(runs: &[Run], judge: &Run) -> f64 {
 
 impl Bench<'_> {
     /// The converged image of `scene`: what there is of it, and up to `seconds` more of it until its squared error is
-    /// at most `goal`.
+    /// at most `goal`. What is left out of it is looked at unless that is known.
     ///
     /// # Errors
     /// If it cannot be rendered or written.
-    pub fn reference(&self, scene: LoadedScene, goal: f64, seconds: f64) -> Result<Reference> {
+    pub fn reference(&self, scene: LoadedScene, left_out: &LeftOut, goal: f64, seconds: f64) -> Result<Reference> {
         let name = format!("{}-{}", scene.name, &scene.hash()[..16]);
         let file = self.folder.reference(&name);
         let path = self.folder.path(&file);
@@ -81,7 +81,7 @@ impl Bench<'_> {
         }
         self.tell.line(&format!("  reference of {}", scene.name));
         let sums = path.with_extension("checkpoint");
-        let mut run = self.resumed(scene, &sums)?;
+        let mut run = self.resumed(scene, left_out, &sums)?;
         while run.seconds() < seconds && !self.tell.stops() {
             run.until((run.seconds() + LOOK).min(seconds), self.tell);
             if rmse::own(run.film().pixels()) <= goal {
@@ -98,8 +98,9 @@ impl Bench<'_> {
     }
 
     /// A render of `scene` that goes on from the sums at `path`, if they are its own.
-    fn resumed(&self, scene: LoadedScene, path: &Path) -> Result<Run> {
-        let mut run = Run::begin(Contender { name: "reference".into(), scene }, self.workers, self.tell)?;
+    fn resumed(&self, scene: LoadedScene, left_out: &LeftOut, path: &Path) -> Result<Run> {
+        let contender = Contender { name: "reference".into(), scene };
+        let mut run = Run::begin(contender, left_out, self.workers, self.tell)?;
         if path.is_file() {
             let resumed = Checkpoint::open(path).and_then(|mut checkpoint| run.resume(&mut checkpoint));
             if let Err(error) = resumed {
@@ -160,14 +161,14 @@ mod tests {
     #[test]
     fn what_is_kept_is_added_to_until_the_goal_is_reached() {
         with_bench(|bench| {
-            let reference = |goal| bench.reference(scene(bench), goal, 0.2).expect("a reference");
+            let reference = |goal| bench.reference(scene(bench), &LeftOut::new(), goal, 0.2).expect("a reference");
             let first = reference(0.0);
             let second = reference(0.0);
             assert!(first.samples >= 1.0 && second.samples > first.samples, "{} {}", first.samples, second.samples);
             assert_eq!(reference(2.0 * second.squared()).samples, second.samples, "it is good enough");
             // The very image of one run of as many samples.
             let contender = Contender { name: "one run".into(), scene: scene(bench) };
-            let mut run = Run::begin(contender, 1, &Quiet).expect("a run");
+            let mut run = Run::begin(contender, &LeftOut::new(), 1, &Quiet).expect("a run");
             run.take(second.samples as u32).expect("a render");
             assert!(run.film().pixels().map(|pixel| pixel.mean).eq(second.pixels.iter().map(|pixel| pixel.mean)));
         });
@@ -176,10 +177,10 @@ mod tests {
     #[test]
     fn what_cannot_be_gone_on_with_is_begun_anew() {
         with_bench(|bench| {
-            let first = bench.reference(scene(bench), 0.0, 0.1).expect("a reference");
+            let first = bench.reference(scene(bench), &LeftOut::new(), 0.0, 0.1).expect("a reference");
             let sums = bench.folder.path(&first.file).with_extension("checkpoint");
             std::fs::write(&sums, "torn").expect("a file");
-            let second = bench.reference(scene(bench), 0.0, 0.1).expect("a reference");
+            let second = bench.reference(scene(bench), &LeftOut::new(), 0.0, 0.1).expect("a reference");
             assert!(second.samples >= 1.0 && Checkpoint::open(&sums).is_ok());
         });
     }
@@ -191,7 +192,8 @@ mod tests {
             let run = |technique: &str, samples| {
                 let keys = [("film.size", Value::from(vec![24, 24])), ("render.technique", technique.into())];
                 let scene = bench.scenes.load("spotlight", &keys).expect("a scene");
-                let mut run = Run::begin(Contender { name: technique.into(), scene }, 1, &Quiet).expect("a run");
+                let contender = Contender { name: technique.into(), scene };
+                let mut run = Run::begin(contender, &LeftOut::new(), 1, &Quiet).expect("a run");
                 run.take(samples).expect("a render");
                 run
             };

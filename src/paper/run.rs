@@ -1,5 +1,6 @@
 //! Renders of fogbow that go on in turns.
 
+use std::cell::OnceCell;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -11,6 +12,7 @@ use crate::film::Film;
 use crate::scene::LoadedScene;
 use crate::session::checkpoint::Checkpoint;
 use crate::session::{Limits, Outcome, Session, Settings, Target};
+use crate::truncation::Truncation;
 
 /// Something to render in turn with others.
 pub struct Contender {
@@ -20,6 +22,10 @@ pub struct Contender {
     pub scene: LoadedScene,
 }
 
+/// What a limit on the length of paths leaves out of the light of renders that are compared, once the first of them has
+/// looked: it is the same for all, however they render it.
+pub type LeftOut = OnceCell<Option<Truncation>>;
+
 /// A render of fogbow that goes on in turns.
 pub struct Run {
     /// What it is called.
@@ -27,7 +33,7 @@ pub struct Run {
     session: Session,
     last: Option<Outcome>,
     log: Log,
-    /// Seconds that went before the first sample.
+    /// Seconds that went before the first sample, but for the look at what is left out.
     pub preparation: f64,
 }
 
@@ -53,14 +59,18 @@ impl Run {
     ///
     /// # Errors
     /// If there is not enough memory.
-    pub fn begin(contender: Contender, threads: usize, tell: &dyn Tell) -> Result<Self> {
+    pub fn begin(contender: Contender, left_out: &LeftOut, threads: usize, tell: &dyn Tell) -> Result<Self> {
         let (Contender { name, scene }, start) = (contender, Instant::now());
         let mut session = Session::new(scene, Settings { threads, ..Settings::default() })?;
         let stop = std::sync::Arc::clone(&session.monitor().stop);
-        session.prepare(false, |_| stop.store(tell.stops(), Ordering::Relaxed));
+        let look = |_| stop.store(tell.stops(), Ordering::Relaxed);
+        let opened = start.elapsed();
+        let left_out = *left_out.get_or_init(|| session.find_left_out(look));
+        let start = Instant::now();
+        session.prepare_knowing(left_out, look);
+        let preparation = (opened + start.elapsed()).as_secs_f64();
         // It stops what prepares; turns ask for themselves.
         stop.store(false, Ordering::Relaxed);
-        let preparation = start.elapsed().as_secs_f64();
         Ok(Self { name, session, last: None, log: Log::default(), preparation })
     }
 
@@ -142,7 +152,7 @@ pub(super) mod tests {
 
     pub(crate) fn runs() -> Vec<Run> {
         let both = [contender("a", "path"), contender("b", "nee")];
-        both.into_iter().map(|one| Run::begin(one, 1, &Quiet).expect("a run")).collect()
+        both.into_iter().map(|one| Run::begin(one, &LeftOut::new(), 1, &Quiet).expect("a run")).collect()
     }
 
     #[test]

@@ -30,7 +30,7 @@ pub struct Column {
 pub enum Show {
     /// With so many significant digits.
     Digits(usize),
-    /// As samples per second.
+    /// As a rate per second, with the prefix of its size.
     Rate,
     /// After `+-`, behind the number of the column before, as its standard error.
     PlusMinus(usize),
@@ -135,7 +135,7 @@ fn shown(cell: &Cell, show: Show, before: &Cell) -> String {
         (Cell::Text(text), _) => text.clone(),
         (Cell::Nothing, _) => String::new(),
         (Cell::Number(value), Show::Digits(digits)) => number(*value, digits),
-        (Cell::Number(value), Show::Rate) => rate(*value),
+        (Cell::Number(value), Show::Rate) => rate(*value).replace(" samples/s", "/s"),
         (Cell::Number(value), Show::PlusMinus(digits)) => format!(" +- {}", number(*value, digits)),
         (Cell::Number(value), Show::RatePlusMinus) => match before {
             Cell::Number(rate) => format!(" +- {}", percent(value / rate)),
@@ -189,7 +189,7 @@ mod tests {
         let table = table();
         assert_eq!(table.titles(), ["technique", "time [s]", "rate [1/s]", "gain"]);
         let texts = table.texts();
-        assert_eq!(texts[0], ["nee, \"lis\"", "0.123", "1.50 M samples/s +- 0.667 %", "4.12 (3 to 5)"]);
-        assert_eq!(texts[1], ["path", "1", "0 samples/s", "-"]);
+        assert_eq!(texts[0], ["nee, \"lis\"", "0.123", "1.50 M/s +- 0.667 %", "4.12 (3 to 5)"]);
+        assert_eq!(texts[1], ["path", "1", "0/s", "-"]);
     }
 }

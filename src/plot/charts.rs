@@ -60,11 +60,13 @@ pub struct Chart {
     pub legend: Corner,
 }
 
-/// A corner of a chart: one where no curve is.
+/// A place in a chart where no curve is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corner {
     /// Where steep falls leave room.
     UpperRight,
+    /// Where peaks on either side leave room.
+    UpperMiddle,
     /// Where curves rise.
     UpperLeft,
     /// Where curves fall.
@@ -99,6 +101,7 @@ impl Corner {
     fn position(self) -> SeriesLabelPosition {
         match self {
             Self::UpperRight => SeriesLabelPosition::UpperRight,
+            Self::UpperMiddle => SeriesLabelPosition::UpperMiddle,
             Self::UpperLeft => SeriesLabelPosition::UpperLeft,
             Self::LowerLeft => SeriesLabelPosition::LowerLeft,
         }

@@ -213,19 +213,34 @@ impl Session {
     /// meters the exposure if there will be a PNG image. Tells `look` now and then that it is at it. Once the session's
     /// monitor says stop nothing further is tried.
     pub fn prepare(&mut self, has_png: bool, look: impl FnMut(State)) {
-        let (frame, preparation) = self.watch_preparation(look, || self.prepared(has_png));
-        self.scene.frame = frame;
-        self.preparation = preparation;
+        let prepare = || self.prepared(has_png, |frame| self.leaves_out(frame));
+        (self.scene.frame, self.preparation) = self.watch_preparation(look, prepare);
+    }
+
+    /// As [`Self::prepare`] without an exposure, where `left_out` is known of the same light, rendered in another way.
+    pub fn prepare_knowing(&mut self, left_out: Option<Truncation>, look: impl FnMut(State)) {
+        let prepare = || self.prepared(false, |_| left_out);
+        (self.scene.frame, self.preparation) = self.watch_preparation(look, prepare);
+    }
+
+    /// What the limit on the length of paths leaves out, in whatever way the scene is rendered; `None` where nothing
+    /// turns light.
+    pub fn find_left_out(&self, look: impl FnMut(State)) -> Option<Truncation> {
+        self.watch_preparation(look, || self.leaves_out(&self.scene.frame))
+    }
+
+    fn leaves_out(&self, frame: &Frame) -> Option<Truncation> {
+        truncation::estimate(frame, self.scene.scene.film.size, &self.renderer, &self.monitor)
     }
 
     /// The frame with what the scene left open, and what is known before the first sample.
-    fn prepared(&self, has_png: bool) -> (Frame, Preparation) {
+    fn prepared(&self, has_png: bool, left_out: impl FnOnce(&Frame) -> Option<Truncation>) -> (Frame, Preparation) {
         let Self { scene: LoadedScene { scene, frame, .. }, renderer, monitor, .. } = self;
         let size = scene.film.size;
         let metered = || metering::exposure(frame, size, renderer, monitor);
         let exposure = has_png.then(|| scene.film.exposure.0.map_or_else(metered, Exposure));
         let (frame, trials) = pilot::choose(frame, size, self.scene.choices(), renderer, monitor);
-        let left_out = truncation::estimate(&frame, size, renderer, monitor);
+        let left_out = left_out(&frame);
         (frame, Preparation { trials, left_out, exposure })
     }
 

@@ -193,9 +193,23 @@ fn pictures_at_equal_time_are_made() {
 
 /// These take longer than their budget: all of their renders are prepared, and every setting takes a few samples.
 #[cfg(feature = "long")]
-#[test]
-fn all_else_is_made() {
-    shown(&["fig9", "fig10", "scaling"]);
+mod longer {
+    use super::shown;
+
+    #[test]
+    fn phase_functions_are_compared() {
+        shown(&["fig9"]);
+    }
+
+    #[test]
+    fn clouds_are_compared() {
+        shown(&["fig10"]);
+    }
+
+    #[test]
+    fn costs_are_measured() {
+        shown(&["scaling"]);
+    }
 }
 
 /// Without Mitsuba there are recorded figures, until Mitsuba is there.

@@ -18,7 +18,7 @@ use super::bench::{Bench, Times};
 use super::measure::Measured;
 use super::ratio::{Ratio, Verdict, Worth};
 use super::reference::{self, Reference};
-use super::run::{Contender, Run};
+use super::run::{Contender, LeftOut, Run};
 use super::section::{Claim, Plot, Table};
 use super::turns::{Renders, equal_time};
 use crate::error::Result;
@@ -123,7 +123,8 @@ impl Contest<'_> {
         let changes = [self.changes, &seed].concat();
         let contender = self.best.contender(self.bench, self.scene, self.times.each, &changes)?;
         let judge = runs.iter().find(|run| run.name == self.best.name).expect("the best technique is one of them");
-        self.bench.reference(contender.scene, reference::goal(runs, judge), self.times.reference)
+        let left_out = LeftOut::from(judge.session().preparation().left_out);
+        self.bench.reference(contender.scene, &left_out, reference::goal(runs, judge), self.times.reference)
     }
 
     /// What `runs` came to, errors for `common` seconds if that is given; least errors first.
@@ -202,7 +203,7 @@ fn convergence(bench: &Bench<'_>, item: &str, name: &str, title: &str, measured:
         y: Axis::logarithmic("RMSE"),
         curves: measured.iter().enumerate().flat_map(curves).collect(),
         from_zero: false,
-        legend: Corner::LowerLeft,
+        legend: Corner::UpperRight,
     };
     let caption = "RMSE against rendering time. Marks are measured, after every turn; lines are the law that errors fall \
                    with the root of time, through the last mark.";
@@ -222,8 +223,11 @@ fn claim(published: &str, source: &str, verdict: Verdict, found: String, why: &s
 /// A factor with its interval: `4.1 (3.5 to 4.9) times`.
 fn times(ratio: Ratio) -> String {
     let Ratio { value, interval: [low, high] } = ratio;
-    if !value.is_finite() || !high.is_finite() {
+    if !value.is_finite() {
         return "an unknown number of times".into();
+    }
+    if !high.is_finite() {
+        return format!("about {} times", number(value, 2));
     }
     format!("{} ({} to {}) times", number(value, 2), number(low, 2), number(high, 2))
 }

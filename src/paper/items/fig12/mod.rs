@@ -92,8 +92,8 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
             format!(
                 "Paths with exactly {VERTICES} vertices between a start and a light {DISTANCE} mean free paths away, \
                  in fog of g = {G}; they arrive at the start at 45 degrees to the way to the light. Distance, radius \
-                 and g are ours. All techniques estimate the same integral; what differs is how far single samples \
-                 are from it."
+                 and g are ours. All techniques estimate the same integral, MVNEE as far as it makes such paths; what \
+                 differs is how far single samples are from it."
             ),
             format!(
                 "Path tracing walks {VERTICES} vertices and then connects: random ones end anywhere, and the best of \
@@ -180,7 +180,7 @@ fn histogram(bench: &Bench<'_>, all: &[Made], unit: f64) -> Result<Plot> {
         y: Axis::linear("density"),
         curves: all.iter().enumerate().zip(&logs).map(curve).collect(),
         from_zero: true,
-        legend: Corner::UpperLeft,
+        legend: Corner::UpperMiddle,
     };
     let caption = "Contributions of single samples. A technique is good if all of them are near the mean, 0.";
     bench.plot(NAME, "contributions", caption, &chart)
