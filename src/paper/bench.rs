@@ -20,7 +20,7 @@ use crate::image::{self, Format};
 use crate::plot::{self, Chart, Panel};
 use crate::scene::LoadedScene;
 
-/// Rendering time per picture below which pictures get smaller [s].
+/// Rendering time per picture below which pictures get smaller `[s]`.
 const FULL_SIZE_FROM: f64 = 3.0;
 /// Least side of a picture in pixels.
 const LEAST_SIDE: f64 = 32.0;
@@ -48,9 +48,9 @@ pub const TIMES: f64 = 11.0;
 /// How the time of an item is shared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
-    /// What every render gets [s].
+    /// What every render gets `[s]`.
     pub each: f64,
-    /// What their reference gets at most [s].
+    /// What their reference gets at most `[s]`.
     pub reference: f64,
 }
 

@@ -28,7 +28,7 @@ pub struct Measured {
     pub turns: Vec<Turn>,
     /// Seconds and error of its image after every turn.
     pub course: Vec<(f64, f64)>,
-    /// The time for which errors are given; none for the time that it took [s].
+    /// The time for which errors are given; none for the time that it took `[s]`.
     pub common: Option<f64>,
     /// The render, if it is fogbow's own.
     pub run: Option<Run>,

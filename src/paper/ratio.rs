@@ -56,7 +56,7 @@ impl Verdict {
 /// One turn of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// How long it took [s].
+    /// How long it took `[s]`.
     pub seconds: f64,
     /// Samples of every pixel.
     pub samples: f64,

@@ -13,7 +13,7 @@ use crate::image;
 use crate::scene::LoadedScene;
 use crate::session::checkpoint::Checkpoint;
 
-/// Time between looks at the error [s].
+/// Time between looks at the error `[s]`.
 const LOOK: f64 = 1.0;
 
 /// An image that others are measured against.

@@ -8,7 +8,7 @@ use crate::film::Pixel;
 
 type Outcome<T> = core::result::Result<T, String>;
 
-/// Length of a turn [s]: some of them fit into the time of every contender.
+/// Length of a turn `[s]`: some of them fit into the time of every contender.
 pub const TURN: f64 = 0.5;
 /// Fewest and most turns of a contender: from the spread of them comes how sure a comparison is.
 pub const TURNS: [u32; 2] = [8, 12];

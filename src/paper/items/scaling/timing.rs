@@ -89,7 +89,7 @@ impl<'a> Timed<'a> {
         Ok(Self { setting, renderer, film, samples: 0, turns: Vec::new() })
     }
 
-    /// Takes `samples` more of every pixel, and says how long that took [s].
+    /// Takes `samples` more of every pixel, and says how long that took `[s]`.
     fn take(&mut self, samples: u32) -> f64 {
         let (start, range) = (Instant::now(), self.samples..self.samples + samples);
         self.renderer.render(&self.setting.frame, &SIMD, &self.film, range, &Monitor::default());
