@@ -268,6 +268,19 @@ mod tests {
     }
 
     #[test]
+    fn pixels_without_samples_are_told_from_black_ones() {
+        let (board, session) = shown();
+        let mut picture = Picture::after(None, &session);
+        let red = |picture: &Picture| f32::from_le_bytes(picture.bytes()[32..36].try_into().expect("four bytes"));
+        assert!(red(&picture).is_nan());
+        assert!(picture.radiance().all(|rgb| rgb == [0.0; 3]) && picture.noise().all(f32::is_nan));
+        render(&session, 1);
+        picture = Picture::after(Some(&picture), &session);
+        assert!(picture.radiance().all(|rgb| rgb[0] >= 0.0) && red(&picture) >= 0.0);
+        assert_eq!(board.picture().expect("a picture").bytes(), picture.bytes());
+    }
+
+    #[test]
     fn before_the_first_sample_pictures_are_not_taken_all_the_time() {
         let (board, session) = shown();
         assert!(board.picture().is_none());

@@ -21,7 +21,7 @@ pub struct Picture {
     /// Samples of all pixels of every tile.
     samples: Vec<u64>,
     /// Row by row from the top: mean radiance, red, green, blue, and the length of the vector of their standard errors,
-    /// NaN where there is none yet [W/(m^2 sr)].
+    /// all of them NaN where there is none yet [W/(m^2 sr)].
     pixels: Vec<[f32; 4]>,
     /// All of it as bytes, once somebody has asked.
     bytes: OnceLock<Arc<[u8]>>,
@@ -36,7 +36,7 @@ impl Picture {
             frame: session.frame_number(),
             exposure: Exposure(0.0),
             samples: vec![0; film.tile_count()],
-            pixels: vec![[0.0, 0.0, 0.0, f32::NAN]; film.region().pixels() as usize],
+            pixels: vec![[f32::NAN; 4]; film.region().pixels() as usize],
             bytes: OnceLock::new(),
         };
         let mut picture = before.cloned().unwrap_or_else(fresh);
@@ -91,9 +91,9 @@ impl Picture {
         self.samples.iter().sum()
     }
 
-    /// Mean radiance, red, green, blue, of all pixels, row by row from the top [W/(m^2 sr)].
+    /// Mean radiance, red, green, blue, of all pixels, row by row from the top, 0 where there is none yet [W/(m^2 sr)].
     pub fn radiance(&self) -> impl Iterator<Item = [f32; 3]> + Clone + '_ {
-        self.pixels.iter().map(|[r, g, b, _]| [*r, *g, *b])
+        self.pixels.iter().map(|[r, g, b, _]| [*r, *g, *b].map(|value| if value.is_nan() { 0.0 } else { value }))
     }
 
     fn means(&self) -> impl Iterator<Item = [f64; 3]> + Clone + '_ {
@@ -120,8 +120,8 @@ impl Picture {
         let mut bytes = Vec::with_capacity(32 + 16 * self.pixels.len());
         bytes.extend([x0, y0, self.region.width(), self.region.height()].map(u32::to_le_bytes).as_flattened());
         bytes.extend([self.samples() as f64, self.exposure.0].map(f64::to_le_bytes).as_flattened());
-        for ([r, g, b], noise) in self.radiance().zip(self.noise()) {
-            bytes.extend([r, g, b, noise].map(f32::to_le_bytes).as_flattened());
+        for ([r, g, b, _], noise) in self.pixels.iter().zip(self.noise()) {
+            bytes.extend([*r, *g, *b, noise].map(f32::to_le_bytes).as_flattened());
         }
         bytes
     }

@@ -249,6 +249,26 @@ def crop(browser, work):
     wait_for("the end", lambda: browser.text("phase") == "stopped")
 
 
+def unfinished(browser, work):
+    step("where there are no samples yet, the image is chequered and says so")
+    scene = str(ROOT / "scenes" / "fog-facing")
+    flags = [scene, "-o", "u.png", "--size", "200x150", "--exposure", "0", "--reference", "all", "--threads", "1"]
+    render, url = started(work, [*flags, "--samples", "100000", "--checkpoint", "off"])
+    browser.open(url)
+    wait_for("the first picture", lambda: browser.run("return picture !== null"))
+    place = browser.run("return picture.values.findIndex((value, i) => i % 4 === 0 && isNaN(value)) / 4")
+    assert place >= 0, "the first picture has all pixels"
+    place = int(place)
+    assert browser.canvas()[2][4 * place] in (0x48, 0x58), "it is grey"
+    assert browser.run("return !nothing.hidden && nothing.textContent.includes('nothing yet')")
+    browser.point_at(place % 200, place // 200)
+    assert browser.text("radiance") == "nothing yet" and browser.text("exposed") == "-"
+    wait_for("numbers of another moment", lambda: "samples in the image" in dict(browser.rows("progress")))
+    browser.screenshot("9-unfinished")
+    render.send_signal(2)
+    render.wait(PATIENCE)
+
+
 def frames(browser, work):
     step("frames of an animation")
     scene = str(ROOT / "scenes" / "fog-facing")
@@ -274,6 +294,7 @@ def main():
             widths(browser, work)
             dark(browser, work)
             crop(browser, work)
+            unfinished(browser, work)
             frames(browser, work)
         finally:
             browser.close()
