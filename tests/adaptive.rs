@@ -173,7 +173,7 @@ fn a_resumed_render_has_the_bits_of_one_that_was_not_interrupted() {
         }
         let mut other = session(scene(1, 40), Settings::default());
         let error = other.resume(&mut Checkpoint::open(&path).expect("a checkpoint")).expect_err("not adaptive");
-        assert!(error.finding.ends_with("adaptive is true there and false here"), "{error}");
+        assert!(error.finding.ends_with("adaptive is true there, false here"), "{error}");
     }
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::MergeArgs;
 use super::denoising::{Denoising, Noisy};
 use super::destinations::{self, Destination};
+use super::parts;
 use super::progress::Reporter;
 use crate::error::{Error, Result};
 use crate::figures::number;
@@ -19,7 +20,9 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     let outputs = args.output.iter().map(|image| Destination { flag: "--output", path: &image.path });
     let denoised = denoising.iter().flat_map(|denoising| denoising.destinations());
     let outputs: Vec<_> = outputs.chain(denoised).collect();
-    destinations::check(&outputs, &args.parts)?;
+    let results: Vec<_> = outputs.iter().map(|output| output.path).collect();
+    let parts = parts::all(&args.parts, &results)?;
+    destinations::check(&outputs, &parts)?;
     destinations::check_lines(&outputs, args.progress)?;
     let reporter = Reporter::new(args.progress);
     let has_png = args.output.iter().any(|image| image.format == Format::Png);
@@ -27,7 +30,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
         reporter.warn(format!("--exposure {stops} has no effect: only PNG images are exposed, and none is written"));
     }
     denoising.iter().filter_map(Denoising::warning).for_each(|warning| reporter.warn(warning));
-    if args.weighted { weighted(args, &reporter) } else { exact(args, denoising.as_ref(), reporter) }
+    if args.weighted { weighted(args, &parts, &reporter) } else { exact(args, &parts, denoising.as_ref(), reporter) }
 }
 
 /// What `--exposure` says, or else `otherwise`, or else what a light meter says of the pixels.
@@ -39,11 +42,12 @@ fn exposure(args: &MergeArgs, otherwise: Option<Exposure>, pixels: impl Iterator
     asked.unwrap_or(otherwise).unwrap_or_else(|| Exposure::metered(pixels))
 }
 
-fn exact(args: &MergeArgs, denoising: Option<&Denoising>, mut reporter: Reporter) -> Result<()> {
-    let (start, count) = (Instant::now(), args.parts.len());
+fn exact(args: &MergeArgs, parts: &[PathBuf], denoising: Option<&Denoising>, mut reporter: Reporter) -> Result<()> {
+    let (start, count) = (Instant::now(), parts.len());
     reporter.begin("merge");
     let mut look = |done| reporter.merging(done, count, start.elapsed());
-    let outcome = merge::exact_as(&args.parts, Request { expected: args.expect.clone(), look: Some(&mut look) });
+    let outcome =
+        merge::exact_as(parts, Request { expected: args.expect.clone(), crop: args.crop, look: Some(&mut look) });
     reporter.loaded();
     let merged = outcome?;
     merged.warnings.iter().for_each(|warning| reporter.warn(warning));
@@ -68,18 +72,18 @@ fn exact(args: &MergeArgs, denoising: Option<&Denoising>, mut reporter: Reporter
     let noise = Some(film.relative_noise()).filter(|noise| noise.is_finite());
     let noise = noise.map_or_else(String::new, |noise| format!(", noise {} %", number(100.0 * noise, 3)));
     let samples = if per_pixel == 1.0 { "1 sample".into() } else { format!("{} samples", number(per_pixel, 4)) };
-    reporter.line(format!("{}: {}, {samples} per pixel{noise}", names(args), images(&args.parts)));
+    reporter.line(format!("{}: {}, {samples} per pixel{noise}", names(args), images(parts)));
     let noisy = Noisy { film, size: *size, header, exposure, threads: 0 };
     denoising.map_or(Ok(()), |denoising| denoising.finish(&noisy, || false, &reporter))
 }
 
-fn weighted(args: &MergeArgs, reporter: &Reporter) -> Result<()> {
-    let merged = merge::weighted(&args.parts)?;
+fn weighted(args: &MergeArgs, parts: &[PathBuf], reporter: &Reporter) -> Result<()> {
+    let merged = merge::weighted(parts)?;
     for image in &args.output {
         match image.format {
             Format::Exr => output::write(&image.path, || false, |file| image::exr::write_image(file, &merged))?,
             Format::Png => {
-                let pixels = colours(&args.parts, &merged)?;
+                let pixels = colours(parts, &merged)?;
                 let exposure = exposure(args, None, pixels.iter().copied());
                 let rows = pixels.chunks(merged.width).map(|row| row.iter().flat_map(|rgb| exposure.encode(*rgb)));
                 let (size, notes) = ([merged.width as u32, merged.height as u32], [("exposure", exposure.to_string())]);
@@ -87,7 +91,7 @@ fn weighted(args: &MergeArgs, reporter: &Reporter) -> Result<()> {
             }
         }
     }
-    reporter.line(format!("{}: weighted mean of {}, without exact sums", names(args), images(&args.parts)));
+    reporter.line(format!("{}: weighted mean of {}, without exact sums", names(args), images(parts)));
     Ok(())
 }
 

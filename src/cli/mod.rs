@@ -13,6 +13,7 @@ mod loading;
 mod merge;
 mod onlookers;
 mod paper;
+mod parts;
 mod paths;
 mod presets;
 mod progress;
@@ -54,7 +55,7 @@ enum Command {
     Render(Box<RenderArgs>),
     /// Compare two EXR images: how much they differ, and whether noise explains it.
     Compare(CompareArgs),
-    /// Put together EXR images that are parts of one render: other samples, or other pixels.
+    /// Merge EXR images that are parts of one render (different samples or different pixels).
     Merge(MergeArgs),
     /// Describe a scene and what it costs to render, an image and its header, a checkpoint, or a volume and its grids.
     Info(InfoArgs),
@@ -79,7 +80,7 @@ enum Progress {
     Json,
     /// Lines for Open Job Description workers, on standard output.
     Openjd,
-    /// Lines as Alfred reads them, and Tractor, on standard output.
+    /// Lines that Alfred and Tractor read, on standard output.
     Alf,
     /// Only warnings and errors.
     None,
@@ -128,8 +129,8 @@ struct RenderArgs {
     /// Longest path, in segments, including the camera and light segments, or auto, where no number ends it.
     #[arg(long, value_name = "K|auto", allow_hyphen_values = true, value_parser = values::segments)]
     max_segments: Option<toml::Value>,
-    /// Samples per pixel. Of --samples, --time and --noise, what comes first ends the render; without any of them it is
-    /// render.samples of the scene.
+    /// Samples per pixel. Of --samples, --time and --noise, whichever comes first ends the render; without any of them it
+    /// is render.samples of the scene.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]
     samples: Option<i64>,
@@ -141,11 +142,11 @@ struct RenderArgs {
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
     /// Give noisy parts of the image more samples than others, from an eighth of the mean to about eight times it;
-    /// --samples is then the number of samples of the mean pixel. How many, is decided by samples that are not kept, so
+    /// --samples is then the number of samples of the mean pixel. The number is decided by samples that are not kept, so
     /// that the image stays unbiased. It pays where noise is uneven.
     #[arg(long)]
     adaptive: bool,
-    /// Render samples A to B of every pixel, not including B, or those of them that --time or --noise leave. Parts of
+    /// Render samples A to B of every pixel, not including B, or as many of them as --time or --noise allow. Parts of
     /// the same render, made anywhere, are put together with fogbow merge. With --adaptive, A and B are samples of the
     /// mean pixel.
     #[arg(long, value_name = "A..B", conflicts_with = "samples", allow_hyphen_values = true)]
@@ -233,15 +234,16 @@ struct CompareArgs {
 /// What the help page of merge says beyond flags.
 const ABOUT_MERGING: &str = "\
 EXR images of fogbow hold exact sums of their samples. Parts made with --sample-range or --crop, in any order, on any
-machines, make the very image of one render, an adaptive one too; its crops are renders of their own. Parts of other
-scenes or settings, and samples that two parts have, are refused; a warning says which samples no part has, or with
---expect an error. What was merged can be merged again.";
+machines, merge to exactly the image of a single render, adaptive or not; in adaptive renders, each crop counts as a
+render of its own. Parts of other scenes or settings, and samples that two parts have, are refused; a warning says which
+samples are missing, or with --expect an error. What was merged can be merged again.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_MERGING)]
 struct MergeArgs {
-    /// The parts: EXR images.
-    #[arg(required = true, value_name = "PART.exr")]
+    /// The parts: EXR images, folders of them, or @LIST, a file with a path in every line (for an image called @a.exr
+    /// give ./@a.exr). Images in a folder that this command writes are no parts.
+    #[arg(required = true, value_name = "PART.exr|FOLDER|@LIST")]
     parts: Vec<PathBuf>,
     /// Where to write the image: a name that ends in .exr or .png, or exr:PATH or png:PATH for any other name. May be
     /// repeated.
@@ -256,6 +258,11 @@ struct MergeArgs {
     #[arg(long, value_name = "A..B", conflicts_with = "weighted", allow_hyphen_values = true)]
     #[arg(value_parser = values::expected)]
     expect: Option<SampleRange>,
+    /// Pixels that --expect is about, if not all of the image: columns X0 to X1 and rows Y0 to Y1, not including X1 and
+    /// Y1.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", requires = "expect", allow_hyphen_values = true)]
+    #[arg(value_parser = values::crop)]
+    crop: Option<[u32; 4]>,
     /// Write the merged image without noise as well, as render does; its parts need the layers albedo and normal.
     #[arg(long, conflicts_with = "weighted")]
     denoise: bool,

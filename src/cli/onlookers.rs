@@ -98,7 +98,7 @@ fn obstacle(error: &io::Error, address: SocketAddr) -> (String, &'static str) {
             (format!("another program has port {}", address.port()), "give another port, or 0 for any that is free")
         }
         io::ErrorKind::AddrNotAvailable => (
-            format!("{} is no address of this machine", address.ip()),
+            format!("{} is not an address of this machine", address.ip()),
             "give one of its addresses, 0.0.0.0 for all of them, or a port alone",
         ),
         io::ErrorKind::PermissionDenied => (

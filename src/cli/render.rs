@@ -155,7 +155,8 @@ impl Run<'_> {
     /// What is asked of a render of `scene`, and whether it can be had.
     fn request(&mut self, scene: &LoadedScene, turn: Option<Turn>) -> Result<Request> {
         let args = self.args;
-        let region = region(args, scene.scene.film.size)?;
+        let size @ [width, height] = scene.scene.film.size;
+        let region = args.crop.map_or(Ok(Region::whole(width, height)), |crop| Region::cropped(crop, size))?;
         let (outputs, statistics) = (outputs(args, scene, turn), args.stats.as_ref().map(|path| named(path, turn)));
         let first_sample = args.sample_range.as_ref().map_or(0, |range| range.start);
         let limits = limits(args, scene, first_sample);
@@ -211,7 +212,7 @@ impl Run<'_> {
         let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, request.possible_others());
         if is_done {
             let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
-            self.reporter.line(format!("{}: there already", names.join(", ")));
+            self.reporter.line(format!("{}: already there, skipped", names.join(", ")));
         }
         is_done
     }
@@ -301,17 +302,6 @@ fn overrides(args: &RenderArgs) -> Vec<Override> {
 /// A number or a word as it is written after its flag.
 fn word(value: &toml::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_string)
-}
-
-fn region(args: &RenderArgs, [width, height]: [u32; 2]) -> Result<Region> {
-    let whole = Region::whole(width, height);
-    let Some([x0, y0, x1, y1]) = args.crop else { return Ok(whole) };
-    if x0 < x1 && y0 < y1 && x1 <= width && y1 <= height {
-        return Ok(Region { x0, y0, x1, y1 });
-    }
-    let finding = format!("the window is empty or reaches outside the image of {width}x{height} pixels");
-    let remedy = "give X0,Y0,X1,Y1 with 0 <= X0 < X1 <= width and 0 <= Y0 < Y1 <= height";
-    Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
 }
 
 /// Where a result goes, or that of a frame.

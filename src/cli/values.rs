@@ -218,8 +218,8 @@ pub fn checkpoints(text: &str) -> Result<Checkpoints> {
     if text == "off" {
         return Ok(Checkpoints::Off);
     }
-    let interval =
-        duration(text).and_then(|interval| if interval.is_zero() { Err("is no time") } else { Ok(interval) });
+    let interval = duration(text)
+        .and_then(|interval| if interval.is_zero() { Err("must be longer than 0") } else { Ok(interval) });
     interval.map(Checkpoints::Every).or_else(|finding| {
         refuse("--checkpoint", text, finding, "give the time between checkpoints, for example 60s or 5min, or off")
     })
@@ -337,11 +337,17 @@ pub fn expected(text: &str) -> Result<SampleRange> {
 
 /// The range of samples after `flag`.
 fn samples(flag: &str, text: &str) -> Result<SampleRange> {
-    let numbers = text.split_once("..").and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
-    let finding = match numbers {
+    let number = |text: &str| match text.trim() {
+        "" => None,
+        digits if digits.bytes().all(|byte| byte.is_ascii_digit()) => Some(digits.parse().unwrap_or(u32::MAX)),
+        _ => None,
+    };
+    let finding = match text.split_once("..").and_then(|(a, b)| Some(number(a)?..number(b)?)) {
         None => "is not a range of samples".into(),
+        Some(range) if range.end > MOST_SAMPLES => {
+            format!("reaches beyond {MOST_SAMPLES}, the most that a pixel can have")
+        }
         Some(range) if range.is_empty() => "is empty".into(),
-        Some(range) if range.end > MOST_SAMPLES => format!("reaches beyond {MOST_SAMPLES}"),
         Some(range) => return Ok(range),
     };
     refuse(flag, text, finding, "give A..B, not including B, for example 0..64")

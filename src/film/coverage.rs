@@ -10,6 +10,8 @@ use crate::scene::schema::MOST_SAMPLES;
 
 /// Parts of the longest list that is read: adaptive renders have one for every tile.
 const MOST_PARTS: usize = 1 << 17;
+/// Parts around which rectangles without samples are looked for.
+const MOST_AROUND: usize = 1 << 12;
 
 /// Samples of all pixels of a rectangle.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +33,8 @@ pub struct Gap {
     pub samples: Range<u32>,
     /// How many pixels lack them.
     pub pixels: u64,
+    /// Which pixels, in few rectangles; empty if there are too many parts around them to tell.
+    pub regions: Vec<Region>,
 }
 
 impl Part {
@@ -119,16 +123,43 @@ impl Coverage {
         let mut gaps: Vec<Gap> = Vec::new();
         for pair in ends.windows(2) {
             let has = |part: &&Part| part.samples.contains(&pair[0]);
-            let pixels = parts.iter().filter(has).map(|part| part.region.pixels()).sum::<u64>();
-            let missing = whole.region.pixels().saturating_sub(pixels);
+            let there: Vec<_> = parts.iter().filter(has).map(|part| part.region).collect();
+            let pixels = whole.region.pixels().saturating_sub(there.iter().map(|region| region.pixels()).sum());
+            if pixels == 0 {
+                continue;
+            }
+            let regions = if there.len() > MOST_AROUND { Vec::new() } else { without(whole.region, &there) };
             match gaps.last_mut() {
-                _ if missing == 0 => {}
-                Some(gap) if gap.samples.end == pair[0] && gap.pixels == missing => gap.samples.end = pair[1],
-                _ => gaps.push(Gap { samples: pair[0]..pair[1], pixels: missing }),
+                Some(gap) if gap.samples.end == pair[0] && (gap.pixels, &gap.regions) == (pixels, &regions) => {
+                    gap.samples.end = pair[1];
+                }
+                _ => gaps.push(Gap { samples: pair[0]..pair[1], pixels, regions }),
             }
         }
         gaps
     }
+}
+
+/// What is left of `whole` without these `parts` of it, in few rectangles.
+fn without(whole: Region, parts: &[Region]) -> Vec<Region> {
+    let rest = |left: Vec<Region>, part: &Region| left.into_iter().flat_map(|left| around(left, *part)).collect();
+    let rectangles: Vec<Region> = parts.iter().fold(vec![whole], rest);
+    let rectangles = rectangles.into_iter().map(|region| Part { region, samples: 0..1 }).collect();
+    Coverage::of(rectangles).0.into_iter().map(|part| part.region).collect()
+}
+
+/// What is left of `region` without `part`: above, below, to its left and to its right.
+fn around(region: Region, part: Region) -> impl Iterator<Item = Region> {
+    let pieces = match region.intersection(part) {
+        None => vec![region],
+        Some(hole) => vec![
+            Region { y1: hole.y0, ..region },
+            Region { y0: hole.y1, ..region },
+            Region { x0: region.x0, x1: hole.x0, ..hole },
+            Region { x0: hole.x1, x1: region.x1, ..hole },
+        ],
+    };
+    pieces.into_iter().filter(|piece| piece.x0 < piece.x1 && piece.y0 < piece.y1)
 }
 
 /// Cuts parts along all edges of others, so that any two have the same pixels or none in common; not if that makes too
@@ -274,11 +305,32 @@ mod tests {
         assert_eq!(a.overlap(&coverage("0,0,8,8:4..8 7,2,9,3:3..4")), Some(both));
         assert_eq!(a.gaps([8, 8]), []);
         let gaps = a.with(&coverage("0,0,8,4:6..8")).gaps([8, 8]);
-        assert_eq!(gaps, [Gap { samples: 4..6, pixels: 64 }, Gap { samples: 6..8, pixels: 32 }]);
-        assert_eq!(
-            coverage("0,0,8,8:2..4").gaps([8, 9]),
-            [Gap { samples: 0..2, pixels: 72 }, Gap { samples: 2..4, pixels: 8 }]
-        );
+        assert_eq!(gaps, [gap(4..6, &[[0, 0, 8, 8]]), gap(6..8, &[[0, 4, 8, 8]])]);
+        let gaps = coverage("0,0,8,8:2..4").gaps([8, 9]);
+        assert_eq!(gaps, [gap(0..2, &[[0, 0, 8, 9]]), gap(2..4, &[[0, 8, 8, 9]])]);
+    }
+
+    #[test]
+    fn the_pixels_around_parts_are_few_rectangles() {
+        for (parts, expected) in [
+            ("2,2,6,6:0..1", &[[0, 0, 8, 2], [0, 2, 2, 6], [6, 2, 8, 6], [0, 6, 8, 8]][..]),
+            ("0,0,4,8:0..1", &[[4, 0, 8, 8]]),
+            ("0,0,4,4:0..1 4,4,8,8:0..1", &[[4, 0, 8, 4], [0, 4, 4, 8]]),
+            ("0,0,2,8:0..1 6,0,8,8:0..1", &[[2, 0, 6, 8]]),
+        ] {
+            let [found] = &coverage(parts).gaps([8, 8])[..] else { panic!("one range of samples: {parts}") };
+            let expected = gap(0..1, expected);
+            assert_eq!(found.pixels, expected.pixels, "{parts}");
+            assert_eq!(found.regions.len(), expected.regions.len(), "{parts}: {found:?}");
+            let covered = found.regions.iter().map(|region| region.pixels()).sum::<u64>();
+            assert_eq!(covered, found.pixels, "{parts}: {found:?}");
+        }
+    }
+
+    /// What these rectangles lack.
+    fn gap(samples: Range<u32>, regions: &[[u32; 4]]) -> Gap {
+        let regions: Vec<_> = regions.iter().map(|&[x0, y0, x1, y1]| Region { x0, y0, x1, y1 }).collect();
+        Gap { samples, pixels: regions.iter().map(|region| region.pixels()).sum(), regions }
     }
 
     #[test]
@@ -286,9 +338,8 @@ mod tests {
         let a = coverage("0,0,8,8:2..4 0,0,8,4:6..8");
         let missing = |text: &str| a.missing(&coverage(text).parts()[0]);
         assert_eq!(missing("0,0,8,8:2..4"), []);
-        assert_eq!(missing("0,0,8,4:3..7"), [Gap { samples: 4..6, pixels: 32 }]);
-        let after = Gap { samples: 8..9, pixels: 64 };
-        assert_eq!(missing("0,0,8,8:6..9"), [Gap { samples: 6..8, pixels: 32 }, after]);
+        assert_eq!(missing("0,0,8,4:3..7"), [gap(4..6, &[[0, 0, 8, 4]])]);
+        assert_eq!(missing("0,0,8,8:6..9"), [gap(6..8, &[[0, 4, 8, 8]]), gap(8..9, &[[0, 0, 8, 8]])]);
         assert_eq!(Coverage::default().missing(&coverage("0,0,2,2:0..3").parts()[0]).len(), 1);
     }
 }

@@ -5,6 +5,7 @@ use std::collections::TryReserveError;
 
 use super::sums::Sums;
 use super::{Estimate, Exact, Kind, Layer, Pixel, RADIANCE, split};
+use crate::error::{Error, Result};
 
 /// A rectangle of pixels: columns `x0 .. x1`, rows `y0 .. y1` of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,19 @@ impl Region {
     /// A whole image of `width` x `height` pixels.
     pub fn whole(width: u32, height: u32) -> Self {
         Self { x0: 0, y0: 0, x1: width, y1: height }
+    }
+
+    /// What `--crop x0,y0,x1,y1` leaves of an image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// If that is nothing, or not within the image.
+    pub fn cropped([x0, y0, x1, y1]: [u32; 4], [width, height]: [u32; 2]) -> Result<Self> {
+        if x0 < x1 && y0 < y1 && x1 <= width && y1 <= height {
+            return Ok(Self { x0, y0, x1, y1 });
+        }
+        let finding = format!("the window is empty or reaches outside the image of {width}x{height} pixels");
+        let remedy = "give X0,Y0,X1,Y1 with 0 <= X0 < X1 <= width and 0 <= Y0 < Y1 <= height";
+        Err(Error::usage(format!("--crop {x0},{y0},{x1},{y1}"), finding, remedy))
     }
 
     /// Its columns.
@@ -114,7 +128,7 @@ impl Tile {
     ///
     /// # Errors
     /// If the system refuses the memory.
-    pub fn try_new(layers: &[Layer], region: Region) -> Result<Self, TryReserveError> {
+    pub fn try_new(layers: &[Layer], region: Region) -> core::result::Result<Self, TryReserveError> {
         let mut sums = Vec::new();
         sums.try_reserve_exact(layers.len())?;
         for layer in layers {

@@ -54,7 +54,7 @@ pub fn check(root: &Root, is_played: bool, warnings: &mut Warnings) -> Checked<(
         warnings.note("extensions that are not supported are ignored", || format!("extension {}", quoted(name)));
     }
     if !root.animations.is_empty() && !is_played {
-        let finding = "animations are played by --frames alone; nodes stay where the file places them";
+        let finding = "animations play only with --frames; without it, nodes stay where the file puts them";
         warnings.note(finding, || "animation 0");
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! Images that are parts of one render, put together: exactly, by the sums in them, or by weighted means.
 
+mod missing;
 mod weighted;
 
 use core::ops::Range;
@@ -13,10 +14,8 @@ use crate::output;
 use crate::session::identity::{self, Entry};
 pub use weighted::weighted;
 
-/// Gaps that are named.
+/// Ranges of samples that are missing and named.
 const MOST_NAMED: usize = 4;
-/// Gaps that are named where there may be none: each of them is to be rendered.
-const MOST_MISSING: usize = 32;
 
 /// An image that was merged from parts.
 #[derive(Debug)]
@@ -43,8 +42,10 @@ impl Merged {
 /// What is asked of a merge beyond its parts.
 #[derive(Default)]
 pub struct Request<'a> {
-    /// The samples that all pixels of the parts are to have, neither fewer nor others.
+    /// The samples that all pixels are to have, neither fewer nor others.
     pub expected: Option<Range<u32>>,
+    /// The pixels that are to have them, and no others, as `--crop` has them; those of the whole image if absent.
+    pub crop: Option<[u32; 4]>,
     /// Told how many parts have been added up.
     pub look: Option<&'a mut dyn FnMut(usize)>,
 }
@@ -73,13 +74,16 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
     let region = parts.iter().map(|part| part.region).reduce(Region::hull).expect("at least one part");
     let all = parts.iter().flat_map(|part| part.coverage.parts()).cloned().collect();
     let (coverage, About { size, layers, .. }) = (Coverage::of(all), &parts[0]);
+    let is_checked = request.expected.is_some();
     if let Some(samples) = request.expected {
         if is_adaptive(&parts) {
             let finding = "is for pixels that all have the same samples, but these parts are adaptive";
             let remedy = "leave it out: a warning says whether parts of an adaptive render leave a hole";
             return Err(Error::usage(format!("--expect {}..{}", samples.start, samples.end), finding, remedy));
         }
-        check_complete(&coverage, &Part { region, samples })?;
+        let whole = Region::whole(size[0], size[1]);
+        let region = request.crop.map_or(Ok(whole), |crop| Region::cropped(crop, *size))?;
+        missing::check(&coverage, &Part { region, samples })?;
     }
     let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
         let finding = format!("an image of {} pixels does not fit into memory: {error}", region.pixels());
@@ -90,7 +94,7 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
         look.iter_mut().for_each(|look| look(index + 1));
     }
     coverage.parts().iter().for_each(|part| film.count(part.region, part.samples.len() as u32));
-    let warnings = warnings(&parts, &coverage, &film);
+    let warnings = warnings(&parts, &coverage, &film, is_checked);
     Ok(Merged { film, size: *size, header: header(&parts, region, &coverage), warnings })
 }
 
@@ -129,36 +133,13 @@ fn again(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<
     Err(Error::failure(path.display(), finding, "merge once nobody writes parts any more"))
 }
 
-/// Fails unless there are all samples of `whole`, and no others.
-fn check_complete(coverage: &Coverage, whole: &Part) -> Result<()> {
-    let Range { start, end } = whole.samples;
-    let fault = |finding, remedy| Err(Error::failure(format!("--expect {start}..{end}"), finding, remedy));
-    let (missing, all) = (coverage.missing(whole), whole.region.pixels());
-    let of = |pixels| if pixels == all { String::new() } else { format!(" of {pixels} of {all} pixels") };
-    let ranges = missing.iter().map(|gap| format!("{}..{}{}", gap.samples.start, gap.samples.end, of(gap.pixels)));
-    let mut named: Vec<_> = ranges.take(MOST_MISSING).collect();
-    if missing.len() > MOST_MISSING {
-        named.push(format!("and {} more ranges", missing.len() - MOST_MISSING));
-    }
-    if !named.is_empty() {
-        let finding = format!("no part has samples {}", named.join(", "));
-        return fault(finding, "render them with --sample-range, and merge again");
-    }
-    let has = coverage.hull().map_or(0..0, |hull| hull.samples);
-    if has.start < start || has.end > end {
-        let finding = format!("the parts have samples {}..{}", has.start, has.end);
-        return fault(finding, "merge none but the parts of these samples");
-    }
-    Ok(())
-}
-
 /// Fails unless the samples of `part` belong to the render of `first`.
 fn check_same(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<()> {
     let difference = identity::difference(&first.header, &part.header, &[]).map(|difference| difference.to_string());
     let same_film = first.size == part.size && first.layers == part.layers;
     let other_film = || (!same_film).then(|| "size or layers differ".to_string());
     let Some(difference) = difference.or_else(other_film) else { return Ok(()) };
-    let finding = format!("is no part of the render of {}: {difference}", first_path.display());
+    let finding = format!("does not belong to the same render as {}: {difference}", first_path.display());
     let remedy = "merge parts of one render, which differ in --sample-range or --crop alone";
     Err(Error::failure(path.display(), finding, remedy))
 }
@@ -251,25 +232,15 @@ fn is_adaptive(parts: &[About]) -> bool {
     parts.iter().any(|part| part.entry("adaptive") == Some("true"))
 }
 
-/// What a person should know of an image of these parts.
-fn warnings(parts: &[About], coverage: &Coverage, film: &Film) -> Vec<String> {
+/// What a person should know of an image of these parts; gaps in it only unless it `is_checked` that there are none.
+fn warnings(parts: &[About], coverage: &Coverage, film: &Film, is_checked: bool) -> Vec<String> {
     let [width, height] = parts[0].size;
     let is_adaptive = is_adaptive(parts);
-    let gaps = if is_adaptive { Vec::new() } else { coverage.gaps([width, height]) };
-    let all = u64::from(width) * u64::from(height);
-    let named = gaps.iter().take(MOST_NAMED).map(|gap| {
-        let pixels = match gap.pixels {
-            pixels if pixels == all => "all pixels".to_string(),
-            pixels => format!("{pixels} of {all} pixels"),
-        };
-        format!("no part has samples {}..{} of {pixels}", gap.samples.start, gap.samples.end)
-    });
-    let mut warnings: Vec<_> = named.collect();
-    if gaps.len() > MOST_NAMED {
-        warnings.push(format!("and {} more ranges of samples are missing in some pixels", gaps.len() - MOST_NAMED));
-    }
+    let gaps = if is_adaptive || is_checked { Vec::new() } else { coverage.gaps([width, height]) };
+    let (whole, all) = (Region::whole(width, height), u64::from(width) * u64::from(height));
+    let mut warnings: Vec<_> = missing::text(&gaps, whole, MOST_NAMED).into_iter().collect();
     if let holes @ 1.. = if is_adaptive { holes(coverage, film) + all - film.region().pixels() } else { 0 } {
-        warnings.push(format!("{holes} of {all} pixels lack samples before their last one, or have none"));
+        warnings.push(format!("{holes} of the {all} pixels lack samples before their last one, or have none"));
     }
     if coverage.parts().is_empty() {
         warnings.push("no part has any samples".into());

@@ -29,11 +29,11 @@ pub struct Difference {
     pub values: Option<[String; 2]>,
 }
 
-/// `medium.phase.g is 0.5 there and 0.6 here`, of the other and of this one.
+/// `medium.phase.g is 0.5 there, 0.6 here`, of the other and of this one.
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.values {
-            Some([there, here]) => write!(f, "{} is {there} there and {here} here", self.what),
+            Some([there, here]) => write!(f, "{} is {there} there, {here} here", self.what),
             None => write!(f, "{}", self.what),
         }
     }
@@ -118,15 +118,15 @@ mod tests {
         let a = entries("1", "[render]\nsamples = 4\n[[light]]\nradius = 1.5", "1");
         assert_eq!(found(&a, &entries("1", "[render]\nsamples = 8\n[[light]]\nradius = 1.5", "1")), None);
         let other = entries("2", "[render]\nsamples = 8\n[[light]]\nradius = 2", "1");
-        assert_eq!(found(&a, &other).as_deref(), Some("light[0].radius is 1.5 there and 2 here"));
+        assert_eq!(found(&a, &other).as_deref(), Some("light[0].radius is 1.5 there, 2 here"));
         let other = entries("2", "[render]\nsamples = 8\nseed = 2\n[[light]]\nradius = 1.5", "1");
-        assert_eq!(found(&a, &other).as_deref(), Some("render.seed is not set there and 2 here"));
+        assert_eq!(found(&a, &other).as_deref(), Some("render.seed is not set there, 2 here"));
         let other = entries("2", &a[1].1, "1");
         assert_eq!(found(&a, &other).as_deref(), Some("the content of a file of the scene is another one"));
-        assert_eq!(found(&a, &entries("1", &a[1].1, "2")).as_deref(), Some("starts is 1 there and 2 here"));
+        assert_eq!(found(&a, &entries("1", &a[1].1, "2")).as_deref(), Some("starts is 1 there, 2 here"));
         let frame = |number: &str| [&a[..], &[("frame".to_string(), number.to_string())]].concat();
-        assert_eq!(found(&frame("1"), &frame("2")).as_deref(), Some("frame is 1 there and 2 here"));
-        assert_eq!(found(&frame("1"), &a).as_deref(), Some("frame is 1 there and none here"));
+        assert_eq!(found(&frame("1"), &frame("2")).as_deref(), Some("frame is 1 there, 2 here"));
+        assert_eq!(found(&frame("1"), &a).as_deref(), Some("frame is 1 there, none here"));
         assert_eq!(found(&a, &a[..2]), None, "what is not known yet is not compared");
     }
 }

@@ -49,7 +49,7 @@ fn parts_of_the_samples_merge_to_the_bits_of_one_run() {
         assert_eq!(merged, whole, "{name}");
     }
     let run = folder.done(&["merge", "a.exr", "c.exr", "-o", "holes.exr"]);
-    assert!(run.stderr.contains("warning: 5760 of 5760 pixels lack samples before their last one"), "{run}");
+    assert!(run.stderr.contains("warning: 5760 of the 5760 pixels lack samples before their last one"), "{run}");
     // Samples that are there already are refused, whether tiles have as many of them or not.
     render(&folder, "even.exr", &["--samples", "60"]);
     folder.refused(&["merge", "a.exr", "even.exr", "-o", "x.exr"], 1, "even.exr: has samples ");
@@ -77,7 +77,7 @@ fn crops_merge_to_their_own_pixels() {
         }
     }
     let run = folder.done(&["merge", "left.exr", "-o", "half.exr"]);
-    assert!(run.stderr.contains("3384 of 5760 pixels lack samples"), "{run}");
+    assert!(run.stderr.contains("3384 of the 5760 pixels lack samples"), "{run}");
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn parts_with_layers_merge_to_the_bits_of_one_run() {
     folder.done(&["merge", "left.exr", "right.exr", "-o", "merged.exr"]);
     assert!(are_same(&folder, "merged.exr", "whole.exr"));
     layers(&folder, "other.exr", &["--aov", "depth", "--sample-range", "5..12"]);
-    let finding = format!("other.exr: is no part of the render of a.exr: aov is {ALL} there and depth here");
+    let finding = format!("other.exr: does not belong to the same render as a.exr: aov is {ALL} there, depth here");
     folder.refused(&["merge", "a.exr", "other.exr", "-o", "x.exr"], 1, &finding);
 }
 
@@ -152,7 +152,7 @@ fn a_session_with_layers_goes_on_from_a_checkpoint_to_the_same_bits() {
     folder.refused(
         &["render", "scene.toml", "-o", "a.exr", "--resume"],
         1,
-        &format!("{path}: is the checkpoint of another render: aov is {ALL} there and none here"),
+        &format!("{path}: is the checkpoint of another render: aov is {ALL} there, none here"),
     );
     let info = folder.done(&["info", path]);
     assert!(info.stdout.contains(&format!("aov: {ALL}")), "{info}");
@@ -243,7 +243,7 @@ mod denoised {
         assert!(run.code == Some(1) && warnings == 1 && run.stderr.contains("error: --denoise: "), "{run}");
         assert!(["a3.exr", "a4.exr", "a5.exr"].iter().all(|name| folder.path(name).is_file()), "{run}");
         let run = render(&["--resume"]);
-        assert!(run.code == Some(1) && run.stderr.matches("there already").count() == 3, "{run}");
+        assert!(run.code == Some(1) && run.stderr.matches("already there, skipped").count() == 3, "{run}");
     }
 
     #[test]

@@ -58,11 +58,14 @@ fn a_merge_that_expects_samples_says_which_are_missing() {
     let (folder, names) = parts(8, &[]);
     let lost =
         |lost: &[usize]| (0..8).filter(|index| !lost.contains(index)).map(|index| &names[index]).collect::<Vec<_>>();
-    for (without, finding) in
-        [(&[7][..], "no part has samples 14..16\n"), (&[0, 3, 4], "no part has samples 0..2, 6..10\n")]
+    for (without, ranges, first, more) in
+        [(&[7][..], "14..16", "14..16", ""), (&[0, 3, 4], "0..2, 6..10", "0..2", " and so on")]
     {
         let args = merge(lost(without), &["-o", "x.exr", "--expect", "0..16"]);
-        folder.refused(&args, 1, &format!("--expect 0..16: {finding}"));
+        let finding = format!("--expect 0..16: samples {ranges} are missing from every pixel\n");
+        let run = folder.refused(&args, 1, &finding);
+        let remedy = format!("  help: render them with --sample-range {first}{more}, and merge again\n");
+        assert!(run.stderr.ends_with(&remedy), "{run}");
     }
     let finding = "--expect 0..14: the parts have samples 0..16\n";
     folder.refused(&merge(&names, &["-o", "x.exr", "--expect", "0..14"]), 1, finding);
@@ -73,9 +76,47 @@ fn a_merge_that_expects_samples_says_which_are_missing() {
     let args = merge(&names, &["again.exr", "-o", "y.exr", "--expect", "0..16"]);
     folder.refused(&args, 1, "again.exr: has samples 6..8, which p3.exr has, too");
     folder.done(&part("crop.exr", "0..2", &["--crop", "0,0,4,8"]));
-    folder.done(&["merge", "crop.exr", "-o", "y.exr", "--expect", "0..2"]);
-    let finding = "--expect 0..16: no part has samples 0..2 of 32 of 64 pixels\n";
-    folder.refused(&merge(&names[1..], &["crop.exr", "-o", "z.exr", "--expect", "0..16"]), 1, finding);
+    let finding = "--expect 0..16: samples 0..2 are missing from 32 of the 64 pixels (columns 4..8, rows 0..8)\n";
+    let run = folder.refused(&merge(&names[1..], &["crop.exr", "-o", "z.exr", "--expect", "0..16"]), 1, finding);
+    let remedy = "  help: render them with --crop 4,0,8,8 --sample-range 0..2, and merge again\n";
+    assert!(run.stderr.ends_with(remedy), "{run}");
+}
+
+#[test]
+fn a_merge_that_expects_samples_misses_crops_at_the_border() {
+    let folder = Folder::with_scene();
+    for (name, crop) in [("left.exr", "0,0,4,8"), ("top.exr", "4,0,8,3"), ("bottom.exr", "4,3,8,8")] {
+        folder.done(&part(name, "0..2", &["--crop", crop]));
+    }
+    let expect = |parts: &[&'static str], more: &[&'static str]| {
+        [&["merge", "-o", "x.exr", "--expect", "0..2"], parts, more].concat()
+    };
+    for (parts, pixels, crop, remedy) in [
+        (&["left.exr"][..], "32 of the 64 pixels (columns 4..8, rows 0..8)", "4,0,8,8", Some("0,0,4,8")),
+        (&["left.exr", "bottom.exr"], "12 of the 64 pixels (columns 4..8, rows 0..3)", "4,0,8,3", None),
+        (
+            &["top.exr"],
+            "52 of the 64 pixels (columns 0..4, rows 0..3; columns 0..8, rows 3..8)",
+            "0,0,4,3 and",
+            Some("4,0,8,3"),
+        ),
+    ] {
+        let finding = format!("--expect 0..2: samples 0..2 are missing from {pixels}\n");
+        let run = folder.refused(&expect(parts, &[]), 1, &finding);
+        let has_remedy = run.stderr.contains(&format!("  help: render them with --crop {crop}"));
+        let end = remedy.map_or("merge again\n".into(), |crop| format!("are wanted, merge with --crop {crop}\n"));
+        assert!(has_remedy && run.stderr.ends_with(&end), "{run}");
+    }
+    let finding = "--expect 0..2: the parts have more pixels than that (columns 0..8, rows 0..8)\n";
+    let all = ["left.exr", "top.exr", "bottom.exr"];
+    folder.refused(&expect(&all, &["--crop", "0,0,4,8"]), 1, finding);
+    folder.refused(&expect(&all, &["--crop", "0,0,4,9"]), 2, "--crop 0,0,4,9: the window is empty or reaches outside");
+    let run = folder.done(&expect(&all, &[]));
+    assert!(!run.stderr.contains("warning"), "{run}");
+    let run = folder.done(&expect(&["left.exr"], &["--crop", "0,0,4,8"]));
+    assert!(!run.stderr.contains("warning"), "{run}");
+    assert_same_bits(&folder, "x.exr", "left.exr");
+    assert_eq!(folder.run(&["merge", "left.exr", "-o", "x.exr", "--crop", "0,0,4,8"]).code, Some(2));
 }
 
 #[test]
@@ -112,7 +153,11 @@ fn a_part_that_is_rendered_again_and_killed_stays_whole() {
     }
     std::fs::remove_file(folder.path("p1.exr")).expect("a file");
     let names: Vec<_> = names.iter().filter(|name| folder.path(name).exists()).collect();
-    folder.refused(&merge(names, &["-o", "x.exr", "--expect", "0..6"]), 1, "--expect 0..6: no part has samples 2..4\n");
+    folder.refused(
+        &merge(names, &["-o", "x.exr", "--expect", "0..6"]),
+        1,
+        "--expect 0..6: samples 2..4 are missing from every pixel\n",
+    );
 }
 
 /// Most memory that a run of the program has had, as often as it was looked at [kB].

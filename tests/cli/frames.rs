@@ -231,7 +231,7 @@ fn frames_are_no_parts_of_each_other() {
         let base = ["render", "room.gltf", "-o", "a#.exr", "--frames", frame, "--sample-range", samples];
         folder.done(&[&base[..], &SMALL[..]].concat());
     }
-    let expected = "a2.exr: is no part of the render of a1.exr: frame is 1 there and 2 here";
+    let expected = "a2.exr: does not belong to the same render as a1.exr: frame is 1 there, 2 here";
     folder.refused(&["merge", "a1.exr", "a2.exr", "-o", "b.exr"], 1, expected);
     let base = ["render", "room.gltf", "-o", "c#.exr", "--frames", "1", "--sample-range", "2..4"];
     folder.done(&[&base[..], &SMALL[..]].concat());
@@ -247,7 +247,7 @@ fn resume_leaves_out_frames_that_are_there() {
     let folder = animated();
     let there = |more: &[&str]| {
         let run = folder.done(&flags("a#.exr", "1-3", &[&["-o", "b#.png", "--resume"], more].concat()));
-        let there = (1..=3).filter(|n| run.stderr.contains(&format!("a{n}.exr, b{n}.png: there already\n")));
+        let there = (1..=3).filter(|n| run.stderr.contains(&format!("a{n}.exr, b{n}.png: already there, skipped\n")));
         there.collect::<Vec<_>>()
     };
     assert_eq!(there(&[]), [0; 0]);
@@ -264,7 +264,7 @@ fn resume_leaves_out_frames_that_are_there() {
     folder.done(&flags("a#.exr", "1", &["--sample-range", "4..8"]));
     assert_eq!(there(&["--samples", "4"]), [0; 0], "other samples");
     let run = folder.done(&flags("b#.png", "1", &["--resume"]));
-    assert!(!run.stderr.contains("there already"), "a PNG image does not say what it is of\n{run}");
+    assert!(!run.stderr.contains("already there, skipped"), "a PNG image does not say what it is of\n{run}");
 }
 
 #[test]
@@ -304,7 +304,9 @@ fn a_signal_ends_all_frames_and_resume_goes_on() {
     assert!(!folder.path("a999.exr").exists());
     let run = folder.done(&flags("a###.exr", "0-3", &more));
     assert!(
-        run.stderr.starts_with("a000.exr: there already\na001.exr: there already\na002.exr: there already\n"),
+        run.stderr.starts_with(
+            "a000.exr: already there, skipped\na001.exr: already there, skipped\na002.exr: already there, skipped\n"
+        ),
         "{run}"
     );
     let whole = animated();

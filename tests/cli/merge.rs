@@ -64,7 +64,11 @@ fn crops_merge_too() {
         part(&folder, name, &["--crop", crop, "--sample-range", samples]);
     }
     let run = folder.done(&["merge", "late.exr", "bottom.exr", "left.exr", "-o", "most.exr"]);
-    assert!(run.stderr.contains("warning: no part has samples 0..5 of 230 of 1440 pixels"), "{run}");
+    assert!(
+        run.stderr
+            .contains("warning: samples 0..5 are missing from 230 of the 1440 pixels (columns 17..40, rows 0..10)\n"),
+        "{run}"
+    );
     let fewest = |image: &Image| plane(image, "N").iter().copied().fold(f32::MAX, f32::min);
     assert_eq!(fewest(&folder.image("most.exr")), 7.0);
     folder.done(&["merge", "top.exr", "most.exr", "-o", "merged.exr"]);
@@ -73,15 +77,47 @@ fn crops_merge_too() {
         folder.refused(&["merge", "left.exr", "a.exr", "-o", "x.exr"], 1, "a.exr: has samples 0..1 of the pixels ");
     assert!(run.stderr.contains("0,0,17,36, which left.exr has, too"), "{run}");
     let run = folder.done(&["merge", "bottom.exr", "-o", "crop.exr"]);
-    assert!(run.stderr.contains("warning: no part has samples 0..12 of 842 of 1440 pixels"), "{run}");
+    assert!(run.stderr.contains("warning: samples 0..12 are missing from 842 of the 1440 pixels (columns "), "{run}");
     assert_same_bits(&folder, "crop.exr", "bottom.exr");
+}
+
+#[test]
+fn folders_and_lists_name_parts() {
+    let folder = parts();
+    for name in ["a.exr", "b.exr", "c.exr"] {
+        std::fs::create_dir_all(folder.path("parts")).expect("a folder");
+        std::fs::rename(folder.path(name), folder.path(&format!("parts/{name}"))).expect("a part");
+    }
+    folder.write("parts/notes.txt", "no part");
+    folder.write("parts/.hidden.exr", "no part");
+    // The second time the result is there already.
+    for _ in 0..2 {
+        let run = folder.done(&["merge", "parts", "-o", "parts/merged.exr", "--expect", "0..12"]);
+        assert!(run.stderr.starts_with("parts/merged.exr: 3 images, 12 samples per pixel"), "{run}");
+        assert_same_bits(&folder, "parts/merged.exr", "whole.exr");
+    }
+    folder.write("list", "parts/c.exr\r\n\nparts/a.exr\n");
+    let run = folder.done(&["merge", "@list", "parts/b.exr", "-o", "listed.exr"]);
+    assert!(run.stderr.starts_with("listed.exr: 3 images, "), "{run}");
+    assert_same_bits(&folder, "listed.exr", "whole.exr");
+    folder.done(&["merge", "parts", "-o", "parts/merged.exr", "-o", "mean.exr", "--weighted"]);
+    std::fs::create_dir(folder.path("empty")).expect("a folder");
+    folder.write("blank", "\n");
+    for (part, finding) in [
+        ("empty", "empty: is a folder without EXR images\n"),
+        ("@blank", "@blank: lists no image\n"),
+        ("@nowhere", "@nowhere: cannot be read: "),
+    ] {
+        folder.refused(&["merge", part, "-o", "x.exr"], 1, finding);
+    }
+    folder.refused(&["merge", "@list", "parts", "-o", "x.exr"], 1, "parts/a.exr: is given twice");
 }
 
 #[test]
 fn missing_and_repeated_parts_are_told() {
     let folder = parts();
     let run = folder.done(&["merge", "a.exr", "c.exr", "-o", "ac.exr"]);
-    assert!(run.stderr.contains("warning: no part has samples 1..9 of all pixels\n"), "{run}");
+    assert!(run.stderr.contains("warning: samples 1..9 are missing from every pixel\n"), "{run}");
     assert!(plane(&folder.image("ac.exr"), "N").iter().all(|samples| *samples == 4.0));
     folder.refused(&["merge", "a.exr", "b.exr", "a.exr", "-o", "x.exr"], 1, "a.exr: is given twice");
     folder.refused(&["merge", "whole.exr", "b.exr", "-o", "x.exr"], 1, "b.exr: has samples 1..9, which whole.exr has");
@@ -91,16 +127,16 @@ fn missing_and_repeated_parts_are_told() {
 fn other_renders_are_refused_with_what_differs() {
     let folder = parts();
     for (flags, difference) in [
-        (&["--seed", "2"][..], "render.seed is 1 there and 2 here"),
-        (&["--size", "36x40"], "film.size is [40, 36] there and [36, 40] here"),
-        (&["--technique", "nee"], "render.technique is [\"mvnee\"] there and [\"nee\"] here"),
-        (&["--set", "light[0].radius=1.25"], "light[0].radius is 1.5 there and 1.25 here"),
-        (&["--reference", "scatter"], "reference is none there and scatter here"),
+        (&["--seed", "2"][..], "render.seed is 1 there, 2 here"),
+        (&["--size", "36x40"], "film.size is [40, 36] there, [36, 40] here"),
+        (&["--technique", "nee"], "render.technique is [\"mvnee\"] there, [\"nee\"] here"),
+        (&["--set", "light[0].radius=1.25"], "light[0].radius is 1.5 there, 1.25 here"),
+        (&["--reference", "scatter"], "reference is none there, scatter here"),
     ] {
         let base = ["render", "scene.toml", "-o", "other.exr", "--sample-range", "12..13", "--progress", "none"];
         let size = if flags[0] == "--size" { &[][..] } else { &["--size", "40x36"] };
         folder.done(&[&base[..], size, flags].concat());
-        let beginning = format!("other.exr: is no part of the render of a.exr: {difference}");
+        let beginning = format!("other.exr: does not belong to the same render as a.exr: {difference}");
         folder.refused(&["merge", "a.exr", "other.exr", "-o", "x.exr"], 1, &beginning);
     }
 }
@@ -176,7 +212,10 @@ fn ranges_of_samples_are_checked() {
         ("4..4", "is empty"),
         ("5..4", "is empty"),
         ("-1..4", "is not a range of samples"),
-        ("0..2147483649", "reaches beyond 2147483648"),
+        ("0..2147483649", "reaches beyond 2147483648, the most that a pixel can have\n"),
+        ("4294967290..4294967300", "reaches beyond 2147483648, the most that a pixel can have\n"),
+        ("0..99999999999999999999999", "reaches beyond 2147483648, the most that a pixel can have\n"),
+        ("0..+4", "is not a range of samples"),
     ] {
         let place = format!("--sample-range {range}: {finding}");
         folder.refused(&["render", "scene.toml", "--sample-range", range], 2, &place);

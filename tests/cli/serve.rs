@@ -226,7 +226,8 @@ fn an_address_that_is_taken_is_refused_before_anything_is_rendered() {
 fn an_address_of_another_machine_is_refused_before_anything_is_rendered() {
     // One of those that are for documentation.
     let flags = ["render", "scene.toml", "-o", "a.exr", "--serve", "192.0.2.1:8080"];
-    let finding = "--serve 192.0.2.1:8080: the page cannot be served there: 192.0.2.1 is no address of this machine\n";
+    let finding =
+        "--serve 192.0.2.1:8080: the page cannot be served there: 192.0.2.1 is not an address of this machine\n";
     Folder::with_scene().refused(&flags, 1, finding);
 }
 

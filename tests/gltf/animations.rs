@@ -81,7 +81,7 @@ fn without_a_time_nodes_stay_where_they_are() {
     assert_eq!(corners(&model), corners(&still().model()));
     assert_eq!(
         warnings(&model),
-        ["animation 0: animations are played by --frames alone; nodes stay where the file places them"]
+        ["animation 0: animations play only with --frames; without it, nodes stay where the file puts them"]
     );
     assert_eq!(warnings(&at(&file, 1.0)), [""; 0]);
 }

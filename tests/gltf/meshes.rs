@@ -232,7 +232,7 @@ fn what_moves_stands_still() {
     assert_eq!(model.positions, TRIANGLE);
     let expected = [
         "extension \"KHR_materials_ior\", extension \"VENDOR_x\": extensions that are not supported are ignored",
-        "animation 0: animations are played by --frames alone; nodes stay where the file places them",
+        "animation 0: animations play only with --frames; without it, nodes stay where the file puts them",
         "node 0 \"dancer\": skins are ignored; meshes keep their bind pose and, unlike in glTF, their node's transform",
         "mesh 0, primitive 0: morph targets are ignored; meshes keep their base shape",
     ];
