@@ -22,6 +22,8 @@ pub enum Kind {
     Usage,
     /// Something else failed: exit code 1.
     Failure,
+    /// The disk is full, which may pass: exit code 1.
+    NoSpace,
     /// A signal ended a wait: the exit code is that of the signal, or else 1.
     Interrupted,
 }
@@ -42,7 +44,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self.kind {
             Kind::Usage => 2,
-            Kind::Failure | Kind::Interrupted => 1,
+            Kind::Failure | Kind::NoSpace | Kind::Interrupted => 1,
         }
     }
 }

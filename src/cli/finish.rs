@@ -5,8 +5,10 @@ use std::process::ExitCode;
 
 use fogbow_kernels::accumulate::Dropped;
 
-use super::checkpoints::{self, Plan};
+use super::checkpoints::Plan;
 use super::denoising::{Denoising, Noisy};
+use super::keeper::{self, Kept};
+use super::patience::Patience;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::ImageOutput;
@@ -30,8 +32,9 @@ pub struct Ending<'a> {
     pub plan: &'a Plan,
     /// What is to be denoised, if anything is.
     pub denoising: Option<&'a Denoising>,
-    /// Whether a checkpoint of all samples was written.
-    pub is_kept: bool,
+    /// What became of the samples so far.
+    pub kept: &'a Kept,
+    pub patience: &'a Patience,
 }
 
 /// Writes what there is and says so; the exit code is that of the signal that ended it, if one did. Why an image cannot
@@ -43,28 +46,26 @@ pub fn finish(
     reporter: &Reporter,
     noisy: &mut Option<Error>,
 ) -> Result<ExitCode> {
-    let Ending { session, outcome, signals, plan, denoising, is_kept } = *ending;
+    let Ending { session, outcome, signals, plan, denoising, kept, .. } = *ending;
     let (stopped, samples) = (signals.exit_code(), session.film.samples());
     if stopped.is_some() && samples == 0 {
         return Ok(nothing(signals, plan.is_asked_for(), reporter));
     }
-    if is_kept && signals.ended_by_others() {
+    if kept.is_all() && signals.ended_by_others() {
         reporter.line(format!("stopped after {samples} samples; --resume goes on from {}", checkpoint(plan)));
         return Ok(ExitCode::from(TO_BE_RESUMED));
     }
     if stopped.is_some() {
         reporter.line(format!("stopped after {samples} samples; writing the results so far"));
     }
-    let errors = write(session, outcome, signals, outputs, stats);
+    let errors = write(ending, outputs, stats, reporter);
     if !errors.is_empty() {
-        let is_worth_it = plan.is_asked_for() || plan.has_checkpoint();
-        if is_worth_it && !is_kept && checkpoints::write(plan, session, reporter) {
-            reporter.line(format!("the samples are kept in {}", checkpoint(plan)));
-        }
+        keep(ending, reporter);
         return Ok(tell_all(&errors, signals, reporter));
     }
     reporter.line(summary(session, outcome, outputs));
-    if is_kept {
+    kept.tell(reporter);
+    if kept.is_all() {
         reporter.line(format!("--resume goes on from {}, --overwrite-checkpoint starts anew", checkpoint(plan)));
     }
     if stopped.is_none() {
@@ -103,16 +104,32 @@ pub fn nothing(signals: &Signals, is_to_be_resumed: bool, reporter: &Reporter) -
 
 /// Writes all results; what can be written is, also if something else cannot. Returns what went wrong.
 fn write(
-    session: &Session,
-    outcome: &Outcome,
-    signals: &Signals,
+    &Ending { session, outcome, signals, patience, .. }: &Ending<'_>,
     outputs: &[ImageOutput],
     stats: Option<&Path>,
+    reporter: &Reporter,
 ) -> Vec<Error> {
     let came = || signals.came();
-    let images = outputs.iter().map(|image| session.write(outcome, &image.path, image.format, came));
-    let statistics = stats.iter().map(|path| session.report(outcome).write_statistics(path, came));
+    let image = |image: &ImageOutput| session.write(outcome, &image.path, image.format, came);
+    let images = outputs.iter().map(|output| patience.retry(reporter, || image(output)));
+    let statistics = |path: &Path| session.report(outcome).write_statistics(path, came);
+    let statistics = stats.iter().map(|path| patience.retry(reporter, || statistics(path)));
     images.chain(statistics).filter_map(Result::err).collect()
+}
+
+/// Keeps the samples of a render whose results could not be written in a checkpoint, if it is to have any, and says so.
+fn keep(&Ending { session, signals, plan, kept, .. }: &Ending<'_>, reporter: &Reporter) {
+    let is_worth_it = plan.is_asked_for() || plan.has_checkpoint();
+    // That of a render that was stopped has just been tried.
+    let is_tried = kept.is_all() || (signals.came() && !matches!(kept, Kept::No));
+    let kept = match plan.slot() {
+        Some(slot) if is_worth_it && !is_tried => &keeper::write(slot, session, kept),
+        _ => kept,
+    };
+    kept.tell(reporter);
+    if kept.is_all() {
+        reporter.line(format!("the samples are kept in {}, from which --resume goes on", checkpoint(plan)));
+    }
 }
 
 /// Prints all `errors` and gives their exit code: that of the signal if there are only waits that it ended.

@@ -9,12 +9,14 @@ mod destinations;
 mod finish;
 mod frames;
 mod info;
+mod keeper;
 mod loading;
 mod merge;
 mod onlookers;
 mod paper;
 mod parts;
 mod paths;
+mod patience;
 mod presets;
 mod progress;
 mod render;
@@ -129,8 +131,8 @@ struct RenderArgs {
     /// Longest path, in segments, including the camera and light segments, or auto, where no number ends it.
     #[arg(long, value_name = "K|auto", allow_hyphen_values = true, value_parser = values::segments)]
     max_segments: Option<toml::Value>,
-    /// Samples per pixel. Of --samples, --time and --noise, whichever comes first ends the render; without any of them it
-    /// is render.samples of the scene.
+    /// Samples per pixel. Of --samples, --time and --noise, whichever comes first ends the render; without any of them
+    /// it is render.samples of the scene.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     #[arg(value_parser = values::whole_number("--samples", 1..=MOST_SAMPLES))]
     samples: Option<i64>,
@@ -142,8 +144,8 @@ struct RenderArgs {
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = values::noise)]
     noise: Option<f64>,
     /// Give noisy parts of the image more samples than others, from an eighth of the mean to about eight times it;
-    /// --samples is then the number of samples of the mean pixel. The number is decided by samples that are not kept, so
-    /// that the image stays unbiased. It pays where noise is uneven.
+    /// --samples is then the number of samples of the mean pixel. The number is decided by samples that are not kept,
+    /// so that the image stays unbiased. It pays where noise is uneven.
     #[arg(long)]
     adaptive: bool,
     /// Render samples A to B of every pixel, not including B, or as many of them as --time or --noise allow. Parts of
@@ -201,8 +203,8 @@ struct RenderArgs {
     #[arg(long, value_name = "DURATION|off", allow_hyphen_values = true, value_parser = values::checkpoints)]
     checkpoint: Option<Checkpoints>,
     /// Go on from the checkpoint, if there is one, to the same bits as if the render had not been interrupted. There
-    /// may be more --samples than before; --time includes the time before. Without a checkpoint the render starts from
-    /// the beginning, so that scripts can always give this flag.
+    /// may be more --samples than before, or less --noise; --time includes the time before. Without a checkpoint the
+    /// render starts from the beginning, so that scripts can always give this flag.
     #[arg(long)]
     resume: bool,
     /// Start from the beginning even if there is a checkpoint, which is replaced.

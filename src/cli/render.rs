@@ -6,13 +6,15 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::thread;
 
-use super::checkpoints::{Keeper, Plan};
+use super::checkpoints::Plan;
 use super::denoising::{DENOISE, Denoising};
 use super::destinations::{self, Destination};
 use super::finish::{Ending, finish, nothing};
 use super::frames::{self, Sequence};
+use super::keeper::{Keeper, Kept};
 use super::loading;
 use super::onlookers::Onlookers;
+use super::patience::Patience;
 use super::progress::Reporter;
 use super::signals::Signals;
 use super::values::{Checkpoints, ImageOutput};
@@ -121,16 +123,18 @@ impl Run<'_> {
         self.prepare(&mut session, request.has_png());
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
             session.resume(&mut checkpoint)?;
-            request.plan.check_samples(&session)?;
+            request.plan.check_limits(&session, checkpoint.limits(), &self.reporter)?;
             self.reporter.line(format!("going on after {} samples", session.film.samples()));
         }
         let session = Arc::new(session);
         self.onlookers.show(&session, &self.reporter);
-        let (outcome, is_kept) = self.sample(&session, &request);
+        let patience = Patience::default();
+        let (outcome, kept) = self.sample(&session, &request, &patience);
         let Self { signals, reporter, noisy, .. } = self;
         let Request { plan, denoising, .. } = &request;
         let denoising = denoising.as_ref();
-        let ending = Ending { session: &session, outcome: &outcome, signals, plan, denoising, is_kept };
+        let ending =
+            Ending { session: &session, outcome: &outcome, signals, plan, denoising, kept: &kept, patience: &patience };
         finish(&ending, &request.outputs, request.statistics.as_deref(), reporter, noisy)
     }
 
@@ -228,8 +232,9 @@ impl Run<'_> {
         left_out.iter().for_each(|left_out| reporter.warn(left_out));
     }
 
-    /// Takes all samples; how that ended, and whether a checkpoint of them was written.
-    fn sample(&mut self, session: &Session, Request { limits, plan, .. }: &Request) -> (Outcome, bool) {
+    /// Takes all samples; how that ended, and what became of them.
+    fn sample(&mut self, session: &Session, request: &Request, patience: &Patience) -> (Outcome, Kept) {
+        let Request { limits, plan, .. } = request;
         let Self { reporter, signals, onlookers, .. } = self;
         let mut last = State::default();
         thread::scope(|scope| {
@@ -244,7 +249,7 @@ impl Run<'_> {
             let end = if signals.came() { last } else { last.done() };
             reporter.finish(end);
             onlookers.write(end);
-            (outcome, keeper.end(session, &last, signals.came(), reporter))
+            (outcome, keeper.end(session, &last, signals.came(), patience, reporter))
         })
     }
 }

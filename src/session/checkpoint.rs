@@ -13,8 +13,10 @@
 //! Numbers are little-endian. A render goes on while its tiles are copied; how far it is, is noted after that, so that
 //! no tile is ahead of it.
 
+mod slot;
 mod summary;
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -29,7 +31,8 @@ use super::{Earlier, Limits, Session};
 use crate::adaptive::Probing;
 use crate::error::{Error, Result};
 use crate::film::{Film, LayerForm, Tile};
-use crate::output;
+use crate::output::{self, Replace, Sink};
+pub use slot::Slot;
 pub use summary::{Summary, is_checkpoint};
 
 /// What every checkpoint begins with.
@@ -82,7 +85,12 @@ pub struct Checkpoint {
     progress: Progress,
     /// Where the tiles begin.
     tiles: u64,
+    /// What it ends with.
+    checksum: Mark,
 }
+
+/// By which checkpoints are told from each other: what they end with.
+type Mark = [u8; CHECKSUM as usize];
 
 /// The error that the file at `path` cannot be used.
 fn refuse(path: &Path, finding: impl core::fmt::Display) -> Error {
@@ -153,7 +161,7 @@ impl Checkpoint {
         let mut text = vec![0; count as usize];
         (&file).seek(SeekFrom::Start(after)).and_then(|_| (&file).read_exact(&mut text)).map_err(unreadable)?;
         let progress = serde_json::from_slice(&text).map_err(unknown)?;
-        Ok(Self { path: path.into(), file, about, progress, tiles })
+        Ok(Self { path: path.into(), file, about, progress, tiles, checksum })
     }
 
     /// Fills `film` with its sums.
@@ -173,6 +181,27 @@ impl Checkpoint {
             film.tile(index).read(&bytes).ok_or_else(|| refuse(path, "is a damaged checkpoint"))?;
         }
         Ok(())
+    }
+
+    /// Samples of all pixels together, given a film of the same shape.
+    fn samples(&self, film: &Film) -> Result<u64> {
+        if self.about.tiles != lengths(film) {
+            return Err(refuse(&self.path, "is a checkpoint with a film of another shape"));
+        }
+        let (mut file, mut at, mut samples) = (&self.file, self.tiles, 0);
+        for (index, length) in self.about.tiles.iter().enumerate() {
+            let mut number = [0; size_of::<u32>()];
+            let read = file.seek(SeekFrom::Start(at)).and_then(|_| file.read_exact(&mut number));
+            read.map_err(|error| refuse(&self.path, format!("cannot be read: {error}")))?;
+            samples += u64::from(u32::from_le_bytes(number)) * film.tile(index).region().pixels();
+            at += length;
+        }
+        Ok(samples)
+    }
+
+    /// What its render was to go on until.
+    pub fn limits(&self) -> Limits {
+        self.progress.limits
     }
 
     /// What differs between its render and that of `session`, as far as that is known before it is prepared.
@@ -227,15 +256,23 @@ impl Session {
         }
     }
 
-    /// Writes a checkpoint to `path`, whole or not at all; the render may be running.
+    /// Writes a checkpoint to `path`, whole or not at all, whatever is there; the render may be running. Where other
+    /// renders may write to the same place, use a [`Slot`].
     ///
     /// # Errors
     /// If it cannot be written; what was at `path` is then still there.
     pub fn write_checkpoint(&self, path: &Path) -> Result<()> {
+        self.put_checkpoint(path, |_| Ok(Replace::Any)).map(drop)
+    }
+
+    /// Writes a checkpoint to `path` if `permit`, told of how many samples of all pixels together it is, lets it: its
+    /// mark, if so.
+    fn put_checkpoint(&self, path: &Path, permit: impl FnOnce(u64) -> Result<Replace>) -> Result<Option<Mark>> {
         let layers = self.film.layers().iter().map(LayerForm::of).collect();
         let about = About { identity: self.own_identity(), layers, tiles: lengths(&self.film) };
         let header = serde_json::to_vec(&about).expect("numbers and names");
-        output::rewrite(path, |file| {
+        let (mark, samples) = (Cell::new([0; CHECKSUM as usize]), Cell::new(0));
+        let fill = |file: &mut dyn Sink| {
             let mut hasher = blake3::Hasher::new();
             let mut write = |bytes: &[u8]| {
                 hasher.update(bytes);
@@ -249,13 +286,18 @@ impl Session {
             for index in 0..self.film.tile_count() {
                 bytes.clear();
                 // Workers wait for this tile while it is copied, not while it is written.
-                self.film.tile(index).write(&mut bytes);
+                let tile = self.film.tile(index);
+                tile.write(&mut bytes);
+                samples.set(samples.get() + tile.all_samples());
+                drop(tile);
                 write(&bytes)?;
             }
             write(&serde_json::to_vec(&self.progress()).expect("numbers and names"))?;
-            let checksum = hasher.finalize();
-            file.write_all(checksum.as_bytes()).map_err(|error| error.to_string())
-        })
+            mark.set(*hasher.finalize().as_bytes());
+            file.write_all(&mark.get()).map_err(|error| error.to_string())
+        };
+        let is_placed = output::rewrite(path, || permit(samples.get()), fill)?;
+        Ok(is_placed.then(|| mark.get()))
     }
 
     /// Takes over the samples of `checkpoint`. To be called between preparing and running.

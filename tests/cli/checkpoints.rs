@@ -1,8 +1,8 @@
 //! Renders that are killed, stopped, and gone on with.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::time::Duration;
 
 use fogbow::kernels::accumulate::Dropped;
 use fogbow::session::checkpoint::Checkpoint;
@@ -68,60 +68,16 @@ fn no_torn_or_damaged_checkpoint_is_taken_for_a_whole_one() {
 
 #[cfg(unix)]
 mod on_signals {
-    use std::process::{Child, Command};
     use std::thread::sleep;
 
-    use fogbow_testing::not_run::not_run;
-
-    use super::super::support::{assert_same_bits, header, plane, program};
+    use super::super::children::{ended_by, flags, handles_sigusr1, send, spawn, started, wait_for};
+    use super::super::support::{assert_same_bits, header, plane};
     use super::*;
 
     /// Kills that a render survives.
     const KILLS: u32 = if cfg!(feature = "long") { 20 } else { 5 };
-    /// Longer than a checkpoint takes, also on a busy machine.
-    const PATIENCE: Duration = Duration::from_secs(60);
     /// Samples of a render of seconds.
     const SAMPLES: &str = "400";
-
-    fn flags<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-        let base = ["render", "scene.toml", "-o", output, "--size", "64x64", "--progress", "plain"];
-        [&base[..], more].concat()
-    }
-
-    fn spawn(folder: &Folder, output: &str, more: &[&str]) -> Child {
-        program(folder).args(flags(output, more)).spawn().expect("the program starts")
-    }
-
-    #[track_caller]
-    fn wait_for(what: &str, is_so: impl Fn() -> bool) {
-        let start = Instant::now();
-        while !is_so() {
-            assert!(start.elapsed() < PATIENCE, "{what} takes too long");
-            sleep(Duration::from_millis(2));
-        }
-    }
-
-    /// Starts a render and waits for a checkpoint that is new.
-    fn started(folder: &Folder, output: &str, more: &[&str]) -> Child {
-        let path = folder.path(&format!("{output}.checkpoint"));
-        let time = |path: &PathBuf| path.metadata().and_then(|metadata| metadata.modified()).ok();
-        let before = time(&path);
-        let child = spawn(folder, output, more);
-        wait_for("a checkpoint", || time(&path) > before);
-        child
-    }
-
-    /// Ends the child with a signal, and gives its exit code and standard error.
-    fn ended_by(signal: &str, child: Child) -> (Option<i32>, String) {
-        send(signal, &child);
-        let output = child.wait_with_output().expect("a child");
-        (output.status.code(), String::from_utf8(output.stderr).expect("UTF-8"))
-    }
-
-    fn send(signal: &str, child: &Child) {
-        let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
-        assert!(status.success());
-    }
 
     /// What a render in one go leaves.
     fn whole(folder: &Folder, more: &[&str]) {
@@ -184,7 +140,7 @@ mod on_signals {
         }
         let child = started(&folder, "a.exr", &["--samples", "100000", "--adaptive", "--checkpoint", "20ms"]);
         assert_eq!(ended_by("-TERM", child).0, Some(75));
-        let foreign = "a.exr.checkpoint: is the checkpoint of another render: adaptive is true there and false here";
+        let foreign = "a.exr.checkpoint: is the checkpoint of another render: adaptive is true there, false here";
         folder.refused(&flags("a.exr", &["--samples", "100000", "--resume"]), 1, foreign);
         let run = folder.run(&flags("a.exr", &["--samples", "1", "--adaptive", "--resume"]));
         assert!(run.code == Some(1) && run.stderr.contains("already, more than the 1 that are asked for"), "{run}");
@@ -234,11 +190,11 @@ mod on_signals {
         let checkpoint = fs::read(&path).expect("a checkpoint");
         let foreign = "a.exr.checkpoint: is the checkpoint of another render: ";
         for (more, difference) in [
-            (&["--seed", "2"][..], "render.seed is 1 there and 2 here"),
-            (&["--set", "light[0].radius=1"], "light[0].radius is 1.5 there and 1.0 here"),
-            (&["--crop", "0,0,32,64"], "region is 0,0,64,64 there and 0,0,32,64 here"),
-            (&["--sample-range", "1..9"], "first_sample is 0 there and 1 here"),
-            (&["--reference", "scatter"], "reference is none there and scatter here"),
+            (&["--seed", "2"][..], "render.seed is 1 there, 2 here"),
+            (&["--set", "light[0].radius=1"], "light[0].radius is 1.5 there, 1.0 here"),
+            (&["--crop", "0,0,32,64"], "region is 0,0,64,64 there, 0,0,32,64 here"),
+            (&["--sample-range", "1..9"], "first_sample is 0 there, 1 here"),
+            (&["--reference", "scatter"], "reference is none there, scatter here"),
         ] {
             for resume in [&["--resume"][..], &[]] {
                 let args = flags("a.exr", &[resume, more].concat());
@@ -275,52 +231,6 @@ mod on_signals {
         assert!(stderr.contains("a.exr.checkpoint: checkpoint written\n"), "{stderr}");
     }
 
-    fn handles_sigusr1(child: &Child) -> bool {
-        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-        mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 9 & 1 == 1)
-    }
-
-    /// A render in the folder `sub` that cannot write checkpoints at first: it says so once, and catches up.
-    fn survives(folder: &Folder, repair: impl Fn()) {
-        let child = spawn(folder, "sub/a.exr", &["--samples", "100000", "--checkpoint", "100ms"]);
-        wait_for("the handler", || handles_sigusr1(&child));
-        let broken = folder.path("sub");
-        sleep(Duration::from_secs(2));
-        repair();
-        wait_for("a checkpoint", || broken.join("a.exr.checkpoint").exists());
-        let (code, stderr) = ended_by("-TERM", child);
-        assert_eq!(code, Some(75), "{stderr}");
-        assert_eq!(
-            stderr.matches("warning: no checkpoint could be written: sub/a.exr.checkpoint: ").count(),
-            1,
-            "{stderr}"
-        );
-        let checkpoint = Checkpoint::open(&broken.join("a.exr.checkpoint"));
-        assert!(checkpoint.is_ok(), "{checkpoint:?}");
-    }
-
-    #[test]
-    fn a_full_disk_does_not_stop_a_render() {
-        let folder = Folder::with_scene();
-        let sub = folder.path("sub");
-        fs::create_dir(&sub).expect("a folder");
-        let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=2m", "tmpfs"]).arg(&sub).output();
-        if !mount.is_ok_and(|output| output.status.success()) {
-            not_run("no tmpfs can be mounted here");
-            return;
-        }
-        // All but a page or two.
-        let fill = |bytes: usize| fs::write(sub.join("filler"), vec![1; bytes]).is_ok();
-        assert!(fill((2 << 20) - (16 << 10)), "it has room for that");
-        let outcome = std::panic::catch_unwind(core::panic::AssertUnwindSafe(|| {
-            survives(&folder, || fs::remove_file(sub.join("filler")).expect("a file"));
-        }));
-        let unmounted = Command::new("umount").arg(&sub).status();
-        assert!(unmounted.is_ok_and(|status| status.success()));
-        outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-    }
-
     #[test]
     fn a_place_that_cannot_be_written_is_told_at_the_end() {
         let folder = Folder::with_scene();
@@ -334,7 +244,7 @@ mod on_signals {
         let stderr = String::from_utf8(output.stderr).expect("UTF-8");
         assert_eq!(output.status.code(), Some(1), "the image cannot be written either: {stderr}");
         assert!(stderr.contains("the render goes on; the next try is in 50 ms"), "{stderr}");
-        let end = "warning: sub/a.exr.checkpoint: no checkpoint could be written there to the end\n";
+        let end = "warning: sub/a.exr.checkpoint: no checkpoint could be written there by the end of the render\n";
         assert!(stderr.contains(end), "{stderr}");
     }
 
@@ -348,7 +258,7 @@ mod on_signals {
         let output = child.wait_with_output().expect("a child");
         let stderr = String::from_utf8(output.stderr).expect("UTF-8");
         assert_eq!(output.status.code(), Some(1), "{stderr}");
-        assert!(stderr.contains("the samples are kept in a.exr.checkpoint\n"), "{stderr}");
+        assert!(stderr.contains("the samples are kept in a.exr.checkpoint, from which --resume goes on\n"), "{stderr}");
         fs::create_dir(folder.path("gone")).expect("a folder");
         let run = folder.done(&flags("a.exr", &[&more[..], &["--resume"]].concat()));
         assert!(run.stderr.contains("going on after 409600 samples"), "{run}");
@@ -363,7 +273,9 @@ mod on_signals {
             folder.done(&flags("a.exr", more));
             assert_eq!(folder.names(), ["a.exr", "scene.toml"]);
         }
-        for (flag, finding) in [("0s", "is no time"), ("often", "is not a duration"), ("60", "is not a duration")] {
+        for (flag, finding) in
+            [("0s", "must be longer than 0"), ("often", "is not a duration"), ("60", "is not a duration")]
+        {
             let place = format!("--checkpoint {flag}: {finding}");
             folder.refused(&flags("a.exr", &["--checkpoint", flag]), 2, &place);
         }

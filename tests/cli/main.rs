@@ -5,14 +5,19 @@ mod aovs;
 mod bar;
 mod bare;
 mod checkpoints;
+#[cfg(unix)]
+mod children;
 mod clouds;
 mod compare;
+mod contests;
 mod exposure;
 mod farm;
 mod files;
 mod flags;
 mod flames;
 mod frames;
+#[cfg(unix)]
+mod full_disks;
 mod help;
 mod images;
 mod info;
