@@ -3,12 +3,20 @@
 #
 #   merge-parts.sh PARTS SAMPLES OUT.exr [FLAG]...
 #
-# FLAGs are those of fogbow merge. FOGBOW names another program than fogbow.
+# FLAGs are those of fogbow merge; --crop names the pixels if the parts are all of one crop. FOGBOW names another program
+# than fogbow.
 set -euo pipefail
+# shellcheck source=farm/numbers.sh
+. "$(dirname "${BASH_SOURCE[0]}")/numbers.sh"
 if [ $# -lt 3 ]; then
     sed -n '4p' "$0" >&2
     exit 2
 fi
-parts=$1 samples=$2 out=$3
+samples=$(number SAMPLES "$2" 1)
+parts=$1 out=$3
 shift 3
-exec "${FOGBOW:-fogbow}" merge "$parts"/*[0-9]-*[0-9].exr --expect "0..$samples" -o "$out" "$@"
+shopt -s nullglob
+files=("$parts"/*[0-9]-*[0-9].exr)
+[ ${#files[@]} -gt 0 ] || fail "there are no parts in $parts: files such as 0000000000-0000000016.exr"
+# As a list, for there may be more of them than fit on a command line.
+exec "${FOGBOW:-fogbow}" merge "@"<(printf '%s\n' "${files[@]}") --expect "0..$samples" -o "$out" "$@"

@@ -58,9 +58,11 @@ def render(args, size, samples, out, *flags):
 
 
 def merge(args, parts, out, *flags):
-    """Merges the parts in a random order."""
+    """Merges the parts in a random order, from a list: there may be more than fit on a command line."""
     parts = random.Random(1).sample(parts, len(parts))
-    return run([args.fogbow, "merge", *parts, "-o", out, "--progress", "none", *flags])
+    names = out.with_suffix(".list")
+    names.write_text("".join(f"{part}\n" for part in parts))
+    return run([args.fogbow, "merge", f"@{names}", "-o", out, "--progress", "none", *flags])
 
 
 def simulate(args, folder):

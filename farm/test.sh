@@ -18,7 +18,33 @@ for range in '9 11' '1 4' '5 8' '1 4'; do
 done
 rm parts/0000000004-0000000008.exr
 if "$here/merge-parts.sh" parts 11 out.exr 2>message; then echo "FAILED: merged" && exit 1; fi
-grep 'no part has samples 4..8' message
-"$here/render-part.sh" 5 8 "${flags[@]}" --progress none
+grep 'samples 4..8 are missing from every pixel' message
+# Managers pad numbers with zeros; 08 is no octal number.
+"$here/render-part.sh" 0005 08 "${flags[@]}" --progress none
 "$here/merge-parts.sh" parts 11 out.exr
 "$FOGBOW" compare out.exr whole.exr | grep 'the same exact sums of the same samples'
+
+# Crops go into one folder, and all of them have to be there.
+for crop in 0,0,24,10 0,10,24,24; do
+    if "$here/merge-parts.sh" crops 11 out.exr 2>message; then echo "FAILED: merged a crop" && exit 1; fi
+    "$here/render-part.sh" 1 11 "$here/scene.toml" crops --size 24x24 --progress none --crop "$crop"
+done
+ls crops
+grep -- '--crop 0,10,24,24' message
+"$here/merge-parts.sh" crops 11 crops.exr
+"$FOGBOW" compare crops.exr whole.exr | grep 'the same exact sums of the same samples'
+
+# What makes no sense is refused with a reason.
+refused() {
+    local reason=$1
+    shift
+    if "$@" 2>message; then echo "FAILED: $*" && exit 1; fi
+    grep -- "$reason" message
+}
+refused "FIRST is to be a whole number, but is 'x'" "$here/render-part.sh" x 4 "${flags[@]}"
+refused "LAST is to be a whole number, but is '-4'" "$here/render-part.sh" 1 -4 "${flags[@]}"
+refused 'FIRST is to be at least 1' "$here/render-part.sh" 00 4 "${flags[@]}"
+refused 'LAST is to be at least FIRST' "$here/render-part.sh" 4 3 "${flags[@]}"
+refused "SAMPLES is to be a whole number, but is '1e3'" "$here/merge-parts.sh" parts 1e3 x.exr
+mkdir empty
+refused 'there are no parts in empty' "$here/merge-parts.sh" empty 11 x.exr

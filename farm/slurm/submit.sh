@@ -31,8 +31,13 @@ while getopts n:c:p:o:m:s: option; do
     esac
 done
 shift $((OPTIND - 1))
-if [ $# -lt 1 ] || [ "$samples" -lt 1 ] || [ "$chunk" -lt 1 ] || [ "$merges" -lt 1 ]; then usage; fi
+if [ $# -lt 1 ]; then usage; fi
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=farm/numbers.sh
+. "$here/../numbers.sh"
+samples=$(number -n "$samples" 1)
+chunk=$(number -c "$chunk" 1)
+merges=$(number -m "$merges" 1)
 export SCENE=$1 SAMPLES=$samples CHUNK=$chunk OUTPUT=$output PARTS=${parts:-$output.parts}
 export FOGBOW=${FOGBOW:-fogbow} CHECKPOINT=${CHECKPOINT:-60s}
 shift

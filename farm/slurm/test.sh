@@ -132,7 +132,7 @@ await 60 is "${jobs[0]}_0" COMPLETED
 await 60 is "${jobs[1]}" CANCELLED
 [ ! -e c.exr ] || fail "c.exr was merged from what there was"
 if "$FOGBOW" merge c.exr.parts/*.exr --expect 0..400 -o c.exr --progress none 2>message; then fail "merged"; fi
-grep 'no part has samples 200..400' message
+grep 'samples 200..400 are missing from every pixel' message
 mapfile -t jobs < <("$here/submit.sh" -n 400 -c 200 -o c.exr "$scene" "${long[@]}")
 scontrol show job "${jobs[0]}" | grep -q 'ArrayTaskId=1 ' || fail "not the missing task alone: ${jobs[0]}"
 await 120 is "${jobs[1]}" COMPLETED
