@@ -4,6 +4,8 @@ use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+#[cfg(unix)]
+use std::sync::{Arc, Once, atomic::AtomicBool};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -43,9 +45,23 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The program, started in `folder`.
 pub fn program(folder: &Folder) -> Command {
+    #[cfg(unix)]
+    heed_ctrl_c();
     let mut command = Command::new(env!("CARGO_BIN_EXE_fogbow"));
     command.current_dir(folder.dir.path()).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
+}
+
+/// From now on programs started by tests end on Ctrl-C, even if the tests themselves were told to ignore it, as shells
+/// tell what they put in the background: what one process ignores, those that it starts ignore too, but not what it
+/// handles.
+#[cfg(unix)]
+fn heed_ctrl_c() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let ends = Arc::new(AtomicBool::new(true));
+        signal_hook::flag::register_conditional_default(signal_hook::consts::SIGINT, ends).expect("a handler");
+    });
 }
 
 /// A temporary folder, the current one of the programs that a test runs.
