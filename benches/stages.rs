@@ -137,7 +137,7 @@ fn direct_rows(c: &mut Criterion) {
     group.finish();
 }
 
-/// OMNEE's stages and the roulette, on as many connections as a table of that size has.
+/// OMNEE's stages, the sieve and the roulette, on as many connections as a table of that size has.
 fn single_vertex(c: &mut Criterion) {
     let frame = frames::with_techniques(&mvnee_frame(), Active::Omnee, 4.0);
     // All weights are below one, so that every batch of the roulette draws.
@@ -151,6 +151,7 @@ fn single_vertex(c: &mut Criterion) {
     for (name, pipeline) in PIPELINES {
         w.pipeline = pipeline;
         group.bench_function(BenchmarkId::new("build", name), |b| b.iter(|| w.omnee_build()));
+        group.bench_function(BenchmarkId::new("sift", name), |b| b.iter(|| w.sift(Source::Connections, bucket)));
         group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
             b.iter(|| w.mis_weight(Source::Connections, bucket));
         });

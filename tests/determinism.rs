@@ -5,12 +5,13 @@ use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
 use fogbow::render::{Monitor, Renderer, Samples, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::{Pipeline, SIMD};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, render, render_with};
 
 const SIZE: [u32; 2] = [70, 41];
+const SMALL: [u32; 2] = [12, 9];
 
 fn frames() -> Vec<Frame> {
     vec![
@@ -49,6 +50,15 @@ fn one_thread_renders_the_same_bits_as_many() {
         let one = with(1);
         assert_eq!(one, with(2));
         assert_eq!(one, with(5));
+    }
+}
+
+#[test]
+fn what_is_dropped_before_it_is_weighed_leaves_no_trace() {
+    let keeps_all = Pipeline { sift: |_, columns| columns.worth.weight.rows_mut().fill(1.0), ..SIMD };
+    for (name, frame) in frames::variety(SMALL) {
+        let with = |pipeline: &Pipeline| pixels(&render_with(&frame, pipeline, WORKERS, SMALL, TILE_SIZE, 0..6).0);
+        assert_eq!(with(&SIMD), with(&keeps_all), "{name}");
     }
 }
 

@@ -32,6 +32,7 @@ pub mod random;
 pub mod remember;
 pub mod roulette;
 pub mod scatter;
+pub mod sift;
 pub mod spectral_weight;
 pub mod surface;
 pub mod survival;

@@ -5,7 +5,7 @@ mod joint;
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
 use crate::{
     accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
-    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, spectral_weight,
+    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift, spectral_weight,
     surface, transmittance,
 };
 
@@ -99,6 +99,8 @@ pipeline! {
     lis_vertex (LisVertex): lis::sample::VertexKernel = lis::sample::simd::vertex, lis::sample::reference::vertex;
     /// The light points behind these vertices.
     lis_join (LisJoin): lis::sample::JoinKernel = lis::sample::simd::join, lis::sample::reference::join;
+    /// Connections that cannot count are dropped before they are weighed.
+    sift (Sift): sift::Kernel = sift::simd::run, sift::reference::run;
     /// One weight per candidate.
     mis_weight (MisWeight): mis_weight::Kernel = mis_weight::simd::run, mis_weight::reference::run;
     /// What turns count by the phase function of the medium that they are in.

@@ -44,7 +44,7 @@ impl Wavefront<'_> {
     fn settle_direct(&mut self, connection: &Connection<'_>, inserted: usize) {
         let bucket = Bucket { inserted, ..self.candidates.connections.direct() };
         self.stats.connections(connection.technique).tried += bucket.len as u64;
-        self.settle(connection.technique, connection.scope.purpose, Source::Connections, bucket);
+        self.settle(connection, Source::Connections, bucket);
     }
 
     /// Joins through as many vertices as the technique draws.
@@ -99,13 +99,12 @@ impl Wavefront<'_> {
 
     /// What becomes of connections that were sorted and built; `appended` vertices were inserted since they were sorted.
     fn settle_buckets(&mut self, connection: &Connection<'_>, appended: usize) {
-        let Connection { technique, scope, .. } = *connection;
-        self.stats.connections(technique).tried += self.candidates.connections.len as u64;
+        self.stats.connections(connection.technique).tried += self.candidates.connections.len as u64;
         for index in 0..self.buckets.buckets().len() {
             let bucket = self.buckets.buckets()[index];
             if bucket.len > 0 {
                 let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
-                self.settle(technique, scope.purpose, Source::Bridged, bucket);
+                self.settle(connection, Source::Bridged, bucket);
             }
         }
     }

@@ -2,18 +2,22 @@
 
 use fogbow_kernels::accumulate::reference::{contribution, counts};
 use fogbow_kernels::columns::queues::Bucket;
-use fogbow_kernels::connect::Technique;
-use fogbow_kernels::random::Purpose;
+use fogbow_kernels::connect::Connection;
+use fogbow_kernels::connect::light_sample::Scope;
 
 use super::{Source, Wavefront};
 use crate::film::aov::Origin;
 
 impl Wavefront<'_> {
-    /// A weight, a roulette, a shadow test, a contribution, for connections to light points of `purpose` that nothing
-    /// has traced yet.
-    pub(super) fn settle(&mut self, technique: Technique, purpose: Purpose, source: Source, mut bucket: Bucket) {
+    /// A sieve, a weight, a roulette, a shadow test, a contribution, for connections that nothing has traced yet.
+    pub(super) fn settle(&mut self, connection: &Connection<'_>, source: Source, mut bucket: Bucket) {
+        let Connection { technique, scope: Scope { purpose, .. }, .. } = *connection;
         if self.stats.work.is_some() {
             self.count_work(source, bucket);
+        }
+        if may_fail(connection, bucket) {
+            self.sift(source, bucket);
+            bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
         }
         self.mis_weight(source, bucket);
         self.phase_quotient(source, bucket);
@@ -130,4 +134,10 @@ impl Wavefront<'_> {
             }
         }
     }
+}
+
+/// Whether connections of a bucket may be found to count nothing before they are weighed: by the vertices that they
+/// insert, or as nobody has asked which way the light faces.
+fn may_fail(connection: &Connection<'_>, bucket: Bucket) -> bool {
+    bucket.inserted > 0 || !(connection.scope.facing || connection.scope.distant)
 }

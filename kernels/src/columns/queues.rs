@@ -6,8 +6,8 @@
 //! | [`FlightTable`] | medium_sample, first_flight | extend, light_hit, flight_weight, scatter, surface | one per lane |
 //! | [`HitQueue`] | extend | light_hit, features | rays that meet a light |
 //! | [`SurfaceHitQueue`] | extend | surface, features | rays that meet a triangle |
-//! | [`CandidateQueue`] | light_hit, light_sample, the techniques' build stages | theirs, mis_weight, roulette, occlusion, accumulate | complete paths |
-//! | [`WorthTable`] | light_hit, mis_weight, roulette, occlusion, transmittance | roulette, occlusion, transmittance, accumulate | what the candidates count |
+//! | [`CandidateQueue`] | light_hit, light_sample, the techniques' build stages | theirs, sift, mis_weight, roulette, occlusion, accumulate | complete paths |
+//! | [`WorthTable`] | light_hit, sift, mis_weight, roulette, occlusion, transmittance | roulette, occlusion, transmittance, accumulate | what the candidates count |
 //! | [`EstimateColumns`] | transmittance | transmittance | what comes through one segment of each |
 //! | [`EndQueue`] | lis_vertex | lis_join | light points of the connections of light importance sampling |
 //! | [`ChainTable`] | the techniques' build stages, lis_join | mis_weight, occlusion | inserted vertices of the candidates |

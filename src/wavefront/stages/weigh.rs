@@ -6,7 +6,7 @@ use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::roulette::Threshold;
-use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, phase_quotient, roulette, transmittance};
+use fogbow_kernels::{accumulate, light_hit, mis_weight, occlusion, phase_quotient, roulette, sift, transmittance};
 
 use super::rows;
 use crate::film::aov::Origin;
@@ -44,6 +44,21 @@ impl Wavefront<'_> {
                 light_hits: &mut self.candidates.light_hits,
             };
             (self.pipeline.light_hit)(self.step, columns);
+        });
+    }
+
+    /// Connections that cannot count weigh nothing.
+    pub fn sift(&mut self, source: Source, bucket: Bucket) {
+        self.stats.run(Stage::Sift, rows(bucket.len), || {
+            let columns = sift::Columns {
+                medium: &self.frame.medium,
+                lights: &self.frame.lights,
+                bucket,
+                candidates: self.candidates.of(source),
+                chains: &self.chains,
+                worth: &mut self.worth,
+            };
+            (self.pipeline.sift)(self.step, columns);
         });
     }
 

@@ -23,7 +23,7 @@ use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
     Step, accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit,
-    medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter,
+    medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift,
     spectral_weight, surface, transmittance,
 };
 
@@ -89,6 +89,7 @@ pub const CHECKED: Pipeline = Pipeline {
     bridge_build: connect::check_bridge_build,
     lis_vertex: connect::check_lis_vertex,
     lis_join: connect::check_lis_join,
+    sift: weigh::check_sift,
     mis_weight: weigh::check_mis_weight,
     phase_quotient: weigh::check_phase_quotient,
     roulette: weigh::check_roulette,

@@ -2,6 +2,22 @@
 
 use super::*;
 
+pub(super) fn check_sift(step: Step, columns: sift::Columns<'_, '_>) {
+    let sift::Columns { medium, lights, bucket, candidates, chains, worth } = columns;
+    let [both] = run_both!(
+        sift(step),
+        [worth],
+        sift::Columns { medium, lights, bucket, candidates, chains, worth: &mut *worth }
+    );
+    let [kernel, twin] = [&both.0, &both.1].map(|saved| saved.reals("weight"));
+    for at in bucket.rows() {
+        count_rows(1);
+        if kernel[at] != twin[at] {
+            count_decisions(1);
+        }
+    }
+}
+
 pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>) {
     let mis_weight::Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, .. } = columns;
     let mis_weight::Columns { chains, paths, log_posterior, last_surface, outlook, vertex, .. } = columns;
