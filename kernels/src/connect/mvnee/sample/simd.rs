@@ -35,24 +35,27 @@ fn flights(sequence: &Sequence, k: usize) -> [f32x8; 4] {
 struct Walk<A> {
     axis: A,
     seeds: Seeds,
-    /// Whether there is a seed behind it, so that fast ones know their extinction.
-    begun: bool,
+    /// Mean free path at the first seed `[m]`, by which fast ones go on; none before it.
+    mean_free_path: Option<f32x8>,
 }
 
 impl<A: AxisX8> Walk<A> {
     #[inline(always)]
     fn new(seeds: Seeds, axis: A) -> Self {
-        Self { axis, seeds, begun: false }
+        Self { axis, seeds, mean_free_path: None }
     }
 
     /// Distance from one seed to the next `[m]`, after a flight of this `depth`.
     #[inline(always)]
     fn next(&mut self, depth: f32x8) -> f32x8 {
-        if A::VARIES && self.seeds == Seeds::Fast && self.begun {
-            return depth / self.axis.reached();
+        if let Some(mean_free_path) = self.mean_free_path {
+            return depth * mean_free_path;
         }
-        self.begun = true;
-        self.axis.advance(depth)
+        let distance = self.axis.advance(depth);
+        if A::VARIES && self.seeds == Seeds::Fast {
+            self.mean_free_path = Some(f32x8::ONE / self.axis.reached());
+        }
+        distance
     }
 
     /// Whether seeds are counted by depth.
