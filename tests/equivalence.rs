@@ -9,7 +9,7 @@ use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::checked::{CHECKED, Log, take_log};
-use fogbow_testing::frames;
+use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{render, render_here};
 use fogbow_testing::tolerances;
 
@@ -54,6 +54,17 @@ fn every_stage_agrees_with_its_twin_for_every_tail_length() {
         }
     }
     assert!(decisions <= 5, "{decisions} of {rows} rows were decided differently");
+}
+
+#[test]
+fn paths_without_room_for_what_a_technique_inserts_do_without() {
+    for segments in 1..=3 {
+        for active in Active::ALL {
+            let frame = frames::with_length(&frames::fog_facing(0.0, 0.6, [8, 8]), segments);
+            let log = check(&frames::with_techniques(&frame, active, 4.0), 24, [8, 8], 4);
+            assert_clean(&format!("{active:?} in paths of {segments} segments"), &log);
+        }
+    }
 }
 
 /// The radiance of every pixel's first sample, by the wavefront.

@@ -102,10 +102,8 @@ impl Wavefront<'_> {
         self.stats.connections(connection.technique).tried += self.candidates.connections.len as u64;
         for index in 0..self.buckets.buckets().len() {
             let bucket = self.buckets.buckets()[index];
-            if bucket.len > 0 {
-                let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
-                self.settle(connection, Source::Bridged, bucket);
-            }
+            let bucket = Bucket { inserted: bucket.inserted + appended, ..bucket };
+            self.settle(connection, Source::Bridged, bucket);
         }
     }
 }

@@ -12,6 +12,9 @@ impl Wavefront<'_> {
     /// A sieve, a weight, a roulette, a shadow test, a contribution, for connections that nothing has traced yet.
     pub(super) fn settle(&mut self, connection: &Connection<'_>, source: Source, mut bucket: Bucket) {
         let Connection { technique, scope: Scope { purpose, .. }, .. } = *connection;
+        if bucket.len == 0 {
+            return; // Paths may be too short for what the technique inserts, and chains with them.
+        }
         if self.stats.work.is_some() {
             self.count_work(source, bucket);
         }
