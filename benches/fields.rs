@@ -65,8 +65,8 @@ fn tracking(c: &mut Criterion) {
     group.throughput(Throughput::Elements(candidates(&grid, &flights)));
     group.bench_function("flights, candidates", |b| {
         b.iter(|| {
-            simd::flights(&grid, batches(&flights), |row, flight| {
-                black_box((row, flight));
+            simd::flights(&grid, batches(&flights), |first, ended, flights| {
+                black_box((first, ended, flights));
             })
         });
     });

@@ -81,6 +81,9 @@ pub trait AxisX8: Copy {
     /// lead beyond its end.
     fn advance(&mut self, depth: f32x8) -> f32x8;
 
+    /// Where its extinction is known to be the same from its start to its end, and which it is then [1/m].
+    fn even(&self) -> (f32x8, f32x8);
+
     /// Extinction at the place reached [1/m]: 0 where a depth is never reached, on a ray that leaves everything.
     fn reached(&self) -> f32x8;
 }

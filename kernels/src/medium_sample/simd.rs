@@ -49,7 +49,11 @@ fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
             hues: [if field.is_grey() { f32x8::ONE } else { f32x8::new(hue()) }],
         }
     });
-    tracking::simd::flights(field, rays, |lane, flight| flights.flight.rows_mut()[lane] = flight);
+    tracking::simd::flights(field, rays, |first, ended, flown| {
+        let b = first / LANES;
+        let before = flights.flight.batch(b);
+        flights.flight.set_batch(b, lanes::mask(ended).select(flown, before));
+    });
 }
 
 /// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.

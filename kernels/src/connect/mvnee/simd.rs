@@ -74,12 +74,20 @@ fn sum<M: MediumX8>(
         }
         let distance = distance_squared.sqrt();
         let axis = to_light * (f32x8::ONE / distance);
-        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
         let line = arrival.medium.axis(start.position, suffix.vertices[0].position, distance);
+        let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
+        let mut possible = possible;
+        if M::VARIES {
+            let (even, extinction) = line.even();
+            possible &= !even | (extinction * distance).simd_le(most);
+            if !possible.any() {
+                continue;
+            }
+        }
+        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
         let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance);
         let mut possible = axial.possible;
         if M::VARIES {
-            let most = f32x8::splat(mvnee.max_depth) * arrival.medium.over_clearest();
             possible &= whole.simd_le(most);
             if !possible.any() {
                 continue;
@@ -123,10 +131,13 @@ fn log_extinction(line: &impl AxisX8, along: f32x8) -> f32x8 {
 /// ln of the product of the extinctions that `seeds` were drawn with, which are counted from the light.
 #[inline(always)]
 fn log_extinctions(how: Seeds, line: &impl AxisX8, seeds: &[Projection]) -> f32x8 {
-    match (how, seeds) {
-        (Seeds::Fast, [.., first]) => log_extinction(line, first.along) * f32x8::splat(seeds.len() as f32),
-        _ => seeds.iter().fold(f32x8::ZERO, |sum, seed| sum + log_extinction(line, seed.along)),
+    let [.., first] = seeds else { return f32x8::ZERO };
+    let (even, _) = line.even();
+    if how == Seeds::Fast || even.all() {
+        return log_extinction(line, first.along) * f32x8::splat(seeds.len() as f32);
     }
+    let sum = seeds.iter().fold(f32x8::ZERO, |sum, seed| sum + log_extinction(line, seed.along));
+    even.select(log_extinction(line, first.along) * f32x8::splat(seeds.len() as f32), sum)
 }
 
 /// The optical depth that the flights between `seeds` pass up to the end of the axis, at `distance` `[m]`, and that of

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! segment in cells: p + t v, t in [0, 1];     [t0, t1] = its part within a box a little larger than that of all cells
-//! n = ceil(|v| (t1 - t0)), at most 64: so many strata of it, each with the mean of the cell at its middle
+//! n = ceil(|v| (t1 - t0)), at most 64: so many strata of it, each with the mean of the cell at its middle; 1 where all
+//!     of it is known to have one extinction
 //! tau~ = length ((t1 - t0) / n * sum_{i < n} mean(p + (t0 + (i + 1/2) / n (t1 - t0)) v) + (1 - (t1 - t0)) mu_around)
 //! ```
 //!
@@ -29,7 +30,11 @@ pub const BELOW: f32 = 0.271_828;
 pub const ABOVE: f32 = 0.314_159;
 
 /// Least optical depth of a segment: quotients of depths stay finite.
-const LEAST_DEPTH: f32 = 1e-9;
+pub const LEAST_DEPTH: f32 = 1e-9;
+
+/// Most optical depth that weights count for a segment of which it is not known: `e^depth`, by which estimates are
+/// multiplied, stays a number. Behind so much there is no light, if it is there.
+pub const MOST_DEPTH: f32 = 60.0;
 
 /// Least extinction of what a flight is in that ends [1/m]: in vacuum it ends beyond everything.
 const LEAST_EXTINCTION: f32 = 1e-30;
@@ -52,6 +57,8 @@ pub struct FieldAxis<'a> {
     stride: f32x8,
     /// How many there are.
     strata: f32x8,
+    /// Where all of the segment is in the even part of the field.
+    even: f32x8,
     /// The stratum reached: -1 before the first.
     reached: f32x8,
     /// The place reached, as a share of the length.
@@ -76,13 +83,16 @@ impl<'a> FieldAxis<'a> {
     /// From `start` on along `way`, both in cells, of this `length` `[m]`, with strata up to the share `end` of it.
     #[inline(always)]
     fn until(field: &'a Field, hue: f32x8, start: Vec3x8, way: Vec3x8, length: f32x8, end: f32x8) -> Self {
-        let [below, above] = field.margins();
-        let [enter, exit] = within(start, way, [-below; 3], field.cells.dims.map(|dim| dim as f32 + above), end);
+        let [enter, exit] = match &field.one {
+            Some(shape) => shape.part(start, way, end),
+            None => within(start, way, [-BELOW; 3], field.cells.dims.map(|dim| dim as f32 + ABOVE), end),
+        };
         let part = (exit - enter).fast_max(f32x8::ZERO);
         let crossed = way.length_squared().sqrt() * part;
         let inside = part.simd_gt(f32x8::ZERO);
-        let most = if field.is_known() { 1.0 } else { MOST_STRATA };
-        let strata = crossed.ceil().fast_max(f32x8::ONE).fast_min(f32x8::splat(most));
+        let even = field.in_even_part(start, way.mul_add(end, start));
+        let most = if field.is_known() { f32x8::ONE } else { even.select(f32x8::ONE, f32x8::splat(MOST_STRATA)) };
+        let strata = crossed.ceil().fast_max(f32x8::ONE).fast_min(most);
         Self {
             field,
             hue,
@@ -92,6 +102,7 @@ impl<'a> FieldAxis<'a> {
             enter: inside.select(enter, f32x8::ZERO),
             stride: part / strata,
             strata: inside.select(strata, f32x8::ZERO),
+            even,
             reached: f32x8::splat(-1.0),
             place: f32x8::ZERO,
         }
@@ -100,12 +111,15 @@ impl<'a> FieldAxis<'a> {
     /// Mean extinction in stratum `index`, where the hue is 1 [1/m].
     #[inline(always)]
     fn mean(&self, index: f32x8) -> f32x8 {
-        if let Some(extinction) = self.field.block {
-            return index.simd_eq(f32x8::ZERO).select(self.strata * f32x8::splat(extinction), f32x8::ZERO);
-        }
-        let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
         let inside = index.simd_ge(f32x8::ZERO) & index.simd_lt(self.strata);
-        inside.select(self.field.mean_at(self.way.mul_add(middle, self.start)), f32x8::splat(self.field.around))
+        let mean = match &self.field.one {
+            Some(shape) => f32x8::splat(shape.extinction),
+            None => {
+                let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
+                self.field.mean_at(self.way.mul_add(middle, self.start))
+            }
+        };
+        inside.select(mean, f32x8::splat(self.field.around))
     }
 
     /// Sums over all strata of the mean, and of what `term` makes of it.
@@ -185,13 +199,19 @@ impl AxisX8 for FieldAxis<'_> {
     fn reached(&self) -> f32x8 {
         self.mean(self.reached) * self.hue
     }
+
+    #[inline(always)]
+    fn even(&self) -> (f32x8, f32x8) {
+        let extinction = self.field.even.as_ref().map_or(0.0, |even| even.extinction);
+        (self.even, f32x8::splat(extinction) * self.hue)
+    }
 }
 
 impl Field {
-    /// By how many cells the box in which strata are is larger than that of all cells, below and above: nothing where
-    /// there is one cell and one stratum.
-    pub fn margins(&self) -> [f32; 2] {
-        if self.is_known() { [0.0; 2] } else { [BELOW, ABOVE] }
+    /// Where both of two points, in cells, are in the even part.
+    #[inline(always)]
+    pub(super) fn in_even_part(&self, start: Vec3x8, end: Vec3x8) -> f32x8 {
+        self.even.as_ref().map_or(f32x8::ZERO, |even| even.holds(start) & even.holds(end))
     }
 
     /// Mean extinction of the cells that points, in cells, are in [1/m].

@@ -12,7 +12,10 @@ pub struct Cell {
     pub mean: f32,
     /// No extinction in it is larger: the majorant of free flights.
     pub most: f32,
-    /// No extinction in it is farther from the mean: the majorant of residuals.
+    /// About what transmittances are estimated: the mean, or in a cell that is thick and uneven the least extinction, so
+    /// that no estimate exceeds the transmittance of that.
+    pub control: f32,
+    /// No extinction in it is farther from `control`: the majorant of residuals.
     pub spread: f32,
 }
 
@@ -29,18 +32,32 @@ const SIDES: core::ops::RangeInclusive<u32> = 1..=7;
 /// Most cells of a grid.
 const MOST_CELLS: u64 = 1 << 22;
 
+/// Optical depth by which the middle of a cell may differ from its end at most if it is estimated about the mean. Each
+/// such unit multiplies an estimate by up to two, and a few of them leave nothing but luck.
+const UNEVEN: f32 = 1.0;
+
 impl Cell {
-    /// Of extinctions from `least` to `most`, with this `mean` [1/m].
-    pub fn new([least, most]: [f32; 2], mean: f32) -> Self {
+    /// Of extinctions from `least` to `most`, with this `mean` [1/m], and of this `edge` `[m]`.
+    pub fn new([least, most]: [f32; 2], mean: f32, edge: f32) -> Self {
         if least == most {
-            return Self { mean: most, most, spread: 0.0 };
+            return Self::even(most);
         }
-        Self { mean, most: most * WIDER, spread: (most - mean).max(mean - least) * WIDER }
+        let spread = (most - mean).max(mean - least) * WIDER;
+        let [control, spread] = if spread * edge > UNEVEN { [least, (most - least) * WIDER] } else { [mean, spread] };
+        Self { mean, most: most * WIDER, control, spread }
     }
 
     /// Of one extinction everywhere [1/m].
     pub const fn even(extinction: f32) -> Self {
-        Self { mean: extinction, most: extinction, spread: 0.0 }
+        Self { mean: extinction, most: extinction, control: extinction, spread: 0.0 }
+    }
+
+    /// With the majorants multiplied by `factor` >= 1, and the mean by `mean`.
+    fn distorted(self, factor: f32, mean: f32) -> Self {
+        let [low, high] = [self.control - self.spread, self.most].map(|bound| bound.max(0.0));
+        let control = if self.control == self.mean { self.mean * mean } else { self.control };
+        let spread = (high - control).abs().max((control - low).abs()) * factor;
+        Self { mean: self.mean * mean, most: self.most * factor, control, spread }
     }
 }
 
@@ -85,10 +102,8 @@ impl Cells {
     /// The cells of a lone grid: cubes of 2^`log_side` voxels along each edge, with `unit` as the extinction of density 1
     /// [1/m].
     pub fn of_voxels(voxels: &Voxels, unit: f32, log_side: u32) -> Self {
-        let (bricks, smooth) = (&voxels.bricks, voxels.smooth());
-        Self::new(counts(bricks, log_side), Cell::even(0.0), false, |place| {
-            (cell(bricks, unit, place, log_side, smooth), 1)
-        })
+        let survey = |place| (cell(voxels, unit, place, log_side), 1);
+        Self::new(counts(&voxels.bricks, log_side), Cell::even(0.0), false, survey)
     }
 
     /// The edge of cells that is best for a lone grid, as a power of two in voxels.
@@ -141,11 +156,8 @@ impl Cells {
     /// The same with all majorants multiplied by `factor` >= 1, and means by `mean`: what no image may depend on.
     pub fn distorted(mut self, factor: f32, mean: f32) -> Self {
         for (cell, kept) in self.cells.iter_mut().zip(&mut self.means) {
-            let least = cell.mean - cell.spread;
-            cell.mean *= mean;
+            *cell = cell.distorted(factor, mean);
             *kept = cell.mean;
-            cell.most *= factor;
-            cell.spread = (cell.most - cell.mean).abs().max((cell.mean - least).abs()) * factor;
         }
         self.most *= factor;
         self
@@ -164,7 +176,9 @@ pub fn counts(bricks: &Bricks, log_side: u32) -> [u32; 3] {
 }
 
 /// A cell from the voxels in it: those of one brick or a part of it, or of several bricks.
-fn cell(bricks: &Bricks, unit: f32, place: [u32; 3], log_side: u32, smooth: bool) -> Cell {
+fn cell(voxels: &Voxels, unit: f32, place: [u32; 3], log_side: u32) -> Cell {
+    let (bricks, smooth) = (&voxels.bricks, voxels.smooth());
+    let edge = voxels.edge() as f32 * (1_u32 << log_side) as f32;
     let side = 1_u32 << log_side;
     let part = side.min(SIDE);
     let range = |axis: usize| {
@@ -183,6 +197,5 @@ fn cell(bricks: &Bricks, unit: f32, place: [u32; 3], log_side: u32, smooth: bool
         least = 0.0;
     }
     let mean = (sum / f64::from(whole)) as f32;
-    let spread = (most - mean).max(mean - least) * WIDER;
-    Cell { mean: unit * mean, most: unit * most * WIDER, spread: unit * spread }
+    Cell::new([unit * least, unit * most], unit * mean, edge)
 }

@@ -1,13 +1,13 @@
 //! Where cells are, and how large.
 //!
-//! The cells of a lone grid are cubes of 2^k of its voxels, so that extrema are those of whole voxels; a lone shape that
-//! is a box is one cell; everything else has cells along the axes of the world in the box around all volumes.
+//! The cells of a lone grid are cubes of 2^k of its voxels, so that extrema are those of whole voxels; a lone box or ball
+//! of one extinction has one cell; everything else has cells along the axes of the world in the box around all volumes.
 
 use glam::{DAffine3, DVec3};
 use wide::{f32x8, u32x8};
 
 use super::cells::{Cell, Cells, THICKNESS, counts};
-use super::shape::Shape;
+use super::known::OneShape;
 use super::volume::{Placed, Volume, extinction};
 use super::voxels::Voxels;
 use crate::vec3x8::Vec3x8;
@@ -50,7 +50,7 @@ impl Lattice {
             return Self::of_voxels(voxels, Cells::best_log_side(voxels, unit));
         }
         let bounds = bounds(volumes);
-        if let [Volume { shape: Some(Shape::Box { .. }), voxels: None, .. }] = volumes {
+        if OneShape::of(volumes).is_some() {
             return Self::along_axes(bounds, [1; 3]);
         }
         let longest = (bounds[1] - bounds[0]).max_element();
@@ -138,7 +138,8 @@ fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine
         (least, most) = (least.min(around), most.max(around));
     }
     let mean = if least == most { most } else { mean(volumes, around, present, first) };
-    (Cell::new([least, most], mean.clamp(least, most)), present)
+    let edge = (corners[1] - corners[0]).max_element() as f32;
+    (Cell::new([least, most], mean.clamp(least, most), edge), present)
 }
 
 /// Mean extinction of the cell from `first` on, of some points in it.

@@ -15,7 +15,10 @@
 //!        n = the cells it is long, rounded up, at most 64
 //! ```
 //!
-//! One extinction in a box in vacuum is known: its tau~ is its optical depth, and nothing is estimated.
+//! and no more than [`MOST_DEPTH`](axis::MOST_DEPTH), so that nothing overflows.
+//!
+//! A ball or a box of one extinction is known: its tau~ is its optical depth, and nothing is estimated. So are segments
+//! within a box of cells that are all alike ([`known`]).
 //!
 //! **Why images are right whatever tau~ is.** With T the transmittance of what a connection adds and T' any unbiased
 //! estimate of it, a candidate counts
@@ -37,6 +40,7 @@
 mod axis;
 mod bricks;
 mod cells;
+mod known;
 mod lattice;
 mod map;
 pub mod reference;
@@ -59,6 +63,7 @@ pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
 pub use volume::Volume;
 pub use voxels::{Interpolation, ToIndex, Voxels};
 
+use known::{EvenPart, OneShape};
 use lattice::Lattice;
 use volume::Placed;
 
@@ -78,8 +83,10 @@ pub struct Field {
     to_cells: Map,
     /// Extinction per channel, over that of the channel in which it is largest.
     hues: [f32; CHANNELS],
-    /// Where all of it is one cell of one extinction in vacuum, that extinction [1/m].
-    block: Option<f32>,
+    /// All of it, if it is one shape of one extinction.
+    one: Option<OneShape>,
+    /// The largest box of cells that are all alike, if it is large.
+    even: Option<EvenPart>,
 }
 
 impl Field {
@@ -89,7 +96,8 @@ impl Field {
     /// If there are no volumes, or more than [`MOST_VOLUMES`], or one has neither a shape nor voxels.
     pub fn new(volumes: Vec<Volume>, around: f32) -> Self {
         let lattice = Lattice::best(&volumes, around);
-        Self::in_cells_of(volumes, around, lattice)
+        let one = OneShape::of(&volumes);
+        Self { one, ..Self::in_cells_of(volumes, around, lattice) }
     }
 
     /// The densities of voxels, times `unit` [1/m].
@@ -97,8 +105,7 @@ impl Field {
         Self::new(vec![Volume { shape: None, voxels: Some(voxels), extinction: unit }], 0.0)
     }
 
-    /// One `extinction` [1/m] in a box from corner `low` to corner `high` `[m]`. Its transmittance is known, so that
-    /// nothing is left to chance.
+    /// One `extinction` [1/m] in a box from corner `low` to corner `high` `[m]`.
     ///
     /// # Panics
     /// If it has no inside.
@@ -111,8 +118,8 @@ impl Field {
         let to_cells = Map::new(&lattice.to_cells);
         let volumes = lattice.place(volumes);
         let cells = lattice.survey(&volumes, around);
-        let block = block_extinction(&cells, around);
-        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS], block }
+        let even = EvenPart::largest(&cells);
+        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS], one: None, even }
     }
 
     /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
@@ -122,7 +129,7 @@ impl Field {
         let lattice = Lattice::other(&volumes, self.around, log_side);
         let field = Self::in_cells_of(volumes, self.around, lattice);
         let cells = field.cells.distorted(factor, mean);
-        Self { block: block_extinction(&cells, self.around), cells, hues: self.hues, ..field }
+        Self { even: EvenPart::largest(&cells), cells, hues: self.hues, ..field }
     }
 
     /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
@@ -156,9 +163,9 @@ impl Field {
         self.around
     }
 
-    /// Whether the optical depth of every segment is known: one extinction in a box in vacuum.
+    /// Whether the optical depth of every segment is known: a ball or a box of one extinction, and what is around it.
     pub fn is_known(&self) -> bool {
-        self.block.is_some()
+        self.one.is_some()
     }
 
     /// Length of the shortest edge of a cell `[m]`, about.
@@ -224,7 +231,10 @@ impl Field {
     /// Extinction at points of the world [1/m].
     #[inline(never)]
     fn extinction(&self, at: Vec3x8) -> f32x8 {
-        self.at(self.in_cells(at)).0
+        let at = self.in_cells(at);
+        let Some(even) = &self.even else { return self.at(at).0 };
+        let (inside, known) = (even.holds(at), f32x8::splat(even.extinction));
+        if inside.all() { known } else { inside.select(known, self.at(at).0) }
     }
 
     /// Who is at points of the world: 0 for what is around, or the number of the volume, from 1 on.
@@ -232,13 +242,6 @@ impl Field {
     pub fn who(&self, at: Vec3x8) -> u32x8 {
         self.at(self.in_cells(at)).1
     }
-}
-
-/// The extinction of cells that are but one, which is even, in vacuum [1/m].
-fn block_extinction(cells: &Cells, around: f32) -> Option<f32> {
-    let cell = cells.at([0; 3]);
-    let even = cell.spread == 0.0 && cell.most == cell.mean;
-    (cells.dims == [1; 3] && even && around == 0.0).then_some(cell.mean)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! density:    sum over the eight voxels about the point of value * prod over axes of (1 - distance from the voxel)
 //! tau~:       a segment has as many strata as it is cells long, at most 64, over its part in a box a little larger than
 //!             all cells, each with the mean of the cell at its middle; the rest of it is in what is around
+//! one shape:  the pieces before, within and behind it
 //! ```
 //!
 //! Which cell a point is in, and how many strata there are, are decisions on the edge of rounding: a twin may decide
@@ -13,7 +14,8 @@
 use glam::DVec3;
 
 use super::Field;
-use super::axis::MOST_STRATA;
+use super::axis::{ABOVE, BELOW, MOST_DEPTH, MOST_STRATA};
+use super::known::OneShape;
 use crate::media::reference::{Medium, Stratum, depth_until};
 use crate::phase::reference::Phase;
 
@@ -73,14 +75,21 @@ impl Field {
     }
 
     /// The way from `from` along `edge`, up to the share `end` of it, as weights see it, where the hue is 1.
-    fn strata_along(&self, from: DVec3, edge: DVec3, end: f64) -> Vec<Stratum> {
+    pub fn strata_along(&self, from: DVec3, edge: DVec3, end: f64) -> Vec<Stratum> {
         let (start, way, around) = (self.cells_of(from), self.cells_along(edge), f64::from(self.around));
         let piece = |share: f64, extinction: f64| Stratum { length: share * edge.length(), extinction };
-        let Some((enter, exit)) = self.part_within(start, way, self.margins().map(f64::from), end) else {
+        if let Some(shape) = &self.one {
+            let Some((enter, exit)) = part_in_shape(shape, start, way, end) else { return vec![piece(end, around)] };
+            return vec![
+                piece(enter, around),
+                piece(exit - enter, f64::from(shape.extinction)),
+                piece(end - exit, around),
+            ];
+        }
+        let Some((enter, exit)) = self.part_within(start, way, [BELOW, ABOVE].map(f64::from), end) else {
             return vec![piece(end, around)];
         };
-        let most = if self.is_known() { 1.0 } else { f64::from(MOST_STRATA) };
-        let count = (way.length() * (exit - enter)).ceil().clamp(1.0, most);
+        let count = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_STRATA));
         let mean_at = |i: u32| {
             let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / count) * way;
             let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims[axis]));
@@ -91,6 +100,32 @@ impl Field {
         strata.push(piece(end - exit, around));
         strata
     }
+}
+
+/// The part of a ray, in cells, up to `end` within a shape: the cell from 0 to 1, or the largest ball in it.
+fn part_in_shape(shape: &OneShape, from: DVec3, way: DVec3, end: f64) -> Option<(f64, f64)> {
+    let (mut enter, mut exit) = (0.0_f64, end);
+    if shape.is_round {
+        // |from + t way - m|^2 = r^2
+        let from_middle = from - 0.5;
+        let (a, b, c) = (way.length_squared(), from_middle.dot(way), from_middle.length_squared() - 0.25);
+        let root = (b * b - a * c).sqrt();
+        if root.is_nan() || a == 0.0 {
+            return (a == 0.0 && c < 0.0).then_some((0.0, end));
+        }
+        (enter, exit) = (enter.max((-b - root) / a), exit.min((-b + root) / a));
+    } else {
+        for axis in 0..3 {
+            let [a, b] = [0.0, 1.0].map(|border| (border - from[axis]) / way[axis]);
+            if way[axis] == 0.0 && !(0.0..=1.0).contains(&from[axis]) {
+                return None;
+            }
+            if way[axis] != 0.0 {
+                (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
+            }
+        }
+    }
+    (enter < exit).then_some((enter, exit))
 }
 
 impl FieldTwin<'_> {
@@ -111,7 +146,8 @@ impl Medium for FieldTwin<'_> {
     }
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
-        depth_until(&self.strata(from, to), from.distance(to)).max(1e-9)
+        let depth = depth_until(&self.strata(from, to), from.distance(to)).max(1e-9);
+        if self.field.is_known() { depth } else { depth.min(f64::from(MOST_DEPTH)) }
     }
 
     fn over_clearest(&self) -> f64 {

@@ -5,7 +5,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Field;
-use super::axis::FieldAxis;
+use super::axis::{FieldAxis, MOST_DEPTH};
 use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
@@ -103,7 +103,14 @@ impl<'a> MediumX8 for FieldX8<'a> {
 
     #[inline(never)]
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
-        self.axis(from, to, length).depth()
+        if let Some(even) = &self.field.even {
+            let is_even = self.field.in_even_part(self.field.in_cells(from), self.field.in_cells(to));
+            if is_even.all() {
+                return even.depth(length, self.hue).fast_min(f32x8::splat(MOST_DEPTH));
+            }
+        }
+        let depth = self.axis(from, to, length).depth();
+        if self.field.is_known() { depth } else { depth.fast_min(f32x8::splat(MOST_DEPTH)) }
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Homogeneous;
+use crate::lanes;
 use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
@@ -172,6 +173,11 @@ impl AxisX8 for HomogeneousAxis {
     #[inline(always)]
     fn advance(&mut self, depth: f32x8) -> f32x8 {
         depth * self.medium.mean_free_path
+    }
+
+    #[inline(always)]
+    fn even(&self) -> (f32x8, f32x8) {
+        (lanes::mask(lanes::ALL), self.medium.extinction)
     }
 
     #[inline(always)]

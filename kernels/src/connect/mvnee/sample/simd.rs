@@ -97,15 +97,15 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
         let [end, near] = walk.end(distance, f32x8::splat(technique.max_depth) * medium.over_clearest());
 
         let live = lanes::mask(lanes::first(connections.len - b * LANES));
-        let (mut inside, mut along, mut count) = (live, f32x8::ZERO, u32x8::splat(0));
+        let (mut inside, mut along, mut count) = (live & near, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
+            if !inside.any() {
+                break;
+            }
             for flight in flights(&sequence, k) {
                 along += walk.toward_end(flight);
                 inside &= along.simd_lt(end) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
-            }
-            if !inside.any() {
-                break;
             }
         }
         let fits = count.simd_le(longest) & lanes::as_integer_mask(near);

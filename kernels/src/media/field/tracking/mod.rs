@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! free flights:    rate mu_max >= mu;     a candidate at x is a collision if u mu_max < mu(x)       (Woodcock 1965)
-//! transmittance:   rate mu_r >= |mu - mu_c| about the cell's mean mu_c;
+//! transmittance:   rate mu_r >= |mu - mu_c| about the cell's mean mu_c, or about its least extinction;
 //!                  T' = e^{-int mu_c} prod (1 - (mu(x) - mu_c) / mu_r)           (Novak, Selle, Jarosz 2014)
 //! ```
 //!
@@ -14,7 +14,7 @@
 //! the largest extinction: `T'_c = e^{-k_c int mu_c} prod (1 - k_c (mu(x) - mu_c) / mu_r)`. Each candidate has
 //! two numbers of the ray's [stream](crate::random::Stream), in the order in which they are met.
 
-mod block;
+mod one_shape;
 mod quest;
 mod rays;
 pub mod reference;

@@ -9,7 +9,7 @@ pub(super) trait Quest<const N: usize>: Copy {
     /// Whether the ray may end on its way.
     const FLIES: bool;
 
-    /// Rate of candidates, and the mean extinction, in a cell [1/m].
+    /// Rate of candidates, and the extinction that is known, in a cell [1/m].
     fn rates(cell: &Cell) -> [f32; 2];
 
     /// Where a candidate is in a cell of one extinction, its mean.
@@ -64,7 +64,7 @@ impl<const N: usize> Quest<N> for Transmittance {
 
     #[inline(always)]
     fn rates(cell: &Cell) -> [f32; 2] {
-        [cell.spread, cell.mean]
+        [cell.spread, cell.control]
     }
 
     #[inline(always)]
@@ -78,10 +78,10 @@ impl<const N: usize> Quest<N> for Transmittance {
         results: [f32x8; N],
         hues: [f32x8; N],
         extinction: f32x8,
-        [spread, mean]: [f32x8; 2],
+        [spread, control]: [f32x8; 2],
         _: f32x8,
     ) -> ([f32x8; N], f32x8) {
-        let residual = (extinction - mean) / spread;
+        let residual = (extinction - control) / spread;
         let factor = |c: usize| (f32x8::ONE - hues[c] * residual).fast_max(f32x8::ZERO);
         let left: [f32x8; N] = core::array::from_fn(|c| results[c] * factor(c));
         (left, left.into_iter().fold(f32x8::ZERO, f32x8::fast_max).simd_le(f32x8::ZERO))

@@ -196,6 +196,13 @@ impl<const N: usize> Lanes<N> {
     }
 }
 
+/// The first two numbers of every ray.
+#[inline(always)]
+pub(super) fn first_numbers(stream: [u32x8; 4]) -> [f32x8; 2] {
+    let [a, b, ..] = Stream::words_x8(stream, u32x8::splat(0));
+    [uniform_x8(a), uniform_x8(b)]
+}
+
 /// Puts lane `from` of `source` in lane `to`.
 #[inline(always)]
 fn put<T: bytemuck::Pod>(column: &mut T, to: usize, source: &T, from: usize) {

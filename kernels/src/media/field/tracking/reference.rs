@@ -10,6 +10,7 @@
 use glam::DVec3;
 
 use crate::media::field::{Cell, Field};
+use crate::media::reference::{depth_until, reach};
 use crate::random::{self, Stream};
 
 /// Length of the flight of a ray of unit `direction` that starts at `origin` `[m]`, where extinction is `hue` times that
@@ -20,11 +21,14 @@ pub fn flight(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: 
 
 /// The same, and the number of candidates on its way, the collision included.
 pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Stream) -> (f64, u32) {
+    let [mut first, ..] = stream.words(0).map(random::uniform);
+    let mut budget = -(1.0 - first).ln();
+    if field.is_known() {
+        return (reach(&field.strata_along(origin, direction, f64::INFINITY), budget / hue), 1);
+    }
     let mut walk = Walk::new(field, origin, direction, f64::INFINITY);
     let around = f64::from(field.around()) * hue;
     let mut candidates = 0;
-    let [mut first, ..] = stream.words(0).map(random::uniform);
-    let mut budget = -(1.0 - first).ln();
     if around > 0.0 {
         if budget <= around * walk.before {
             return (budget / around, 0);
@@ -57,6 +61,9 @@ pub fn transmittance<const N: usize>(
     stream: Stream,
 ) -> ([f64; N], f64) {
     let length = from.distance(to);
+    if field.is_known() {
+        return ([1.0; N], depth_until(&field.strata_along(from, to - from, 1.0), length));
+    }
     let mut walk = Walk::new(field, from, to - from, 1.0);
     let mut draws = (0..).map(|k| stream.words(k).map(random::uniform));
     let mut u = || draws.next().expect("streams do not end");
@@ -65,13 +72,13 @@ pub fn transmittance<const N: usize>(
     let [mut first, ..] = u();
     loop {
         let rate = |cell: &Cell| f64::from(cell.spread) * length;
-        let add = |cell: &Cell, t: f64| known += f64::from(cell.mean) * length * t;
+        let add = |cell: &Cell, t: f64| known += f64::from(cell.control) * length * t;
         let (Some(cell), _) = walk.advance(-(1.0 - first).ln(), rate, add) else {
             let after = if walk.before < 1.0 { 1.0 - walk.exit } else { 0.0 };
             return (products, known + around * after);
         };
         let [_, next, ..] = u();
-        let residual = (walk.extinction() - f64::from(cell.mean)) / f64::from(cell.spread);
+        let residual = (walk.extinction() - f64::from(cell.control)) / f64::from(cell.spread);
         for (product, hue) in products.iter_mut().zip(hues) {
             *product *= (1.0 - hue * residual).max(0.0);
         }

@@ -12,30 +12,63 @@
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
-//! 5. In a cell of one extinction, density need not be asked. A field that is one such cell needs no walk at all
-//!    (`block`).
+//! 5. In a cell of one extinction, density need not be asked. A field that is one shape needs no walk at all
+//!    (`one_shape`), and neither does a ray that ends in the even part in which it began: it would have no candidate but
+//!    the last, and that where it is known to be.
 
 use wide::{f32x8, i32x8, u32x8};
 
 use super::quest::{Flight, Quest, Transmittance};
-use super::rays::{Ended, Lanes};
-use super::{RaysX8, block};
-use crate::lanes;
+use super::rays::{Ended, Lanes, first_numbers};
+use super::{RaysX8, one_shape};
+use crate::lanes::{self, LANES};
 use crate::media::field::Field;
 use crate::transcendental::{exp, neg_ln};
 
 /// So many rays that still cross cells do not keep the others waiting.
 const FEW: u32 = 3;
 
-/// Hands the length of the flight of every ray, of unit direction, to `end`: infinite where it leaves all there is. The
-/// hue of a ray is that of its flight.
-pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, f32)) {
-    if let Some(extinction) = field.block {
-        return rays.for_each(|batch| block::flights(field, extinction, &batch, &mut end));
+/// Hands the lengths of the flights of all rays, of unit directions, to `end`, some of a batch at a time: the row in lane
+/// 0, lanes and lengths, infinite where a flight leaves all there is. The hue of a ray is that of its flight.
+pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, u32, f32x8)) {
+    if let Some(shape) = &field.one {
+        return rays.for_each(|batch| end(batch.first, batch.live, one_shape::flights(field, shape, &batch)));
     }
-    track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
-        end(row, if ended.collided { ended.t } else { f32::INFINITY });
+    let end = core::cell::RefCell::new(end);
+    let rays = rays.filter_map(|batch| {
+        let (ended, flights) = end_in_even_part(field, &batch);
+        if ended != 0 {
+            end.borrow_mut()(batch.first, ended, flights);
+        }
+        let live = batch.live & !ended;
+        (live != 0).then_some(RaysX8 { live, ..batch })
     });
+    track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
+        let flight = if ended.collided { ended.t } else { f32::INFINITY };
+        end.borrow_mut()(row - row % LANES, 1 << (row % LANES), f32x8::splat(flight));
+    });
+}
+
+/// The lanes of a batch whose flights end in the even part in which they began, and their lengths.
+#[inline(always)]
+fn end_in_even_part(field: &Field, batch: &RaysX8<1>) -> (u32, f32x8) {
+    let Some(even) = &field.even else { return (0, f32x8::ZERO) };
+    let (start, way) = (field.in_cells(batch.origin), field.to_cells.directions(batch.direction));
+    let [first, _] = first_numbers(batch.stream);
+    let rate = batch.direction.length_squared().sqrt() * batch.hues[0] * f32x8::splat(even.extinction);
+    let flight = neg_ln(f32x8::ONE - first) / rate;
+    // Convex: what begins and ends in it stays in it.
+    let ended = even.holds(start) & even.holds(way.mul_add(flight, start));
+    (lanes::bits(ended) & batch.live, flight)
+}
+
+/// The lanes of a batch whose segments are in the even part, and their optical depths.
+#[inline(always)]
+fn stay_in_even_part<const N: usize>(field: &Field, batch: &RaysX8<N>) -> (u32, f32x8) {
+    let Some(even) = &field.even else { return (0, f32x8::ZERO) };
+    let (start, way) = (field.in_cells(batch.origin), field.to_cells.directions(batch.direction));
+    let stays = field.in_even_part(start, start + way);
+    (lanes::bits(stays) & batch.live, even.depth(batch.direction.length_squared().sqrt(), f32x8::ONE))
 }
 
 /// Hands an estimate of every segment's transmittance to `end`, as products and the optical depth of the coarse field
@@ -45,10 +78,19 @@ pub fn transmittances<const N: usize>(
     segments: impl Iterator<Item = RaysX8<N>>,
     mut end: impl FnMut(usize, [f32; N], f32),
 ) {
-    if let Some(extinction) = field.block {
-        return segments.for_each(|batch| block::transmittances(field, extinction, &batch, &mut end));
+    if let Some(shape) = &field.one {
+        return segments.for_each(|batch| one_shape::transmittances(field, shape, &batch, &mut end));
     }
-    track::<N, Transmittance>(field, segments, 1.0, |row, ended| end(row, ended.results, ended.known));
+    let end = core::cell::RefCell::new(end);
+    let segments = segments.filter_map(|batch| {
+        let (known, depths) = stay_in_even_part(field, &batch);
+        for lane in lanes::each(known) {
+            end.borrow_mut()(batch.first + lane, [1.0; N], depths.to_array()[lane]);
+        }
+        let live = batch.live & !known;
+        (live != 0).then_some(RaysX8 { live, ..batch })
+    });
+    track::<N, Transmittance>(field, segments, 1.0, |row, ended| end.borrow_mut()(row, ended.results, ended.known));
 }
 
 #[inline(always)]
@@ -64,6 +106,9 @@ fn track<const N: usize, Q: Quest<N>>(
             if waiting.live == 0 {
                 let Some(batch) = rays.next() else { break };
                 waiting.set_out::<Q>(field, &batch, longest, &mut end);
+                if waiting.live == 0 {
+                    continue;
+                }
                 waiting.go_on::<Q>(field, longest, &mut end);
             }
             lanes.take(&mut waiting);
