@@ -68,14 +68,15 @@ pub struct Choices {
 
 impl Choices {
     /// Those that matter to `frame`. Without bridges, which need lights that have a place, there are no starts and
-    /// survivals to try: techniques that do not reach every path need every walk. Without surfaces or volumes there is no
-    /// roulette to try: next to nothing is traced.
+    /// survivals to try: techniques that do not reach every path need every walk. Where there are volumes every vertex
+    /// connects: bridges through vacuum count nothing, and few starts may see next to nothing of a volume without any
+    /// variance that tells. Without surfaces or volumes there is no roulette to try: next to nothing is traced.
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
         let bridges = scatters && frame.techniques.bridge.is_some() && !frame.lights.lights().is_empty();
         let traces = scatters && frame.techniques.any() && (!frame.surfaces.is_empty() || frame.varies());
         let Self { starts, survival, roulette } = self;
-        let starts = bridges && starts && !frame.wanders();
+        let starts = bridges && starts && !frame.wanders() && !frame.varies();
         Self { starts, survival: (bridges || frame.wanders()) && survival, roulette: traces && roulette }
     }
 }

@@ -38,6 +38,14 @@ fn few_starts_are_chosen_for_a_light_in_open_fog() {
     }
 }
 
+/// Bridges from the first vertex would have to stay in the cloud, and hardly ever do.
+#[test]
+fn every_vertex_connects_where_there_are_volumes() {
+    let (frame, trials) = piloted(&scene("cloud-box", &["render.technique=bridge", "film.size=[16, 16]"]));
+    assert_eq!(frame.walk.starts, u32::MAX);
+    assert!(trials.iter().all(|trial| trial.setting.starts == u32::MAX), "{trials:#?}");
+}
+
 #[test]
 fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
     for (folder, settings) in [
