@@ -15,10 +15,10 @@
 //!        n = the cells it is long, rounded up, at most 64
 //! ```
 //!
-//! and no more than [`MOST_DEPTH`](axis::MOST_DEPTH), so that nothing overflows.
+//! and no more than 60, so that nothing overflows.
 //!
 //! A ball or a box of one extinction is known: its tau~ is its optical depth, and nothing is estimated. So are segments
-//! within a box of cells that are all alike ([`known`]).
+//! within a box of cells that are all alike.
 //!
 //! **Why images are right whatever tau~ is.** With T the transmittance of what a connection adds and T' any unbiased
 //! estimate of it, a candidate counts
