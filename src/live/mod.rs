@@ -8,7 +8,7 @@ mod picture;
 mod preview;
 
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
@@ -22,6 +22,8 @@ pub use preview::Preview;
 const PICTURE_EVERY: Duration = Duration::from_millis(400);
 /// The same in units of what a picture takes.
 const PICTURE_SHARE: u32 = 50;
+/// Pictures in memory, those that are being sent included: somebody who takes long has others wait for the next one.
+const MOST_PICTURES: usize = 4;
 /// Somebody who asked no longer ago than this still looks on.
 const ATTENTION: Duration = Duration::from_secs(3);
 
@@ -114,6 +116,8 @@ struct Gallery {
     picture: Option<Arc<Picture>>,
     /// When the next one may be taken.
     next: Option<Instant>,
+    /// Those that somebody has.
+    taken: Vec<Weak<Picture>>,
 }
 
 impl Board {
@@ -134,7 +138,9 @@ impl Board {
 
     /// Shows the images of `session`.
     pub fn show(&self, session: &Arc<Session>) {
-        *self.gallery() = Gallery::default();
+        let mut gallery = self.gallery();
+        (gallery.picture, gallery.next) = (None, None);
+        drop(gallery);
         session.monitor().is_watched.store(true, Ordering::Relaxed);
         let mut shown = self.shown();
         shown.session = Some(Arc::clone(session));
@@ -202,12 +208,15 @@ impl Board {
         };
         let mut gallery = self.gallery();
         let is_early = gallery.next.is_some_and(|next| Instant::now() < next);
+        gallery.taken.retain(|taken| taken.strong_count() > 0);
+        let is_early = is_early || gallery.taken.len() >= MOST_PICTURES;
         let is_last = || gallery.picture.as_ref().is_some_and(|last| last.samples() == session.film.samples());
         if if is_complete { is_last() } else { is_early } {
             return gallery.picture.clone();
         }
         let start = Instant::now();
         let picture = Arc::new(Picture::after(gallery.picture.as_deref(), &session));
+        gallery.taken.push(Arc::downgrade(&picture));
         gallery.next = Some(start + PICTURE_EVERY.max(PICTURE_SHARE * start.elapsed()));
         gallery.picture = Some(Arc::clone(&picture)).filter(|picture| picture.samples() > 0);
         gallery.picture.clone()
@@ -265,6 +274,23 @@ mod tests {
         assert_eq!((first.samples(), last.samples()), (64, 128), "the last picture has all samples at once");
         assert!(Arc::ptr_eq(&last, &again) && Arc::ptr_eq(&last.bytes(), &again.bytes()));
         assert!(last.bytes() != first.bytes(), "bytes are those of the picture");
+    }
+
+    #[test]
+    fn no_more_pictures_are_taken_than_there_is_room_for() {
+        let (board, session) = shown();
+        let take = |samples: u32| {
+            board.gallery().next = None;
+            render(&session, samples);
+            board.picture().expect("a picture")
+        };
+        let mut taken: Vec<_> = (1..=6).map(take).collect();
+        let samples: Vec<_> = taken.iter().map(|picture| picture.samples()).collect();
+        assert_eq!(samples, [64, 128, 192, 256, 256, 256]);
+        taken.remove(0);
+        assert_eq!(take(7).samples(), 448, "one has been sent");
+        board.enter(Phase::Writing);
+        assert_eq!(take(8).samples(), 512, "the last one is taken in any case");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
-use std::process::{Child, ChildStderr};
+use std::process::{Child, ChildStderr, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -96,6 +96,13 @@ impl Served {
             assert!(start.elapsed() < PATIENCE, "{what}: {status:#}");
             sleep(Duration::from_millis(5));
         }
+    }
+
+    /// Ends it as Ctrl-C does: exit code, and what else was told.
+    fn interrupted(self) -> (Option<i32>, String) {
+        let status = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status().expect("kill");
+        assert!(status.success());
+        self.end()
     }
 
     /// Waits for the end: exit code, and what else was told.
@@ -210,6 +217,75 @@ fn the_page_answers_only_what_it_is_asked_by_its_address() {
     assert_eq!(code("POST", "/status", &served.address), 405);
     assert_eq!(code("GET", "/status?x=1", &served.address), 200);
     assert_eq!(served.end().0, Some(0));
+}
+
+/// What it answers to these bytes, as far as anything comes.
+fn answer_to(address: &str, bytes: &[u8]) -> String {
+    let mut stream = TcpStream::connect(address).expect("a page");
+    stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
+    let mut answer = Vec::new();
+    // The page may close the connection before it has all of it.
+    let _ = stream.write_all(bytes).and_then(|()| stream.read_to_end(&mut answer));
+    String::from_utf8_lossy(&answer).lines().next().unwrap_or_default().to_string()
+}
+
+#[test]
+fn no_request_harms_a_render() {
+    let folder = Folder::with_scene();
+    let served = Served::start(&folder, &["--time", "60s", "--checkpoint", "off"]);
+    served.wait("samples", |status| status["samples"].as_u64() > Some(0));
+    let with =
+        |method: &str, header: &str| format!("{method} /status HTTP/1.1\r\nHost: localhost\r\n{header}\r\n\r\nxx");
+    for (method, header, code) in [
+        ("POST", "Content-Length: 99999999999", "413"),
+        ("GET", "Content-Length: 9223372036854775807", "413"),
+        ("GET", "Content-Length: 18446744073709551615", "4"),
+        ("GET", "Content-Length: -5", "4"),
+        ("POST", "Transfer-Encoding: chunked", "413"),
+        ("GET", &format!("X: {}", "x".repeat(1 << 20)), "431"),
+        ("GET", &"X: x\r\n".repeat(1000), "431"),
+    ] {
+        let line = answer_to(&served.address, with(method, header).as_bytes());
+        // Where much is left unread, the connection may be reset before the answer is read.
+        let is_long = header.len() > 1000 && line.is_empty();
+        assert!(is_long || line.starts_with(&format!("HTTP/1.1 {code}")), "{method} {header:.40}: {line}");
+        assert_eq!(served.get("/status").code, 200, "{method} {header:.40}");
+    }
+    for bytes in [&b"\x16\x03\x01\x02\0\x01\0\x01\xfc\x03\x03"[..], b"x", b"\r\n\r\n\r\n", &[0; 1 << 16]] {
+        let mut stream = TcpStream::connect(&served.address).expect("a page");
+        let _ = stream.write_all(bytes);
+        assert_eq!(served.get("/status").code, 200, "{bytes:.8?}");
+    }
+    let (code, stderr) = served.interrupted();
+    assert_eq!(code, Some(130), "{stderr}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn whoever_keeps_connections_open_keeps_nobody_waiting() {
+    let folder = Folder::with_scene();
+    let served = Served::start(&folder, &["--time", "60s", "--size", "400x300", "--checkpoint", "off"]);
+    served.wait("samples", |status| status["samples"].as_u64() > Some(0));
+    let count =
+        |what: &str| std::fs::read_dir(format!("/proc/{}/{what}", served.child.id())).expect("a process").count();
+    let (threads, files) = (count("task"), count("fd"));
+    let bodies = "GET /status HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n";
+    let picture = "GET /picture HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let mut open = Vec::new();
+    for request in [bodies, picture, "", "GET "] {
+        for _ in 0..100 {
+            let mut stream = TcpStream::connect(&served.address).expect("a page");
+            let _ = stream.write_all(request.as_bytes());
+            open.push(stream);
+        }
+        let start = Instant::now();
+        assert_eq!(served.get("/status").code, 200, "{request:?}");
+        assert!(start.elapsed() < Duration::from_secs(5), "{request:?}: took {:?}", start.elapsed());
+    }
+    assert!(count("task") <= threads, "{} threads, {threads} before", count("task"));
+    assert!(count("fd") <= files + 30, "{} files, {files} before", count("fd"));
+    let (code, stderr) = served.interrupted();
+    assert_eq!(code, Some(130), "{stderr}");
 }
 
 #[test]
