@@ -96,6 +96,45 @@ fn another_render_neither_replaces_nor_removes_a_checkpoint() {
     assert!(run.stderr.contains("going on after "), "{run}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_checkpoint_that_cannot_be_read_is_not_told_to_be_anothers() {
+    use super::children::started;
+    use std::collections::BTreeSet;
+    use std::process::Command;
+    use std::thread::sleep;
+    use std::time::Duration;
+    let folder = Folder::with_scene();
+    let child = started(&folder, "a.exr", &["--time", "3s", "--checkpoint", "100ms"]);
+    let id = child.id().to_string();
+    let files = || {
+        sleep(Duration::from_millis(2));
+        let entries = fs::read_dir(format!("/proc/{id}/fd")).expect("a process");
+        let numbers = entries.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+        numbers.collect::<BTreeSet<u32>>()
+    };
+    let limit = |files: u32| {
+        let limit = format!("--nofile={files}:4096");
+        Command::new("prlimit").args(["--pid", &id, &limit]).status().is_ok_and(|status| status.success())
+    };
+    // There is one number for the next checkpoint, and none to look at what is there.
+    let least = (0..50).map(|_| files()).min_by_key(BTreeSet::len).expect("files");
+    let free = (0..).find(|number| !least.contains(number)).expect("a number");
+    if !limit(free + 1) {
+        fogbow_testing::not_run::not_run("there is no prlimit");
+    } else {
+        sleep(Duration::from_millis(700));
+        assert!(limit(1024));
+        let output = child.wait_with_output().expect("a child");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(0), "{stderr}");
+        let warning =
+            "no checkpoint could be written: a.exr.checkpoint: cannot be read, and is left alone: Too many open";
+        assert!(stderr.contains(warning), "{stderr}");
+        assert_eq!(folder.names(), ["a.exr", "scene.toml"], "there was room again: {stderr}");
+    }
+}
+
 #[test]
 fn a_checkpoint_is_found_beside_any_output() {
     let folder = Folder::with_scene();

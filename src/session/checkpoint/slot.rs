@@ -37,7 +37,7 @@ impl Slot {
 
     /// The render may replace what is there now, whatever it is.
     pub fn clear(&self) {
-        self.own(mark(&self.path));
+        self.own(mark(&self.path).ok().flatten());
     }
 
     fn own(&self, mark: Option<Mark>) {
@@ -64,7 +64,11 @@ impl Slot {
         if self.path.symlink_metadata().is_err() {
             return Ok(Replace::Nothing);
         }
-        if mark(&self.path).is_some_and(|mark| self.is_own(mark)) {
+        let mark = mark(&self.path).map_err(|error| {
+            let finding = format!("cannot be read, and is left alone: {error}");
+            Error::failure(self.path.display(), finding, "check the path, its permissions, and limits on open files")
+        })?;
+        if mark.is_some_and(|mark| self.is_own(mark)) {
             return Ok(Replace::Any);
         }
         let other = Checkpoint::open(&self.path).map_err(|error| {
@@ -82,12 +86,12 @@ impl Slot {
     /// there.
     ///
     /// # Errors
-    /// If it cannot be removed.
+    /// If it cannot be read or removed.
     pub fn remove(&self) -> io::Result<bool> {
         if self.path.symlink_metadata().is_err() {
             return Ok(true);
         }
-        if !mark(&self.path).is_some_and(|mark| self.is_own(mark)) {
+        if !mark(&self.path)?.is_some_and(|mark| self.is_own(mark)) {
             return Ok(false);
         }
         match fs::remove_file(&self.path) {
@@ -97,11 +101,15 @@ impl Slot {
     }
 }
 
-/// The mark of the file at `path`, which may be anything; none if it cannot be read.
-fn mark(path: &Path) -> Option<Mark> {
-    let length = path.metadata().ok().filter(fs::Metadata::is_file)?.len().min(CHECKSUM);
-    let (mut file, mut mark) = (File::open(path).ok()?, Mark::default());
-    file.seek(SeekFrom::End(-(length as i64))).ok()?;
-    file.read_exact(&mut mark[..length as usize]).ok()?;
-    Some(mark)
+/// The mark of the file at `path`, which may be anything; none if it is no file.
+fn mark(path: &Path) -> io::Result<Option<Mark>> {
+    let metadata = path.metadata()?;
+    if !metadata.is_file() {
+        return Ok(None);
+    }
+    let length = metadata.len().min(CHECKSUM);
+    let (mut file, mut mark) = (File::open(path)?, Mark::default());
+    file.seek(SeekFrom::End(-(length as i64)))?;
+    file.read_exact(&mut mark[..length as usize])?;
+    Ok(Some(mark))
 }
