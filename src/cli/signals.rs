@@ -1,8 +1,10 @@
 //! Signals that end a render: it writes what there is, and its exit code says which it was. A second one ends it at
-//! once. SIGUSR1 asks for a checkpoint.
+//! once, unless it comes so soon that it means the first. SIGUSR1 asks for a checkpoint.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -17,6 +19,12 @@ const ENDING: [i32; 2] = [SIGINT, SIGTERM];
 /// What a shell adds to the number of the signal that ended a program.
 const ENDED_BY_SIGNAL: i32 = 128;
 
+/// For so long after a signal, others are taken for the same: whoever ends a group of processes, as `timeout` does, may
+/// send it to one of them and then to the group, and a terminal and the program in between may both hand on Ctrl-C.
+const SAME: Duration = Duration::from_secs(1);
+/// Time between looks at whether a signal came.
+const TICK: Duration = Duration::from_millis(50);
+
 /// The signal that came, if one did.
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
@@ -30,8 +38,9 @@ impl Signals {
     /// Waits for signals from now on. Those that whoever started the program had it ignore, as
     /// `nohup` does, stay ignored.
     pub fn watch() -> Result<Self> {
-        let signals = Self::default();
-        each(|signal| signals.watch_for(signal))?;
+        let (signals, is_urgent) = (Self::default(), Arc::default());
+        each(|signal| signals.watch_for(signal, &is_urgent))?;
+        signals.clone().arm(is_urgent).map_err(|error| unwatched(&error))?;
         #[cfg(unix)]
         if !is_ignored(signal_hook::consts::SIGUSR1) {
             // Without it there are still checkpoints now and then.
@@ -50,10 +59,20 @@ impl Signals {
         self.came() && self.received.load(Ordering::Relaxed) != SIGINT as usize
     }
 
-    fn watch_for(&self, signal: i32) -> std::io::Result<()> {
-        let again = Arc::new(AtomicBool::new(false));
-        flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&again))?;
-        flag::register(signal, again)?;
+    /// Once a signal has come, and its repeats with it, the next one is urgent.
+    fn arm(self, is_urgent: Arc<AtomicBool>) -> std::io::Result<()> {
+        let arm = move || {
+            while !self.came() {
+                thread::sleep(TICK);
+            }
+            thread::sleep(SAME);
+            is_urgent.store(true, Ordering::SeqCst);
+        };
+        thread::Builder::new().name("signals".into()).spawn(arm).map(drop)
+    }
+
+    fn watch_for(&self, signal: i32, is_urgent: &Arc<AtomicBool>) -> std::io::Result<()> {
+        flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(is_urgent))?;
         flag::register_usize(signal, Arc::clone(&self.received), signal as usize)?;
         // After the number: whoever clears this flag and then finds none loses no signal.
         flag::register(signal, Arc::clone(&self.stop))?;
@@ -83,12 +102,14 @@ impl Signals {
 
 /// Has `watch` do something for every signal that is not ignored.
 fn each(watch: impl Fn(i32) -> std::io::Result<()>) -> Result<()> {
-    ENDING.into_iter().filter(|signal| !is_ignored(*signal)).try_for_each(|signal| {
-        watch(signal).map_err(|error| {
-            let finding = format!("signal {signal} cannot be caught: {error}");
-            Error::failure("fogbow", finding, "start fogbow from another shell")
-        })
-    })
+    let mut caught = ENDING.into_iter().filter(|signal| !is_ignored(*signal));
+    caught.try_for_each(|signal| watch(signal).map_err(|error| unwatched(&error)))
+}
+
+/// The error that signals would end the program as they end any other.
+fn unwatched(error: &std::io::Error) -> Error {
+    let finding = format!("signals cannot be caught: {error}");
+    Error::failure("fogbow", finding, "allow for more threads, or start fogbow from another shell")
 }
 
 /// Whether this process was started with `signal` ignored, as far as the system tells.
