@@ -14,7 +14,7 @@ use crate::session::{Limits, Session, State};
 
 /// Time between checkpoints where nothing else is asked for.
 const INTERVAL: Duration = Duration::from_secs(60);
-/// Renders that take no longer than this have none, unless they are asked for.
+/// Renders that are known to take no longer than this have none, unless they are asked for.
 const LONG: Duration = Duration::from_secs(120);
 /// What is added to the name of an output.
 const SUFFIX: &str = ".checkpoint";
@@ -162,11 +162,9 @@ impl Plan {
             Some(Checkpoints::Off) => false,
             Some(Checkpoints::Every(_)) => true,
             None if self.resume => true,
-            None => match state.seconds_left {
-                Some(left) => state.elapsed.as_secs_f64() + left > LONG.as_secs_f64(),
-                // Nothing is known of it yet but the time that it may take.
-                None => self.limits.time.map_or(state.elapsed >= INTERVAL, |time| time > LONG),
-            },
+            None if self.limits.time.is_some_and(|time| time <= LONG) => false,
+            // What nothing is known of may take months.
+            None => state.projected().is_none_or(|seconds| seconds > LONG.as_secs_f64()),
         }
     }
 

@@ -198,8 +198,8 @@ struct RenderArgs {
     /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
-    /// Write a checkpoint this often, for example 60s or 5min, or off. Default: every 60 s if the render is expected to
-    /// take more than 2 minutes.
+    /// Write a checkpoint this often, for example 60s or 5min, or off. Default: every 60 s, unless the render is expected
+    /// to take less than 2 minutes.
     #[arg(long, value_name = "DURATION|off", allow_hyphen_values = true, value_parser = values::checkpoints)]
     checkpoint: Option<Checkpoints>,
     /// Go on from the checkpoint, if there is one, to the same bits as if the render had not been interrupted. There

@@ -54,6 +54,14 @@ impl State {
         Self { preparing: false, fraction: 1.0, seconds_left: Some(0.0), ..self }
     }
 
+    /// Time that it will take in all `[s]`, also where the rate was not measured for long; none if nothing is known of
+    /// how much there is to do.
+    pub fn projected(&self) -> Option<f64> {
+        let by_rate = || self.sampling.as_secs_f64() * (1.0 - self.fraction) / self.fraction;
+        let left = self.seconds_left.or_else(|| (self.fraction > 0.0).then(by_rate))?;
+        Some(self.elapsed.as_secs_f64() + left)
+    }
+
     /// Camera paths per second so far.
     pub fn rate(&self) -> f64 {
         (self.samples - self.earlier) as f64 / self.sampling.as_secs_f64().max(1e-9)
