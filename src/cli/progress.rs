@@ -25,13 +25,14 @@ fn outlooks(state: &State, turn: Option<Turn>) -> Outlooks {
     if state.preparing {
         return Outlooks::of(&format!("{frame}preparing"));
     }
-    let noise = state.noise.map_or_else(String::new, |noise| format!("  noise {}", percent(noise)));
-    let (rate, left) = (rate(state.rate()), state.seconds_left.map(|left| format!("{} left", duration(left))));
+    let noise = state.noise.map_or_else(String::new, |noise| format!("noise {}  ", percent(noise)));
+    let rate = state.rate().map_or_else(String::new, |of| format!("{}  ", rate(of)));
+    let left = state.seconds_left.map(|left| format!("{} left", duration(left)));
     let is_told = |target: &Target| state.limits.are_several() || matches!(target, Target::Noise(_));
     let until = state.expected.filter(|target| left.is_some() && is_told(target)).map_or_else(String::new, until);
     let left = left.unwrap_or_else(|| "estimating the time".into());
-    let short = if turn.is_some() { format!("{frame}{left}") } else { format!("{rate}  {left}") };
-    Outlooks { short, long: format!("{frame}{rate}{noise}  {left}{until}") }
+    let short = if turn.is_some() { format!("{frame}{left}") } else { format!("{rate}{left}") };
+    Outlooks { short, long: format!("{frame}{rate}{noise}{left}{until}") }
 }
 
 /// What a render goes on until.
@@ -48,6 +49,8 @@ pub struct Reporter {
     style: Progress,
     bar: Bar,
     last: Option<Instant>,
+    /// When what is shown began.
+    start: Instant,
     /// The file that is being read.
     file: Option<PathBuf>,
     /// Which frame it is about, if it is one of several.
@@ -67,7 +70,7 @@ impl Reporter {
             Progress::Auto => Progress::Plain,
             chosen => chosen,
         };
-        Self { style, bar: Bar::hidden(), last: None, file: None, turn: None }
+        Self { style, bar: Bar::hidden(), last: None, start: Instant::now(), file: None, turn: None }
     }
 
     /// A reporter that has nothing to say but to people at a terminal.
@@ -82,6 +85,7 @@ impl Reporter {
 
     /// From now on it is about a render called `name`.
     pub fn begin(&mut self, name: &str) {
+        self.start = Instant::now();
         if self.style == Progress::Bar {
             self.bar = Bar::new(name);
         }
@@ -133,7 +137,8 @@ impl Reporter {
             self.bar.update(state.fraction, outlooks(&state, self.turn));
             return;
         }
-        let is_early = state.elapsed < INTERVAL || state.fraction >= 1.0;
+        // What was resumed has taken its time before.
+        let is_early = self.start.elapsed() < INTERVAL || state.fraction >= 1.0;
         if is_early || self.last.is_some_and(|last| last.elapsed() < INTERVAL) {
             return;
         }

@@ -27,7 +27,7 @@ use fogbow_kernels::accumulate::Dropped;
 use serde::{Deserialize, Serialize};
 
 use super::identity::{self, Difference, Entry, PILOTED};
-use super::{Earlier, Limits, Session};
+use super::{Earlier, Estimates, Limits, Session};
 use crate::adaptive::Probing;
 use crate::error::{Error, Result};
 use crate::film::{Film, LayerForm, Tile};
@@ -38,7 +38,7 @@ pub use summary::{Summary, is_checkpoint};
 /// What every checkpoint begins with.
 const MAGIC: [u8; 18] = *b"fogbow checkpoint\n";
 /// Version of the layout.
-const LAYOUT: u32 = 2;
+const LAYOUT: u32 = 3;
 /// Bytes before the header.
 const PREFIX: u64 = MAGIC.len() as u64 + 8;
 /// Bytes of the longest header that is read, and of what says how far a render is.
@@ -65,6 +65,8 @@ struct Progress {
     limits: Limits,
     /// Samples of every pixel after which the noise is to be looked at next.
     until: u32,
+    /// What looks at the noise so far say of how many samples it takes.
+    estimates: Estimates,
     /// Time that it has taken so far.
     seconds: f64,
     /// Contributions that were not finite: how many, and pixel and sample of the first.
@@ -248,6 +250,7 @@ impl Session {
         Progress {
             limits: self.limits(),
             until: self.until.load(Ordering::Relaxed),
+            estimates: *self.estimates(),
             seconds: self.elapsed().as_secs_f64(),
             dropped,
             first_dropped,
@@ -310,12 +313,13 @@ impl Session {
             return Err(checkpoint.foreign(&difference));
         }
         checkpoint.read(&self.film)?;
-        let Progress { until, seconds, dropped, first_dropped, probings, .. } = checkpoint.progress.clone();
+        let Progress { until, estimates, seconds, dropped, first_dropped, probings, .. } = checkpoint.progress.clone();
         self.plan().restore(probings).ok_or_else(|| refuse(&checkpoint.path, "has probes of another film"))?;
         let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         self.earlier = Earlier { time, samples: self.film.samples() };
         self.monitor.note_dropped(Dropped { count: dropped, first: first_dropped });
         *self.until.get_mut() = until;
+        *self.estimates() = estimates;
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod checkpoint;
 mod done;
+mod estimates;
 pub mod identity;
 mod limits;
 mod plan;
@@ -11,7 +12,7 @@ mod watch;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::accumulate::Dropped;
@@ -29,6 +30,7 @@ use crate::scene::LoadedScene;
 use crate::stats::Stats;
 use crate::truncation::{self, Truncation};
 use crate::{metering, output};
+use estimates::Estimates;
 pub use limits::{End, Limits, Target};
 pub use report::Report;
 pub use watch::State;
@@ -103,6 +105,8 @@ pub struct Session {
     earlier: Earlier,
     /// Samples of every pixel after which the noise is to be looked at next; 0 if it is not.
     until: AtomicU32,
+    /// What is known of the number of samples that a noise takes.
+    estimates: Mutex<Estimates>,
     /// How many samples which tile gets.
     plan: Mutex<Plan>,
     /// What it was last told to render until.
@@ -171,7 +175,22 @@ impl Session {
         let (earlier, until, hash) = (Earlier::default(), AtomicU32::new(0), OnceLock::new());
         let pixels = region.tiles(tile_size).map(Region::pixels).collect();
         let (plan, limits) = (Mutex::new(Plan::new(pixels, settings.adaptive)), Mutex::default());
-        Ok(Self { scene, film, renderer, settings, preparation, start, monitor, earlier, until, plan, limits, hash })
+        let estimates = Mutex::default();
+        Ok(Self {
+            scene,
+            film,
+            renderer,
+            settings,
+            preparation,
+            start,
+            monitor,
+            earlier,
+            until,
+            estimates,
+            plan,
+            limits,
+            hash,
+        })
     }
 
     /// Time that it has taken so far, that of the runs before it was resumed included.
@@ -182,6 +201,10 @@ impl Session {
     /// What it is, or was last, rendered until.
     pub fn limits(&self) -> Limits {
         *self.limits.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn estimates(&self) -> MutexGuard<'_, Estimates> {
+        self.estimates.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Worker threads.

@@ -44,7 +44,7 @@ impl Session {
                 break End::Interrupted;
             }
             let done = self.level();
-            let until = match self.next(limits, done, &watch) {
+            let until = match self.next(limits, done) {
                 Next::Until(until) => until,
                 Next::End(end) => break end,
             };
@@ -93,7 +93,7 @@ impl Session {
 
     /// What comes after `done` samples of every pixel. Rounds end where the noise is looked at or probes are taken, and
     /// that at numbers of samples that depend on no clock.
-    fn next(&self, limits: Limits, done: u32, watch: &Watch<'_>) -> Next {
+    fn next(&self, limits: Limits, done: u32) -> Next {
         let Limits { samples, time, noise } = limits;
         let most = samples.unwrap_or(MOST_SAMPLES).min(MOST_SAMPLES - self.settings.first_sample);
         if done >= most {
@@ -104,7 +104,7 @@ impl Session {
             // A resumed render first ends the round that it was in, so that it looks at the noise of the same samples.
             Some(_) if self.until.load(Ordering::Relaxed) > done => self.until.load(Ordering::Relaxed),
             Some(_) if done == 0 => FIRST_LOOK,
-            Some(noise) => match self.until_next_look(noise, done, watch) {
+            Some(noise) => match self.until_next_look(noise, done) {
                 Some(until) => until,
                 None => return Next::End(End::Met(Target::Noise(noise))),
             },
@@ -122,14 +122,15 @@ impl Session {
     }
 
     /// The number of samples of every pixel at which the noise is to be looked at after `done`; none if it is met.
-    fn until_next_look(&self, noise: f64, done: u32, watch: &Watch<'_>) -> Option<u32> {
+    fn until_next_look(&self, noise: f64, done: u32) -> Option<u32> {
         let share = self.film.relative_noise() / noise;
         if share <= 1.0 || (share.is_infinite() && done >= BLACK_AFTER) {
             return None;
         }
         // Noise falls with the root of the number of samples; a little more than that says is rarely too much.
-        let needed = (1.05 * share * share * f64::from(done)).ceil();
-        watch.note(needed.is_finite().then_some(needed));
+        let needed = 1.05 * share * share * f64::from(done);
+        self.estimates().add(Some(needed * noise * noise).filter(|product| product.is_finite()));
+        let needed = needed.ceil();
         Some(needed.clamp(f64::from(done) + 1.0, 2.0 * f64::from(done)) as u32)
     }
 }

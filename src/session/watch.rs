@@ -1,6 +1,6 @@
 //! How far a running render is, and what ends it when.
 
-use core::cell::{Cell, RefCell};
+use core::cell::Cell;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -15,9 +15,6 @@ const SURE_AFTER: Duration = Duration::from_secs(3);
 const LIKELY_AFTER: Duration = Duration::from_millis(500);
 /// Share of the work after which it does.
 const LIKELY_FRACTION: f64 = 0.05;
-
-/// Share by which two estimates of the samples that a noise takes may differ to be believed.
-const AGREEMENT: f64 = 0.1;
 
 /// Time between glimpses of the noise, and the least of it in units of what a glimpse takes.
 const GLIMPSE_EVERY: Duration = Duration::from_millis(500);
@@ -62,9 +59,11 @@ impl State {
         Some(self.elapsed.as_secs_f64() + left)
     }
 
-    /// Camera paths per second so far.
-    pub fn rate(&self) -> f64 {
-        (self.samples - self.earlier) as f64 / self.sampling.as_secs_f64().max(1e-9)
+    /// Camera paths per second so far; none before the first ones, also where others were there when the render was
+    /// resumed.
+    pub fn rate(&self) -> Option<f64> {
+        let own = self.samples - self.earlier;
+        (own > 0).then(|| own as f64 / self.sampling.as_secs_f64().max(1e-9))
     }
 
     /// Its figures for other programs, as JSON.
@@ -84,30 +83,12 @@ impl State {
     }
 }
 
-/// Estimates of the number of samples that a noise takes. Early ones may be far off, as long as few paths have found
-/// the light, so none counts unless the one before was about the same.
-#[derive(Debug, Default)]
-pub(super) struct Estimates {
-    last: Option<f64>,
-}
-
-impl Estimates {
-    /// The `next` estimate, if it agrees with the last one.
-    pub fn agreed(&mut self, next: Option<f64>) -> Option<f64> {
-        let last = core::mem::replace(&mut self.last, next);
-        next.filter(|next| last.is_some_and(|last| (next / last - 1.0).abs() <= AGREEMENT))
-    }
-}
-
 /// Reads the progress of a running render.
 pub(super) struct Watch<'a> {
     session: &'a Session,
     /// When the first sample was begun.
     begin: Instant,
     limits: Limits,
-    estimates: RefCell<Estimates>,
-    /// Samples of the mean pixel that the noise will take, as far as that is known.
-    needed: Cell<Option<f64>>,
     /// The largest share of the work that was told so far.
     fraction: Cell<f64>,
     /// The noise, and when it is to be looked at again.
@@ -125,18 +106,12 @@ struct Distance {
 impl<'a> Watch<'a> {
     pub fn new(session: &'a Session, limits: Limits) -> Self {
         let begin = Instant::now();
-        let (estimates, needed, fraction) = (RefCell::default(), Cell::new(None), Cell::new(0.0));
-        Self { session, begin, limits, estimates, needed, fraction, noise: Cell::new((None, begin)) }
+        Self { session, begin, limits, fraction: Cell::new(0.0), noise: Cell::new((None, begin)) }
     }
 
     /// Time since the first sample was begun.
     pub fn sampling(&self) -> Duration {
         self.begin.elapsed()
-    }
-
-    /// Notes how many samples the noise is expected to take.
-    pub fn note(&self, needed: Option<f64>) {
-        self.needed.set(self.estimates.borrow_mut().agreed(needed));
     }
 
     pub fn state(&self) -> State {
@@ -151,7 +126,7 @@ impl<'a> Watch<'a> {
                 fraction: elapsed.as_secs_f64() / time.as_secs_f64().max(1e-9),
                 seconds_left: Some(time.saturating_sub(elapsed).as_secs_f64()),
             }),
-            noise.map(|noise| self.by_samples(Target::Noise(noise), self.needed.get(), samples)),
+            noise.map(|noise| self.by_samples(Target::Noise(noise), self.session.estimates().samples(noise), samples)),
         ];
         let first = first(distances.into_iter().flatten());
         let fraction = first.map_or(0.0, |distance| distance.fraction);
@@ -213,14 +188,6 @@ fn first(distances: impl Iterator<Item = Distance>) -> Option<Distance> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_estimate_counts_once_the_next_one_agrees() {
-        let mut estimates = Estimates::default();
-        let told = [None, Some(40.0), Some(90.0), Some(97.0), Some(93.0), Some(200.0), None, Some(200.0), Some(190.0)]
-            .map(|next| estimates.agreed(next));
-        assert_eq!(told, [None, None, None, Some(97.0), Some(93.0), None, None, None, Some(190.0)]);
-    }
 
     #[test]
     fn the_target_that_is_nearest_in_time_comes_first() {

@@ -2,11 +2,13 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use fogbow::kernels::accumulate::Dropped;
 use fogbow::session::checkpoint::Checkpoint;
-use fogbow::session::{Session, Settings};
+use fogbow::session::{Session, Settings, State};
 use fogbow::{Scene, Target};
 
 use super::support::Folder;
@@ -42,6 +44,31 @@ fn a_session_goes_on_from_a_checkpoint_to_the_same_bits() {
     assert_eq!(pixels(&whole), pixels(&resumed));
     assert_eq!(resumed.dropped(), dropped);
     assert!(resumed.elapsed() >= elapsed, "time goes on, too");
+}
+
+#[test]
+fn what_is_known_of_the_time_that_a_noise_takes_is_known_after_a_resume() {
+    let (folder, whole) = session(0);
+    let mut last = State::default();
+    whole.run(Target::Noise(0.02), || false, |state| last = state);
+    assert_eq!(last.expected, Some(Target::Noise(0.02)), "looks at the noise have agreed");
+    whole.write_checkpoint(&folder.path("c")).expect("written");
+    let mut resumed = session(0).1;
+    resumed.resume(&mut Checkpoint::open(&folder.path("c")).expect("a checkpoint")).expect("the same render");
+    let (stop, first) = (AtomicBool::new(false), OnceLock::new());
+    resumed.run(
+        Target::Noise(0.01),
+        || stop.load(Ordering::Relaxed),
+        |state| {
+            first.get_or_init(|| state);
+            stop.store(true, Ordering::Relaxed);
+            resumed.monitor().stop.store(true, Ordering::Relaxed);
+        },
+    );
+    let first = first.into_inner().expect("a look");
+    assert_eq!(first.expected, Some(Target::Noise(0.01)));
+    assert!((0.15..0.4).contains(&first.fraction), "{} of the way: half the noise takes four times", first.fraction);
+    assert!(first.rate().is_none_or(|rate| rate > 0.0), "{first:?}");
 }
 
 #[test]
