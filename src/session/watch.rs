@@ -170,7 +170,9 @@ impl<'a> Watch<'a> {
         }
         let start = Instant::now();
         let noise = Some(self.session.film.glimpsed_noise()).filter(|noise| noise.is_finite());
-        let next = start + GLIMPSE_EVERY.max(GLIMPSE_SHARE * start.elapsed());
+        // Where workers were at all tiles, another look soon finds one.
+        let pause = if noise.is_some() { GLIMPSE_EVERY } else { Duration::ZERO };
+        let next = start + pause.max(GLIMPSE_SHARE * start.elapsed());
         self.noise.set((noise.or(last), next));
         noise.or(last)
     }
