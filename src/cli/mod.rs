@@ -256,7 +256,7 @@ struct MergeArgs {
     #[arg(long, value_name = "EV|auto", allow_hyphen_values = true, value_parser = values::exposure)]
     exposure: Option<toml::Value>,
     /// Fail, and write nothing, unless the parts together have samples A to B of every pixel, not including B, and no
-    /// others.
+    /// others. Of adaptive parts, A and B are samples of the mean pixel, as they are for render.
     #[arg(long, value_name = "A..B", conflicts_with = "weighted", allow_hyphen_values = true)]
     #[arg(value_parser = values::expected)]
     expect: Option<SampleRange>,

@@ -10,18 +10,37 @@ const MOST_NAMED: usize = 32;
 /// Rectangles of pixels that are named.
 const MOST_REGIONS: usize = 4;
 
+/// What is counted of the pixels of an image.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// Samples of every pixel.
+    Samples,
+    /// Samples of the mean pixel, of which adaptive renders give every tile its share.
+    Levels,
+}
+
+impl Unit {
+    /// What follows the numbers.
+    fn of(self) -> &'static str {
+        match self {
+            Self::Samples => "",
+            Self::Levels => " of the mean pixel",
+        }
+    }
+}
+
 /// Fails unless there are all samples of `whole`, and no others.
-pub fn check(coverage: &Coverage, whole: &Part) -> Result<()> {
+pub fn check(coverage: &Coverage, whole: &Part, unit: Unit) -> Result<()> {
     let Range { start, end } = whole.samples;
     let fault =
         |finding: String, remedy: &str| Err(Error::failure(format!("--expect {start}..{end}"), finding, remedy));
     let gaps = coverage.missing(whole);
-    if let Some(finding) = text(&gaps, whole.region, MOST_NAMED) {
+    if let Some(finding) = text(&gaps, whole.region, MOST_NAMED, unit) {
         return fault(finding, &remedy(&gaps, coverage, whole));
     }
     let Some(has) = coverage.hull() else { return Ok(()) };
     if has.samples.start < start || has.samples.end > end {
-        let finding = format!("the parts have samples {}..{}", has.samples.start, has.samples.end);
+        let finding = format!("the parts have samples {}..{}{}", has.samples.start, has.samples.end, unit.of());
         return fault(finding, "merge none but the parts of these samples");
     }
     if has.region.hull(whole.region) != whole.region {
@@ -32,7 +51,7 @@ pub fn check(coverage: &Coverage, whole: &Part) -> Result<()> {
 }
 
 /// Which samples are missing from which pixels of `whole`, of at most so many ranges; none if there are no gaps.
-pub fn text(gaps: &[Gap], whole: Region, most: usize) -> Option<String> {
+pub fn text(gaps: &[Gap], whole: Region, most: usize, unit: Unit) -> Option<String> {
     let named = &gaps[..gaps.len().min(most)];
     let mut texts: Vec<String> = Vec::new();
     for (index, gap) in named.iter().enumerate() {
@@ -42,7 +61,7 @@ pub fn text(gaps: &[Gap], whole: Region, most: usize) -> Option<String> {
         }
         let alike = named[index..].iter().filter(is_alike);
         let ranges: Vec<_> = alike.map(|gap| format!("{}..{}", gap.samples.start, gap.samples.end)).collect();
-        texts.push(format!("samples {} are missing from {}", ranges.join(", "), pixels(gap, whole)));
+        texts.push(format!("samples {}{} are missing from {}", ranges.join(", "), unit.of(), pixels(gap, whole)));
     }
     if gaps.len() > named.len() {
         texts.push(format!("and so are {} more ranges of samples", gaps.len() - named.len()));

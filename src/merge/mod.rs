@@ -12,6 +12,8 @@ use crate::image::exr::{self, exact::About};
 use crate::image::tone::Exposure;
 use crate::output;
 use crate::session::identity::{self, Entry};
+use crate::session::report::LEVELS;
+use missing::Unit;
 pub use weighted::weighted;
 
 /// Ranges of samples that are missing and named.
@@ -42,7 +44,7 @@ impl Merged {
 /// What is asked of a merge beyond its parts.
 #[derive(Default)]
 pub struct Request<'a> {
-    /// The samples that all pixels are to have, neither fewer nor others.
+    /// The samples that all pixels are to have, neither fewer nor others; of the mean pixel, if the parts are adaptive.
     pub expected: Option<Range<u32>>,
     /// The pixels that are to have them, and no others, as `--crop` has them; those of the whole image if absent.
     pub crop: Option<[u32; 4]>,
@@ -76,14 +78,15 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
     let (coverage, About { size, layers, .. }) = (Coverage::of(all), &parts[0]);
     let is_checked = request.expected.is_some();
     if let Some(samples) = request.expected {
-        if is_adaptive(&parts) {
-            let finding = "is for pixels that all have the same samples, but these parts are adaptive";
-            let remedy = "leave it out: a warning says whether parts of an adaptive render leave a hole";
-            return Err(Error::usage(format!("--expect {}..{}", samples.start, samples.end), finding, remedy));
-        }
         let whole = Region::whole(size[0], size[1]);
         let region = request.crop.map_or(Ok(whole), |crop| Region::cropped(crop, *size))?;
-        missing::check(&coverage, &Part { region, samples })?;
+        let whole = Part { region, samples };
+        if is_adaptive(&parts) {
+            let levels = levels(&parts).ok_or_else(|| without_levels(paths, &parts))?;
+            missing::check(&levels, &whole, Unit::Levels)?;
+        } else {
+            missing::check(&coverage, &whole, Unit::Samples)?;
+        }
     }
     let film = Film::try_new(layers, region, tile_size(region)).map_err(|error| {
         let finding = format!("an image of {} pixels does not fit into memory: {error}", region.pixels());
@@ -207,14 +210,15 @@ fn header(parts: &[About], region: Region, coverage: &Coverage) -> Vec<Entry> {
         ("threads", distinct("threads")),
         ("cpu_features", distinct("cpu_features")),
     ];
-    header.retain(|(name, _)| entries.iter().all(|(entry, _)| entry != name));
-    header.extend(entries.map(|(name, text)| (name.to_string(), text)));
+    let levels = levels(parts).map(|levels| (LEVELS, levels.to_string()));
+    header.retain(|(name, _)| entries.iter().all(|(entry, _)| entry != name) && name != LEVELS);
+    header.extend(entries.into_iter().chain(levels).map(|(name, text)| (name.to_string(), text)));
     header
 }
 
-/// Pixels of `film` that lack samples before their last one, or have none. Where tiles have samples of their own, that
-/// some have more than others is no gap.
-fn holes(coverage: &Coverage, film: &Film) -> u64 {
+/// How many pixels lack samples before their last one, or have none, in words. Where tiles have samples of their own,
+/// that some have more than others is no gap.
+fn holes(coverage: &Coverage, film: &Film, whole: Region) -> Vec<String> {
     let region = film.region();
     let mut ends = vec![0; region.pixels() as usize];
     for Part { region: part, samples } in coverage.parts() {
@@ -224,7 +228,10 @@ fn holes(coverage: &Coverage, film: &Film) -> u64 {
         }
     }
     let is_hole = |(end, pixel): &(u32, Pixel)| *end == 0 || pixel.samples < u64::from(*end);
-    ends.into_iter().zip(film.pixels()).filter(is_hole).count() as u64
+    let within = ends.into_iter().zip(film.pixels()).filter(is_hole).count() as u64;
+    let (all, holes) = (whole.pixels(), within + whole.pixels() - region.pixels());
+    let text = || format!("{holes} of the {all} pixels lack samples before their last one, or have none");
+    (holes > 0).then(text).into_iter().collect()
 }
 
 /// Whether tiles of these parts have numbers of samples of their own.
@@ -232,16 +239,37 @@ fn is_adaptive(parts: &[About]) -> bool {
     parts.iter().any(|part| part.entry("adaptive") == Some("true"))
 }
 
+/// The levels that adaptive parts have together; none if some of them do not say which they have, or they have the same
+/// ones, as crops that overlap may, whose tiles are not those of each other.
+fn levels(parts: &[About]) -> Option<Coverage> {
+    let texts: Option<Vec<_>> = parts.iter().map(|part| part.entry(LEVELS)).collect();
+    texts?.join(" ").parse().ok()
+}
+
+/// The error that it cannot be told which levels these parts have.
+fn without_levels(paths: &[PathBuf], parts: &[About]) -> Error {
+    let silent = paths.iter().zip(parts).find(|(_, part)| part.entry(LEVELS).is_none());
+    let (place, finding, remedy) = match silent {
+        Some((path, part)) if part.entry("adaptive") == Some("true") => (
+            path,
+            "has some samples of single tiles, as an adaptive render has that time or a signal ended",
+            "have it rendered to its last sample, or leave --expect out",
+        ),
+        Some((path, _)) => {
+            (path, "is not adaptive, but other parts are", "render all parts with --adaptive, or leave --expect out")
+        }
+        None => (
+            &paths[0],
+            "is adaptive, and overlaps another part whose tiles are not the same",
+            "render parts of the same crop, or leave --expect out",
+        ),
+    };
+    Error::failure(place.display(), finding, remedy)
+}
+
 /// What a person should know of an image of these parts; gaps in it only unless it `is_checked` that there are none.
 fn warnings(parts: &[About], coverage: &Coverage, film: &Film, is_checked: bool) -> Vec<String> {
-    let [width, height] = parts[0].size;
-    let is_adaptive = is_adaptive(parts);
-    let gaps = if is_adaptive || is_checked { Vec::new() } else { coverage.gaps([width, height]) };
-    let (whole, all) = (Region::whole(width, height), u64::from(width) * u64::from(height));
-    let mut warnings: Vec<_> = missing::text(&gaps, whole, MOST_NAMED).into_iter().collect();
-    if let holes @ 1.. = if is_adaptive { holes(coverage, film) + all - film.region().pixels() } else { 0 } {
-        warnings.push(format!("{holes} of the {all} pixels lack samples before their last one, or have none"));
-    }
+    let mut warnings = if is_checked { Vec::new() } else { gaps(parts, coverage, film) };
     if coverage.parts().is_empty() {
         warnings.push("no part has any samples".into());
     }
@@ -252,4 +280,16 @@ fn warnings(parts: &[About], coverage: &Coverage, film: &Film, is_checked: bool)
         );
     }
     warnings
+}
+
+/// What is missing to an image of these parts, in words.
+fn gaps(parts: &[About], coverage: &Coverage, film: &Film) -> Vec<String> {
+    let [width, height] = parts[0].size;
+    let whole = Region::whole(width, height);
+    let (gaps, unit) = match levels(parts) {
+        _ if !is_adaptive(parts) => (coverage.gaps([width, height]), Unit::Samples),
+        Some(levels) => (levels.gaps([width, height]), Unit::Levels),
+        None => return holes(coverage, film, whole),
+    };
+    missing::text(&gaps, whole, MOST_NAMED, unit).into_iter().collect()
 }

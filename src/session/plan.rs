@@ -7,7 +7,7 @@ use std::sync::{MutexGuard, PoisonError};
 
 use super::Session;
 use crate::adaptive::{self, Plan, Probing};
-use crate::film::Coverage;
+use crate::film::{Coverage, Part};
 use crate::render::Samples;
 use crate::scene::schema::MOST_SAMPLES;
 
@@ -77,6 +77,14 @@ impl Session {
             if is_beyond(middle) { low = middle + 1 } else { high = middle }
         }
         Some(low)
+    }
+
+    /// The levels that its film has, which are the same samples as those of its coverage: none unless it is adaptive and
+    /// ended at a level, as a number of samples or a noise has it end, so that no tile has samples beyond it.
+    pub fn levels(&self) -> Option<Coverage> {
+        let (first, level) = (self.settings.first_sample, self.level());
+        let is_whole = self.is_adaptive() && self.most_beyond(level).is_none();
+        is_whole.then(|| Coverage::of(vec![Part { region: self.film.region(), samples: first..first + level }]))
     }
 
     /// Which samples its film has.

@@ -18,6 +18,9 @@ use crate::pilot::Trial;
 use crate::stats::{ConnectionStats, StageStats, Stats};
 use crate::truncation::{Share, Truncation};
 
+/// The entry with the levels of an adaptive image.
+pub const LEVELS: &str = "levels";
+
 impl Session {
     /// What its samples depend on, as entries of headers.
     pub fn identity(&self) -> Vec<Entry> {
@@ -81,7 +84,8 @@ impl Report<'_> {
             ("seconds", format!("{:.3}", elapsed.as_secs_f64())),
             ("threads", self.session.threads().to_string()),
         ];
-        let entries = entries.into_iter().map(|(name, text)| (name.to_string(), text));
+        let levels = self.session.levels().map(|levels| (LEVELS, levels.to_string()));
+        let entries = entries.into_iter().chain(levels).map(|(name, text)| (name.to_string(), text));
         self.session.identity().into_iter().chain(entries).collect()
     }
 

@@ -49,15 +49,41 @@ fn parts_of_the_samples_merge_to_the_bits_of_one_run() {
         assert_eq!(merged, whole, "{name}");
     }
     let run = folder.done(&["merge", "a.exr", "c.exr", "-o", "holes.exr"]);
-    assert!(run.stderr.contains("warning: 5760 of the 5760 pixels lack samples before their last one"), "{run}");
+    let gap = "samples 25..40 of the mean pixel are missing from every pixel";
+    assert!(run.stderr.contains(&format!("warning: {gap}\n")), "{run}");
+    // Parts that are merged in two steps are checked as well.
+    folder.done(&["merge", "a.exr", "b.exr", "-o", "ab.exr", "--expect", "0..40"]);
+    folder.done(&["merge", "ab.exr", "c.exr", "-o", "merged.exr", "--expect", "0..60"]);
+    assert_same_bits(&folder, "merged.exr", "whole.exr");
+    for (parts, expected, finding) in [
+        (&["a.exr", "c.exr"][..], "0..60", gap),
+        (&["ab.exr"], "0..60", "samples 40..60 of the mean pixel are missing from every pixel"),
+        (&["ab.exr", "c.exr"], "0..40", "the parts have samples 0..60 of the mean pixel"),
+    ] {
+        let args = [&["merge", "-o", "x.exr", "--expect", expected], parts].concat();
+        folder.refused(&args, 1, &format!("--expect {expected}: {finding}\n"));
+    }
     // Samples that are there already are refused, whether tiles have as many of them or not.
     render(&folder, "even.exr", &["--samples", "60"]);
     folder.refused(&["merge", "a.exr", "even.exr", "-o", "x.exr"], 1, "even.exr: has samples ");
-    folder.refused(
-        &["merge", "a.exr", "c.exr", "-o", "x.exr", "--expect", "0..64"],
-        2,
-        "--expect 0..64: is for pixels",
-    );
+}
+
+#[test]
+fn what_has_samples_of_some_tiles_alone_is_not_what_is_expected() {
+    let folder = folder();
+    // A deadline may happen to be where all tiles have their samples.
+    for _ in 0..9 {
+        render(&folder, "a.exr", &["--adaptive", "--time", "300ms"]);
+        if folder.image("a.exr").header.iter().all(|(name, _)| name != "fogbow.levels") {
+            break;
+        }
+    }
+    let stopped = ["merge", "a.exr", "-o", "x.exr", "--expect", "0..1000000"];
+    folder.refused(&stopped, 1, "a.exr: has some samples of single tiles");
+    render(&folder, "b.exr", &["--samples", "10"]);
+    render(&folder, "c.exr", &["--adaptive", "--sample-range", "10..12"]);
+    let mixed = ["merge", "b.exr", "c.exr", "-o", "x.exr", "--expect", "0..12"];
+    folder.refused(&mixed, 1, "b.exr: is not adaptive, but other parts are");
 }
 
 #[test]
@@ -77,7 +103,8 @@ fn crops_merge_to_their_own_pixels() {
         }
     }
     let run = folder.done(&["merge", "left.exr", "-o", "half.exr"]);
-    assert!(run.stderr.contains("3384 of the 5760 pixels lack samples"), "{run}");
+    let gap = "samples 0..40 of the mean pixel are missing from 3384 of the 5760 pixels (columns 33..80, rows 0..72)";
+    assert!(run.stderr.contains(gap), "{run}");
 }
 
 #[test]
