@@ -3,13 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::RenderArgs;
-use super::destinations::Destination;
-use super::values::{FrameRange, ImageOutput};
+use super::values::FrameRange;
 use crate::error::{Error, Result};
-use crate::image::Format;
 use crate::live::Turn;
 use crate::output;
-use crate::session::{Limits, Session};
 
 /// Frames per second where nothing else is asked for.
 pub const FRAMES_PER_SECOND: f64 = 24.0;
@@ -65,21 +62,6 @@ pub fn numbered(path: &Path, frame: u32) -> PathBuf {
     let Some(end) = name.rfind(PLACE).map(|last| last + 1) else { return path.into() };
     let start = name[..end].trim_end_matches(PLACE).len();
     path.with_file_name(format!("{}{frame:0width$}{}", &name[..start], &name[end..], width = end - start))
-}
-
-/// Whether `images` and `others` of this render are all there, so that it need not be done again: images that are no
-/// regular files have to be sent again, and only EXR images say what they are of.
-pub fn are_there<'a>(
-    session: &Session,
-    limits: Limits,
-    images: &[ImageOutput],
-    others: impl Iterator<Item = Destination<'a>>,
-) -> bool {
-    let mut paths = images.iter().map(|image| image.path.as_path()).chain(others.map(|other| other.path));
-    let mut exr = images.iter().filter(|image| image.format == Format::Exr);
-    paths.all(|path| path.is_file() && !output::is_stream(path))
-        && exr.clone().count() > 0
-        && exr.all(|image| session.is_rendered(&image.path, limits))
 }
 
 #[cfg(test)]

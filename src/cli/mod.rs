@@ -6,6 +6,7 @@ mod checkpoints;
 mod compare;
 mod denoising;
 mod destinations;
+mod done;
 mod finish;
 mod frames;
 mod info;
@@ -169,7 +170,7 @@ struct RenderArgs {
     seed: Option<i64>,
     /// Render frames A to B, including B, or a single one, of the animations of the scene's glTF file: its cameras,
     /// lights and meshes move with their nodes. Names of outputs have #### where the number of the frame goes, as in
-    /// a.####.exr. With --resume, frames are left out whose images are there, an EXR image among them.
+    /// a.####.exr. With --resume, frames are left out whose images are there.
     #[arg(long, value_name = "A-B", allow_hyphen_values = true, value_parser = values::frames)]
     frames: Option<FrameRange>,
     /// Frames per second: frame F is at F / FPS seconds of the animations. Default: 24.
@@ -204,7 +205,8 @@ struct RenderArgs {
     checkpoint: Option<Checkpoints>,
     /// Go on from the checkpoint, if there is one, to the same bits as if the render had not been interrupted. There
     /// may be more --samples than before, or less --noise; --time includes the time before. Without a checkpoint the
-    /// render starts from the beginning, so that scripts can always give this flag.
+    /// render starts from the beginning, so that scripts can always give this flag, or is left out if all of its images
+    /// are there, an EXR image among them that says so.
     #[arg(long)]
     resume: bool,
     /// Start from the beginning even if there is a checkpoint, which is replaced.

@@ -9,6 +9,7 @@ use std::thread;
 use super::checkpoints::Plan;
 use super::denoising::{DENOISE, Denoising};
 use super::destinations::{self, Destination};
+use super::done;
 use super::finish::{Ending, finish, nothing};
 use super::frames::{self, Sequence};
 use super::keeper::{Keeper, Kept};
@@ -113,7 +114,7 @@ impl Run<'_> {
         let request = self.request(&scene, turn)?;
         let mut session = Session::new(scene, request.settings)?;
         self.warn_of_no_effect(&session, request.limits);
-        if turn.is_some() && self.args.resume && self.is_done(&session, &request) {
+        if self.args.resume && self.is_done(&session, &request) {
             let obstacle = request.denoising.as_ref().and_then(Denoising::obstacle);
             self.noisy = self.noisy.take().or(obstacle.cloned());
             self.reporter.finish(State::default().done());
@@ -210,10 +211,17 @@ impl Run<'_> {
         }
     }
 
-    /// Whether all results of a frame are there, so that nothing is left to do.
-    fn is_done(&self, session: &Session, request: &Request) -> bool {
+    /// Whether all results are there, so that nothing is left to do.
+    fn is_done(&mut self, session: &Session, request: &Request) -> bool {
         let Request { outputs, limits, plan, .. } = request;
-        let is_done = !plan.has_checkpoint() && frames::are_there(session, *limits, outputs, request.possible_others());
+        if plan.has_checkpoint() {
+            return false;
+        }
+        let is_done = done::are_there(session, *limits, outputs, request.possible_others());
+        if !is_done && done::are_silent(outputs) {
+            let finding = "images are there that do not say what they are of, and are rendered again";
+            self.warn_once(format!("--resume: {finding}; an EXR image beside them would, as with another -o"));
+        }
         if is_done {
             let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
             self.reporter.line(format!("{}: already there, skipped", names.join(", ")));

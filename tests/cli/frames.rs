@@ -265,6 +265,8 @@ fn resume_leaves_out_frames_that_are_there() {
     assert_eq!(there(&["--samples", "4"]), [0; 0], "other samples");
     let run = folder.done(&flags("b#.png", "1", &["--resume"]));
     assert!(!run.stderr.contains("already there, skipped"), "a PNG image does not say what it is of\n{run}");
+    let reason = "warning: --resume: images are there that do not say what they are of, and are rendered again; ";
+    assert!(run.stderr.contains(reason), "{run}");
 }
 
 #[test]

@@ -62,3 +62,23 @@ fn a_time_is_kept_before_the_noise_is_looked_at() {
     assert!(plane(&folder.image("a.exr"), "N").iter().all(|samples| *samples == 1.0));
     assert_eq!(header(&folder.image("a.exr"), "ended_by"), "time");
 }
+
+#[test]
+fn what_is_done_already_is_left_out_on_resume() {
+    let folder = Folder::with_edited_scene("radius = 1.5", "radius = 0.1");
+    let is_left_out = |more: &[&str]| {
+        let base = ["render", "scene.toml", "-o", "a.exr", "--resume", "--checkpoint", "off", "--size", "40x40"];
+        let run = folder.done(&[&base[..], more].concat());
+        run.stderr.contains("a.exr: already there, skipped\n")
+    };
+    for kind in [&[][..], &["--adaptive"]] {
+        let part = [kind, &["--sample-range", "20..40"]].concat();
+        assert!(!is_left_out(&part), "{kind:?}: another render");
+        assert!(is_left_out(&part), "{kind:?}");
+        assert!(!is_left_out(&[&part[..], &["--seed", "2"]].concat()), "{kind:?}: another seed");
+        assert!(!is_left_out(&[&part[..], &["--crop", "0,0,8,8"]].concat()), "{kind:?}: another crop");
+        assert!(!is_left_out(&[kind, &["--sample-range", "10..30"]].concat()), "{kind:?}: other samples");
+    }
+    assert!(!is_left_out(&["--samples", "4"]) && is_left_out(&["--samples", "4"]));
+    assert!(!is_left_out(&["--samples", "4", "--set", "light[0].radius=0.2"]), "another scene");
+}
