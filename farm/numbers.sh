@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Numbers on command lines; sourced by the scripts here.
+# Numbers on command lines, and names of parts; sourced by the scripts here.
 
 fail() { echo "error: $*" >&2 && exit 2; }
 
@@ -10,4 +10,16 @@ number() {
     digits=$((10#${BASH_REMATCH[1]}))
     [ "$digits" -ge "$3" ] || fail "$1 is to be at least $3, but is $2"
     echo "$digits"
+}
+
+# What the name of a part says of the crop among the flags of fogbow render, if there is one: -crop-0_0_64_32.
+crop_suffix() {
+    local window
+    window=$(crop_window "$@")
+    [ -z "$window" ] || echo "-crop-${window//[^0-9]/_}"
+}
+
+# That crop: 0,0,64,32.
+crop_window() {
+    [[ ! " $* " =~ \ --crop[\ =]([^\ ]*)\  ]] || echo "${BASH_REMATCH[1]}"
 }

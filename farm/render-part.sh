@@ -5,7 +5,7 @@
 #
 # The part goes into the folder PARTS; FLAGs are those of fogbow render. A part of a crop has that in its name, so that
 # crops can go into one folder. FOGBOW names another program than fogbow, CHECKPOINT another time than 60s between
-# checkpoints. A task that is run again goes on from its checkpoint.
+# checkpoints. A task that is run again goes on from its checkpoint, and has nothing to do if its part is there.
 set -euo pipefail
 # shellcheck source=farm/numbers.sh
 . "$(dirname "${BASH_SOURCE[0]}")/numbers.sh"
@@ -19,17 +19,6 @@ scene=$3 parts=$4
 [ "$first" -le "$end" ] || fail "LAST is to be at least FIRST, but samples $first to $end were given"
 first=$((first - 1))
 shift 4
-# The crop among the flags, as --crop WINDOW or --crop=WINDOW.
-crop='' before=''
-for flag in "$@"; do
-    case $before$flag in
-    --crop=*) crop=${flag#--crop=} ;;
-    --crop\ *) crop=$flag ;;
-    esac
-    before=''
-    [ "$flag" != --crop ] || before='--crop '
-done
-crop=${crop//[^0-9]/_}
 mkdir -p "$parts"
 exec "${FOGBOW:-fogbow}" render "$scene" --sample-range "$first..$end" --checkpoint "${CHECKPOINT:-60s}" --resume \
-    -o "$parts/$(printf '%010d-%010d' "$first" "$end")${crop:+-crop-$crop}.exr" "$@"
+    -o "$parts/$(printf '%010d-%010d' "$first" "$end")$(crop_suffix "$@").exr" "$@"

@@ -34,6 +34,23 @@ grep -- '--crop 0,10,24,24' message
 "$here/merge-parts.sh" crops 11 crops.exr
 "$FOGBOW" compare crops.exr whole.exr | grep 'the same exact sums of the same samples'
 
+# A part that is there is left out; that of another render is not.
+"$here/render-part.sh" 1 4 "${flags[@]}" 2>message
+grep 'parts/0000000000-0000000004.exr: already there, skipped' message
+"$here/render-part.sh" 1 11 "$here/scene.toml" crops --size 24x24 --crop 0,0,24,10 --seed 2 2>message
+if grep skipped message; then echo "FAILED: took a part of another seed" && exit 1; fi
+
+# Adaptive parts are checked, too.
+adaptive=("$here/scene.toml" adaptive --size 160x96 --threads 1 --progress none --adaptive)
+"$FOGBOW" render "$here/scene.toml" --size 160x96 --adaptive --samples 60 -o adaptive.exr --progress none
+"$here/render-part.sh" 1 25 "${adaptive[@]}"
+"$here/render-part.sh" 41 60 "${adaptive[@]}"
+if "$here/merge-parts.sh" adaptive 60 out.exr 2>message; then echo "FAILED: merged" && exit 1; fi
+grep 'samples 25..40 of the mean pixel are missing from every pixel' message
+"$here/render-part.sh" 26 40 "${adaptive[@]}"
+"$here/merge-parts.sh" adaptive 60 out.exr
+"$FOGBOW" compare out.exr adaptive.exr | grep 'the same exact sums of the same samples'
+
 # What makes no sense is refused with a reason.
 refused() {
     local reason=$1

@@ -43,9 +43,39 @@ step "a task that runs twice does no harm"
 part=a/parts/0000000004-0000000007.exr
 before=$(stat -c %i "$part")
 run a 10 4 --step Render --task-param Sample=5-7 >b.log
-[ "$(stat -c %i "$part")" != "$before" ] || fail "$part was not written again"
+says b.log "$part: already there, skipped"
+[ "$(stat -c %i "$part")" = "$before" ] || fail "$part was written again"
 run a 10 4 --step Merge --no-run-dependencies >b.log
 same a/out.exr whole.exr
+
+step "merges in two steps come to the same"
+run a 10 4 -p Merges=2 --step Merge --run-dependencies >h.log || { cat h.log && fail "the job"; }
+ls a/parts
+says h.log 'openjd_status: .*group-1.exr: 1 image, 4 samples'
+says h.log 'openjd_status: .*group-2.exr: 2 images, 6 samples'
+says h.log 'openjd_status: .*out.exr: 2 images, 10 samples'
+same a/out.exr whole.exr
+run a 10 4 -p Merges=5 --step Merge --run-dependencies >h.log || { cat h.log && fail "the job"; }
+says h.log 'openjd_status: .*out.exr: 3 images, 10 samples'
+same a/out.exr whole.exr
+
+step "crops go into one folder"
+for window in 0,0,32,16 0,16,32,32; do
+    flags="--size 32x32 --seed 7 --crop $window"
+    run crop 10 4 -p Merges=2 --step Merge --run-dependencies >i.log || { cat i.log && fail "the job"; }
+    mv crop/out.exr "crop/$window.exr"
+done
+ls crop/parts
+"$FOGBOW" merge crop/0,*.exr -o crop/out.exr --progress none
+same crop/out.exr whole.exr
+
+step "adaptive parts merge, and are checked"
+flags='--size 160x96 --adaptive'
+# shellcheck disable=SC2086
+"$FOGBOW" render "$scene" $flags --samples 60 -o adaptive.exr --progress none
+run adaptive 60 20 -p Merges=2 --step Merge --run-dependencies >j.log || { cat j.log && fail "the job"; }
+same adaptive/out.exr adaptive.exr
+flags='--size 32x32 --seed 7'
 
 step "a task that is killed leaves no file, and no merge"
 rm a/out.exr "$part"

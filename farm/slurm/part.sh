@@ -10,5 +10,8 @@ end() {
     echo $((end < SAMPLES ? end : SAMPLES))
 }
 
-# Its file.
-part() { printf '%s/%010d-%010d.exr\n' "$PARTS" "$(first "$1")" "$(end "$1")"; }
+# Its file; the crop is in its name, so that crops can go into one folder.
+part() { printf '%s/%010d-%010d%s.exr\n' "$PARTS" "$(first "$1")" "$(end "$1")" "$CROP_SUFFIX"; }
+
+# The file of group $1 of parts.
+group() { printf '%s/group-%d%s.exr\n' "$PARTS" "$1" "$CROP_SUFFIX"; }

@@ -6,10 +6,10 @@
 # SAMPLES per pixel, CHUNK of them per task, parts in the folder PARTS (default: OUT.exr.parts). FLAGs are those of
 # fogbow render, but for --threads, which are those that Slurm gives. With -m, so many merges of equal numbers of parts
 # come first, at the same time, and then one of what they made. With -s, flags of sbatch for the tasks, as in
-# -s --partition=low. Given again, it renders only the parts that are not there. FOGBOW names another program than
-# fogbow, CHECKPOINT another time than 60s between checkpoints, or off, MERGE_FLAGS flags of fogbow merge for the last
-# merge. Prints the numbers of the jobs: of the tasks (if there are any), of the merges of groups (with -m), and of the
-# last merge.
+# -s --partition=low. Given again, it renders only the parts that are not there, or are of another render: all other
+# tasks end at once. FOGBOW names another program than fogbow, CHECKPOINT another time than 60s between checkpoints, or
+# off, MERGE_FLAGS flags of fogbow merge for the last merge. Prints the numbers of the jobs: of the tasks, of the merges
+# of groups (with -m), and of the last merge.
 set -euo pipefail
 
 usage() {
@@ -41,36 +41,23 @@ merges=$(number -m "$merges" 1)
 export SCENE=$1 SAMPLES=$samples CHUNK=$chunk OUTPUT=$output PARTS=${parts:-$output.parts}
 export FOGBOW=${FOGBOW:-fogbow} CHECKPOINT=${CHECKPOINT:-60s}
 shift
+CROP=$(crop_window "$@") CROP_SUFFIX=$(crop_suffix "$@")
+export CROP CROP_SUFFIX
 mkdir -p "$PARTS"
 
-# The array: every part that is not there.
-# shellcheck source=farm/slurm/part.sh
-. "$here/part.sh"
+# Whether a part is there, and of this very render, is for its task to say.
 tasks=$(((samples + chunk - 1) / chunk))
 export MERGES=$((merges < tasks ? merges : tasks))
-missing=''
-for ((task = 0; task < tasks; task++)); do
-    [ -e "$(part "$task")" ] || missing+=,$task
-done
-
-after=()
-if [ -n "$missing" ]; then
-    # Runs of numbers as FIRST-LAST.
-    array=$(tr ',' '\n' <<<"${missing#,}" | awk '
-        NR > 1 && $1 != last + 1 { print first "-" last; first = $1 }
-        NR == 1 { first = $1 }
-        { last = $1 }
-        END { print first "-" last }' | paste -sd,)
-    job=$(sbatch --parsable --export=ALL --array="$array" --output="$PARTS/%a.log" "${sbatch_flags[@]}" \
-        "$here/render.sbatch" "$here" "$@")
-    echo "${job%%;*}"
-    after=(--dependency="afterok:${job%%;*}" --kill-on-invalid-dep=yes)
-fi
+job=$(sbatch --parsable --export=ALL --array="0-$((tasks - 1))" --output="$PARTS/%a$CROP_SUFFIX.log" \
+    "${sbatch_flags[@]}" "$here/render.sbatch" "$here" "$@")
+echo "${job%%;*}"
+after=(--dependency="afterok:${job%%;*}" --kill-on-invalid-dep=yes)
 if [ "$MERGES" -gt 1 ]; then
-    groups=$(sbatch --parsable --export=ALL --array="0-$((MERGES - 1))" --output="$PARTS/merge-%a.log" "${after[@]}" \
-        "$here/merge.sbatch" "$here")
+    groups=$(sbatch --parsable --export=ALL --array="0-$((MERGES - 1))" --output="$PARTS/merge-%a$CROP_SUFFIX.log" \
+        "${after[@]}" "$here/merge.sbatch" "$here")
     echo "${groups%%;*}"
     after=(--dependency="afterok:${groups%%;*}" --kill-on-invalid-dep=yes)
 fi
-merge=$(sbatch --parsable --export=ALL --output="$PARTS/merge.log" "${after[@]}" "$here/merge.sbatch" "$here")
+merge=$(sbatch --parsable --export=ALL --output="$PARTS/merge$CROP_SUFFIX.log" "${after[@]}" "$here/merge.sbatch" \
+    "$here")
 echo "${merge%%;*}"

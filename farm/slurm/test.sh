@@ -100,22 +100,40 @@ ls a.exr.parts
 same a.exr whole.exr
 
 step "a task that runs twice does no harm"
-before=$(stat -c %i a.exr.parts/0000000003-0000000006.exr)
+part=a.exr.parts/0000000003-0000000006.exr
+before=$(stat -c %i "$part")
 scontrol requeue "${jobs[0]}_1"
-again() { [ "$(stat -c %i a.exr.parts/0000000003-0000000006.exr)" != "$before" ]; }
-await 60 again
+await 60 says a.exr.parts/1.log "$part: already there, skipped"
 await 60 is "${jobs[0]}_1" COMPLETED
+[ "$(stat -c %i "$part")" = "$before" ] || fail "$part was written again"
 "$FOGBOW" merge a.exr.parts/*.exr --expect 0..10 -o b.exr --progress none
 same b.exr whole.exr
 
 step "merges of groups come to the same"
 mapfile -t jobs < <(MERGE_FLAGS='--exposure 3' "$here/submit.sh" -n 10 -c 3 -p a.exr.parts -o e.exr -m 2 "$scene" \
     --size 32x32)
-await 60 is "${jobs[1]}" COMPLETED
+await 60 is "${jobs[2]}" COMPLETED
 says a.exr.parts/merge.log '--exposure 3.* has no effect'
 if says a.exr.parts/merge-0.log '--exposure'; then fail "flags of the last merge were those of a group"; fi
 ls a.exr.parts/group-*.exr
 same e.exr whole.exr
+
+step "parts of another render are not taken for those of this one"
+"$FOGBOW" render "$scene" --size 32x32 --samples 10 --seed 2 -o other.exr --progress none
+mapfile -t jobs < <("$here/submit.sh" -n 10 -c 3 -o a.exr "$scene" --size 32x32 --seed 2)
+await 60 is "${jobs[1]}" COMPLETED
+same a.exr other.exr
+
+step "crops go into one folder, adaptive ones, too"
+for window in 0,0,32,16 0,16,32,32; do
+    crop=(--size 32x32 --adaptive --crop "$window")
+    "$FOGBOW" render "$scene" "${crop[@]}" --samples 40 -o "whole-$window.exr" --progress none
+    mapfile -t jobs < <("$here/submit.sh" -n 40 -c 20 -m 2 -p crops.parts -o "crop-$window.exr" "$scene" "${crop[@]}")
+    await 60 is "${jobs[2]}" COMPLETED
+    same "crop-$window.exr" "whole-$window.exr"
+done
+ls crops.parts
+"$FOGBOW" merge crop-*.exr --expect 0..40 -o crops.exr --progress none
 
 step "a task that is killed leaves no file, and no merge; what is missing is rendered by the same command"
 long=(--size 160x160)
@@ -134,8 +152,8 @@ await 60 is "${jobs[1]}" CANCELLED
 if "$FOGBOW" merge c.exr.parts/*.exr --expect 0..400 -o c.exr --progress none 2>message; then fail "merged"; fi
 grep 'samples 200..400 are missing from every pixel' message
 mapfile -t jobs < <("$here/submit.sh" -n 400 -c 200 -o c.exr "$scene" "${long[@]}")
-scontrol show job "${jobs[0]}" | grep -q 'ArrayTaskId=1 ' || fail "not the missing task alone: ${jobs[0]}"
 await 120 is "${jobs[1]}" COMPLETED
+says c.exr.parts/0.log 'already there, skipped' || fail "the part that was there was rendered again"
 same c.exr long.exr
 
 step "a task that makes way for another goes on later"
