@@ -54,8 +54,8 @@ pub struct Scene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub medium: Option<Medium>,
     /// A medium with bounds: a cloud, smoke, a block of milk. It has a shape, a grid, or both, or an emission_grid.
-    /// Repeat the table for each one, up to 32. Around them is medium, or vacuum. All media of a scene that scatter
-    /// have the same phase function.
+    /// Repeat the table for each one, up to 32. Around them is medium, or vacuum. Each has an albedo and a phase function
+    /// of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub volume: Vec<Volume>,
     /// The sky: what is seen beyond everything else. It does not go with a medium around everything, which lets nothing

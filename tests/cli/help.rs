@@ -37,6 +37,17 @@ fn the_page_of_keys_says_the_ranges_that_hold() {
 }
 
 #[test]
+fn the_page_of_keys_says_what_media_have_of_their_own() {
+    let page = Folder::empty().done(&["--help-scene"]).stdout;
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("Each has an albedo and a phase function of its own."), "{page}");
+    assert!(!words.contains("same phase function") && !words.contains("in the same way"), "{page}");
+    assert!(page.contains("\"fast\": "), "{page}");
+    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")).expect("a README");
+    assert!(readme.contains("`seeds = \"fast\"`"));
+}
+
+#[test]
 fn help_lists_every_flag_that_scripts_rely_on() {
     let run = Folder::empty().done(&["render", "--help"]);
     let flags = [

@@ -28,7 +28,7 @@ pub struct Volume {
     #[serde(default, skip_serializing_if = "Spectrum::is_black")]
     #[schemars(extend("default" = 0.0))]
     pub emission: Spectrum,
-    /// How a scattering event redirects light: in all media of a scene in the same way.
+    /// How a scattering event redirects light in it. Other media of the scene may have other phase functions.
     #[serde(default, deserialize_with = "phase::table_or_name")]
     pub phase: Phase,
     /// What bounds it.
