@@ -2,7 +2,10 @@
 //!
 //! A boundary is no surface: light passes it as if nothing were there, so that its triangles leave the model.
 
-use fogbow_kernels::media::closed_mesh::{ClosedMesh, OpenEdge, OpenMesh};
+mod open;
+mod thickness;
+
+use fogbow_kernels::media::closed_mesh::{ClosedMesh, OpenMesh};
 use glam::DVec3;
 
 use super::document::Document;
@@ -12,8 +15,6 @@ use crate::gltf::{Instance, Model, label, quoted};
 
 /// Most triangles of a boundary: its columns hold about seven copies of each.
 const MOST_TRIANGLES: usize = 1 << 28;
-/// Open edges that an error tells.
-const MOST_EDGES: usize = 3;
 
 /// A triangle's corners `[m]`.
 type Corners = [[f32; 3]; 3];
@@ -31,7 +32,7 @@ pub struct Wanted<'a> {
 /// triangles are taken out of `loaded`. Volumes may share one.
 ///
 /// # Errors
-/// If there is no geometry, nothing in it has the name, or what has it is not closed or shines.
+/// If there is no geometry, nothing in it has the name, or what has it is not closed, has no inside, or shines.
 pub fn take(loaded: Option<&mut Loaded>, document: &Document, wanted: &[Wanted<'_>]) -> Result<Vec<ClosedMesh>> {
     let Some(first) = wanted.first() else { return Ok(Vec::new()) };
     let loaded = loaded.ok_or_else(|| no_geometry(document, first))?;
@@ -59,7 +60,9 @@ fn boundary(loaded: &Loaded, document: &Document, wanted: &Wanted<'_>) -> Result
     for part in parts {
         refuse_emission(loaded, part)?;
         let corners = corners(&loaded.model, part);
-        ClosedMesh::check(&corners).map_err(|open| not_closed(loaded, part, &open))?;
+        ClosedMesh::check(&corners).map_err(|open| not_closed(loaded, part, &corners, &open))?;
+        let flat = || without_inside(loaded, part, "has no inside: it is a sheet without thickness");
+        thickness::has_inside(&corners).then_some(()).ok_or_else(flat)?;
         triangles.extend(outward(corners));
     }
     Ok(ClosedMesh::new(&triangles).expect("what has closed parts is closed"))
@@ -130,25 +133,17 @@ fn refuse_emission(loaded: &Loaded, instance: &Instance) -> Result<()> {
     })
 }
 
-fn not_closed(loaded: &Loaded, instance: &Instance, open: &OpenMesh) -> Error {
-    let finding = match open {
-        OpenMesh::Empty => "bounds a volume, but none of its triangles has an area".into(),
-        OpenMesh::Edges(edges) => {
-            let told: Vec<_> = edges.iter().take(MOST_EDGES).map(|edge| ends(edge, &loaded.model)).collect();
-            let (told, more) = (told.join("; "), if edges.len() > MOST_EDGES { "; .." } else { "" });
-            format!("bounds a volume, but is not closed: {} of its edges are open: {told}{more}", edges.len())
-        }
+fn not_closed(loaded: &Loaded, instance: &Instance, triangles: &[Corners], open: &OpenMesh) -> Error {
+    let OpenMesh::Edges(edges) = open else {
+        return without_inside(loaded, instance, "none of its triangles has an area");
     };
-    let remedy = "close its holes in the modelling program: merge vertices by distance, fill what is left, and let all \
-                  normals point outward";
-    Error::failure(place(loaded, instance), finding, remedy)
+    let open::Diagnosis { finding, remedy } = open::diagnosis(triangles, edges, loaded.model.origin);
+    Error::failure(place(loaded, instance), format!("bounds a volume, but {finding}"), remedy)
 }
 
-/// Where an edge is, in the file's coordinates.
-fn ends(edge: &OpenEdge, model: &Model) -> String {
-    let position = |end: [f32; 3]| [0, 1, 2].map(|axis| (f64::from(end[axis]) + model.origin[axis]) as f32);
-    let [from, to] = edge.ends.map(position);
-    format!("from {from:?} to {to:?}")
+fn without_inside(loaded: &Loaded, instance: &Instance, finding: &str) -> Error {
+    let remedy = "give it some thickness, and no scale of 0, or leave the volume out";
+    Error::failure(place(loaded, instance), format!("bounds a volume, but {finding}"), remedy)
 }
 
 fn place(loaded: &Loaded, instance: &Instance) -> String {

@@ -33,12 +33,16 @@ const SIDES: [[u16; 3]; 12] = [
     [1, 7, 5],
 ];
 
-/// A file with a whole cube (mesh 0 "Cube"), one without its last triangle (mesh 1 "Open"), a shining one (mesh 2) and
-/// a sheet of no area (mesh 3), on `nodes`.
+/// A file with a whole cube (mesh 0 "Cube"), one without its last triangle (mesh 1 "Open"), a shining one (mesh 2), a
+/// sheet of no area (mesh 3), a cube whose first triangle faces inward (mesh 4 "Turned") and one that has it twice (mesh 5
+/// "Twice"), on `nodes`.
 fn loaded(nodes: Value, origin: DVec3) -> Loaded {
     let mut bytes: Vec<u8> = CORNERS.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     bytes.extend(SIDES.as_flattened().iter().flat_map(|index| index.to_le_bytes()));
     bytes.extend([0, 1, 1_u16].map(u16::to_le_bytes).as_flattened());
+    let [a, b, c] = SIDES[0];
+    let (turned, twice) = ([&[[a, c, b]], &SIDES[1..]].concat(), [&SIDES[..], &[[b, c, a]]].concat());
+    bytes.extend([turned, twice].concat().as_flattened().iter().flat_map(|index| index.to_le_bytes()));
     let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&bytes));
     let indices = |first: usize, count: usize| json!({ "bufferView": 1, "byteOffset": 2 * first, "componentType": 5123, "type": "SCALAR", "count": count });
     let mesh = |name: &str, indices: usize, material: usize| {
@@ -50,10 +54,11 @@ fn loaded(nodes: Value, origin: DVec3) -> Loaded {
     let file = json!({
         "asset": { "version": "2.0" },
         "buffers": [{ "uri": uri, "byteLength": bytes.len() }],
-        "bufferViews": [{ "buffer": 0, "byteLength": 96 }, { "buffer": 0, "byteOffset": 96, "byteLength": 78 }],
-        "accessors": [positions, indices(0, 36), indices(0, 33), indices(36, 3)],
+        "bufferViews": [{ "buffer": 0, "byteLength": 96 }, { "buffer": 0, "byteOffset": 96, "byteLength": 228 }],
+        "accessors": [positions, indices(0, 36), indices(0, 33), indices(36, 3), indices(39, 36), indices(75, 39)],
         "materials": [{ "name": "Glass" }, { "name": "Lamp", "emissiveFactor": [1, 0, 0] }],
-        "meshes": [mesh("Cube", 1, 0), mesh("Open", 2, 0), mesh("Shining", 1, 1), mesh("Thread", 3, 0)],
+        "meshes": [mesh("Cube", 1, 0), mesh("Open", 2, 0), mesh("Shining", 1, 1), mesh("Thread", 3, 0),
+            mesh("Turned", 4, 0), mesh("Twice", 5, 0)],
         "nodes": nodes,
     });
     let asset = Asset::parse("test.gltf", file.to_string().into_bytes(), None, None).expect("a model");
@@ -164,6 +169,74 @@ fn errors_say_what_is_wrong_and_where() {
     assert_eq!(loaded.model, before, "nothing is taken after an error");
     let message = error(None, "Wax");
     assert!(message.contains("the scene has no geometry"), "{message}");
+}
+
+#[test]
+fn faces_that_are_wrong_are_told_from_holes() {
+    let both = json!([{ "mesh": 4, "translation": [0, 0, 2] }, { "mesh": 5 }]);
+    let mut loaded = loaded(both, DVec3::ZERO);
+    for (name, expected) in [
+        ("Turned", "1 of its triangles faces the other way than the rest: [0.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0"),
+        ("Turned", "let all normals point outward"),
+        (
+            "Twice",
+            "bounds a volume, but 1 of its triangles is there more than once: [0.0, 0.0, 0.0], [0.0, 1.0, 0.0], ",
+        ),
+        ("Twice", "delete faces that lie on each other"),
+    ] {
+        let message = error(Some(&mut loaded), name);
+        assert!(message.contains(expected) && !message.contains("open"), "{message}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_many_faces_is_counted() {
+    let model = loaded(json!([{ "mesh": 0 }]), DVec3::ZERO).model;
+    let cube = corners(&model, &model.instances[0]);
+    let finding = |triangles: &[Corners]| match ClosedMesh::check(triangles) {
+        Err(OpenMesh::Edges(edges)) => open::diagnosis(triangles, &edges, [0.0; 3]).finding,
+        other => panic!("{other:?}"),
+    };
+    let turn = |[a, b, c]: Corners| [a, c, b];
+    // Whichever way most of them face is the right one.
+    for inverted in [false, true] {
+        let turned = |index: usize| (index < 3) != inverted;
+        let all: Vec<_> =
+            cube.iter().enumerate().map(|(index, face)| if turned(index) { turn(*face) } else { *face }).collect();
+        let found = finding(&all);
+        assert!(found.starts_with("3 of its triangles face the other way than the rest: the first ["), "{found}");
+    }
+    let twice = [&cube[..], &cube[4..]].concat();
+    assert!(finding(&twice).starts_with("8 of its triangles are there more than once: the first ["));
+    // A hole and a face that is turned.
+    let mut both = cube[1..].to_vec();
+    both[10] = turn(both[10]);
+    let found = finding(&both);
+    assert!(found.starts_with("is not closed: 3 of its edges are open: from ["), "{found}");
+    assert!(found.contains("; and 3 of its edges are between triangles that face different ways: from ["), "{found}");
+    // A wall within.
+    let fin = [&cube[..], &[[[0.0; 3], [1.0; 3], [0.5, 0.0, 1.0]]]].concat();
+    assert!(finding(&fin).contains("of its edges are open: "));
+    let wall = [&cube[..], &[turn(cube[0])]].concat();
+    assert!(finding(&wall).starts_with("is not closed: 3 of its edges have more than two triangles: from ["));
+}
+
+#[test]
+fn sheets_have_no_inside() {
+    let turned = [0.18257418, 0.36514837, 0.5477226, 0.7302968];
+    let nodes = json!([{ "name": "Flat", "mesh": 0, "scale": [1, 0, 1] },
+        { "name": "Tilted", "mesh": 0, "scale": [3, 2, 0], "rotation": turned, "translation": [5, 1, 2] },
+        { "name": "Thin", "mesh": 0, "scale": [1, 1e-4, 1], "rotation": turned }]);
+    let mut loaded = loaded(nodes, DVec3::ZERO);
+    for name in ["Flat", "Tilted"] {
+        let message = error(Some(&mut loaded), name);
+        assert!(message.contains(&format!("{name:?}: bounds a volume, but has no inside: it is a sheet")), "{message}");
+    }
+    take(Some(&mut loaded), &document(), &[wanted("Thin")]).expect("a boundary");
+    // Both sides of a sheet that is not flat.
+    let [a, b, c, d] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.5]];
+    assert!(!thickness::has_inside(&[[a, b, c], [c, b, d], [b, a, c], [d, b, c]]));
+    assert!(thickness::has_inside(&[[a, b, c], [c, b, d], [b, a, d], [d, a, c]]));
 }
 
 #[test]
