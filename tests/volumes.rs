@@ -231,6 +231,8 @@ fn transforms_without_use_are_refused() {
     refused(&scale(0.0), None, "its voxels have edges of [0.0, 1.0, 1.0] m; 1e-9 to 1e9 m can be read");
     refused(&scale(f64::NAN), None, "its voxels have edges of [NaN, 1.0, 1.0] m");
     refused(&scale(1e100), None, "its voxels have edges of [1e100, 1.0, 1.0] m");
+    refused(&scale(1e-7), None, "its voxels have edges of [1e-7, 1.0, 1.0] m; one may be 1e6 times another at most");
+    read_bytes("x", &edited(0, &1e-5_f64.to_le_bytes()), None).expect("thin voxels");
     let file = bytes("two.vdb");
     let number = |old: f64, new: f64| replaced(&file, 0, &old.to_le_bytes(), &new.to_le_bytes());
     refused(&number(5.0, 1e12), Some("heat"), "its transform puts voxel [0, 0, 0] at [1000000000000.0, 6.0, 7.0] m");

@@ -8,6 +8,8 @@ use crate::gltf::fault::{Checked, Fault, quoted, require};
 
 /// Shortest and longest edge of a voxel `[m]`.
 const EDGES: core::ops::RangeInclusive<f64> = 1e-9..=LARGEST_COORDINATE;
+/// Longest edge of a voxel, in units of its shortest.
+const LONGEST: f64 = 1e6;
 /// Smallest volume of a voxel, relative to a box of the same edges; edges of less are nearly in a plane.
 const FLATTEST: f64 = 1e-6;
 /// Largest difference from 0 or 1 of numbers that make a matrix affine.
@@ -76,6 +78,9 @@ fn check(edges: &[DVec3; 3], origin: DVec3) -> Checked<()> {
     let (shortest, longest) = (EDGES.start(), EDGES.end());
     let finding = || format!("its voxels have edges of {lengths:?} m; {shortest:e} to {longest:e} m can be read");
     require(lengths.iter().all(|length| EDGES.contains(length)), finding, "give the grid another voxel size")?;
+    let [least, most] = [f64::min, f64::max].map(|pick| lengths.into_iter().fold(lengths[0], pick));
+    let finding = || format!("its voxels have edges of {lengths:?} m; one may be {LONGEST:e} times another at most");
+    require(most <= LONGEST * least, finding, "resample the grid to voxels of more equal edges")?;
     let finding = || format!("its transform puts voxel [0, 0, 0] at {:?} m, which is too far away", origin.to_array());
     let is_near = origin.to_array().iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE);
     require(is_near, finding, "move the grid towards the origin")?;
