@@ -18,6 +18,17 @@ pub fn number(value: f64, digits: usize) -> String {
     }
 }
 
+/// A length without zeros at its end.
+pub fn length(metres: f64) -> String {
+    let text = number(metres, 6);
+    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
+}
+
+/// A point.
+pub fn point(coordinates: [f64; 3]) -> String {
+    format!("[{}]", coordinates.map(length).join(", "))
+}
+
 /// How many vertices connect.
 pub fn starts(starts: u32) -> String {
     if starts == u32::MAX { "all".into() } else { starts.to_string() }

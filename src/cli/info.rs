@@ -11,7 +11,7 @@ use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
 use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
-use crate::figures::{duration, number, rate, starts, survival};
+use crate::figures::{duration, number, point, rate, starts, survival};
 use crate::film::{self, Film, Region};
 use crate::gltf::{Animated, quoted};
 use crate::image::{self, Format};
@@ -125,15 +125,20 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
         say(format!("volume{name}: {what}, {inside}{glow}"))?;
         match filling {
             Some(filling) => describe_filling(filling, &volume.medium(), scale)?,
-            None => say("  nothing: its grid has no voxels")?,
+            None => say("  nothing: its grid has no density above 0")?,
         }
     }
     let Some(field) = loaded.frame.medium.field() else { return Ok(()) };
     let medium = &loaded.frame.medium;
-    let free_path = spectrum(medium.extinctions().map(|extinction| 1.0 / extinction));
+    let free_path = match medium.extinctions() {
+        [0.0, 0.0, 0.0] => "no extinction".into(),
+        extinctions => {
+            format!("mean free path at least {} m", spectrum(extinctions.map(|extinction| 1.0 / extinction)))
+        }
+    };
     let [x, y, z] = field.cells().dims;
     let size = field.bytes() >> 10;
-    say(format!("volumes: mean free path at least {free_path} m; {x}x{y}x{z} cells, {size} KiB"))
+    say(format!("volumes: {free_path}; {x}x{y}x{z} cells, {size} KiB"))
 }
 
 /// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.
@@ -146,7 +151,7 @@ fn describe_filling(filling: &Filling, medium: &Medium, scale: f64) -> Result<()
         (*bytes > 0).then(|| volume::memory(*bytes as u64)),
     ];
     let grids = grids.into_iter().flatten().map(|text| format!(", {text}")).collect::<String>();
-    let [low, high] = [low, high].map(|corner| volume::coordinates(*corner));
+    let [low, high] = [low, high].map(|corner| point(*corner));
     say(format!("  from {low} to {high} m{grids}"))?;
     let Some(densities) = densities else { return Ok(()) };
     let [densest, mean] =

@@ -5,14 +5,12 @@ use std::path::Path;
 use super::info::{MOST_NAMED, count};
 use super::say;
 use crate::error::Result;
-use crate::figures::number;
+use crate::figures::{length, number, point};
 use crate::gltf::quoted;
 use crate::volume::{self, GridSummary};
 
 /// Bytes of a voxel in memory.
 const VOXEL: u64 = 4;
-/// Significant digits of lengths.
-const DIGITS: usize = 6;
 
 /// Lists the grids in the file at `path`.
 pub fn describe(path: &Path) -> Result<()> {
@@ -44,7 +42,7 @@ fn describe_grid(grid: &GridSummary) -> Result<()> {
         say(format!("  index bounds: {first:?} to {last:?}"))?;
     }
     if let Some([min, max]) = grid.world_bounds() {
-        say(format!("  world bounds: {} to {} m", coordinates(min), coordinates(max)))?;
+        say(format!("  world bounds: {} to {} m", point(min), point(max)))?;
     }
     Ok(())
 }
@@ -61,19 +59,8 @@ pub fn memory(bytes: u64) -> String {
     format!("{} {unit}", number(bytes / f64::from(1 << power), 3))
 }
 
-/// A length without zeros at its end.
-fn length(metres: f64) -> String {
-    let text = number(metres, DIGITS);
-    text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
-}
-
 /// Edges of a voxel, one of them if they are equal.
 fn size(edges: [f64; 3]) -> String {
     let edges = edges.map(length);
     if edges.iter().all(|edge| *edge == edges[0]) { edges[0].clone() } else { edges.join(" x ") }
-}
-
-/// A point `[m]`.
-pub fn coordinates(point: [f64; 3]) -> String {
-    format!("[{}]", point.map(length).join(", "))
 }

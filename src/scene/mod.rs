@@ -21,6 +21,7 @@ pub mod schema;
 mod surfaces;
 mod volumes;
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use serde::de::IntoDeserializer;
@@ -97,7 +98,6 @@ fn load_document(
     let origin = chosen.origin();
     let mut loaded = asset.map(|asset| Loaded::read(asset, origin)).transpose()?;
     let boundaries = volumes::boundaries(&scene, document, loaded.as_mut())?;
-    let sources = Sources { boundaries, look };
 
     let placed = all_lights(&scene, document, loaded.as_ref())?;
     let has_suns = !scene.has_endless_medium();
@@ -116,7 +116,11 @@ fn load_document(
     let sky = environment::source(&scene, document)?;
     warnings.extend(environment::warning(&scene, sky.as_ref()));
     let (shining, model) = (Shining { placed: &placed, sky }, loaded.map(|loaded| loaded.model));
+    let told = RefCell::new(Vec::new());
+    let warn = |warning| told.borrow_mut().push(warning);
+    let sources = Sources { boundaries, look, warn: &warn };
     let (frame, fillings) = check::frame(&scene, document, &chosen, &shining, model, &sources, origin)?;
+    warnings.extend(told.take());
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
     let origin = origin.to_array();

@@ -18,7 +18,10 @@ use super::model::Loaded;
 use super::ranges::{LARGEST, LARGEST_EMISSION, Owner};
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
+use crate::figures::point;
+use crate::gltf::quoted;
 use crate::volume::{self, Leaf, VoxelGrid};
+use crate::warning::Warning;
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
@@ -43,6 +46,8 @@ pub struct Volume<'a> {
     pub boundary: Option<Arc<ClosedMesh>>,
     /// Who is told how far its files have been read.
     pub look: Look<'a>,
+    /// Who is told what nobody may have meant.
+    pub warn: &'a dyn Fn(Warning),
 }
 
 /// The meshes that bound volumes, by the index of the volume.
@@ -54,6 +59,8 @@ pub struct Sources<'a> {
     pub boundaries: Boundaries,
     /// Who is told how far their files have been read.
     pub look: Look<'a>,
+    /// Who is told what nobody may have meant.
+    pub warn: &'a dyn Fn(Warning),
 }
 
 /// The boundaries that the volumes of `scene` name, which are taken out of `loaded`.
@@ -219,6 +226,8 @@ impl Volume<'_> {
         }
         let own = densities.or(glowing).filter(|_| self.keys.shape.is_none()).map(|densities| densities.bounds);
         let placed = Placed { shape, voxels, extinction: unit };
+        self.must_meet("grid", placed.voxels.as_ref().zip(densities.as_ref()), &placed, origin)?;
+        self.must_meet("emission_grid", source.voxels.as_ref().zip(glowing.as_ref()), &placed, origin)?;
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
         let bytes = placed.bytes() + source.voxels.as_ref().map_or(0, Voxels::bytes);
         Ok(Some((
@@ -226,6 +235,41 @@ impl Volume<'_> {
             source,
             Filling { bounds, mean_cosine: self.medium.phase.mean_cosine(), densities, glowing, bytes },
         )))
+    }
+
+    /// Whether the densities of the grid at `table` are where it is, `placed`. If they are not, that is an error, but for a
+    /// mesh, which animations may have moved away, a warning.
+    fn must_meet(
+        &self,
+        table: &str,
+        grid: Option<(&Voxels, &Densities)>,
+        placed: &Placed,
+        origin: DVec3,
+    ) -> Result<()> {
+        let ([low, high], tell) = (placed.bounds(), |corner: DVec3| point((corner + origin).to_array()));
+        // To look at all voxels takes long.
+        let meets = |(voxels, densities): &(&Voxels, &Densities)| {
+            let [first, last] = densities.bounds;
+            (first.cmpge(low).all() && last.cmple(high).all()) || voxels.extent(low, high).most > 0.0
+        };
+        let Some((_, densities)) = grid.filter(|grid| !meets(grid)) else { return Ok(()) };
+        let [first, last] = densities.bounds.map(tell);
+        let finding = format!(
+            "outside of the volume, which is from {} to {} m: densities above 0 are from {first} to {last} m",
+            tell(low),
+            tell(high)
+        );
+        let remedy = "move the grid to the volume with translate, or the volume to the grid";
+        if self.keys.shape.as_ref().is_some_and(|shape| shape.kind == ShapeKind::Mesh) {
+            self.warn(table, format!("{finding}; {remedy}"));
+            return Ok(());
+        }
+        self.require(false, table, finding, remedy)
+    }
+
+    fn warn(&self, key: &str, finding: impl core::fmt::Display) {
+        let path = format!("{}.{key}", self.table);
+        (self.warn)(Warning::new(self.document.place(&path), format!("{path} is {finding}")));
     }
 
     /// What it emits, and what is in the grid of its emission.
@@ -305,9 +349,6 @@ impl Volume<'_> {
         let path = self.document.folder().join(&grid.file);
         let look = |done, total| (self.look)(Loading::of(&path, done, total));
         let voxels = volume::read(&path, grid.name.as_deref(), &look)?;
-        if voxels.leaves.is_empty() {
-            return Ok(None);
-        }
         let bricks = bricks_spanned(&voxels.leaves);
         let finding = format!("a grid whose voxels are so far apart that {bricks} bricks of 8x8x8 lie between them");
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
@@ -319,6 +360,19 @@ impl Volume<'_> {
         let to_world = to_world(grid, &voxels, origin);
         let to_index = self.to_index(table, grid, &to_world)?;
         let densities = Densities::of(&voxels, &to_world);
+        if densities.most == 0.0 {
+            let name = quoted(&voxels.name);
+            let finding = format!("{}, whose grid {name} has no density above 0", quoted(&grid.file));
+            self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
+            return Ok(None);
+        }
+        let [low, high] = densities.bounds.map(|corner| corner + origin);
+        let is_near = low.abs().max(high.abs()).max_element() <= LARGEST;
+        let [low, high] = [low, high].map(|corner| point(corner.to_array()));
+        let finding =
+            format!("{:?}, which puts the densities of {} at {low} to {high} m", grid.scale_by, quoted(&grid.file));
+        let remedy = "give a smaller scale_by or another translate: coordinates go from -1e9 to 1e9 m";
+        self.require(is_near, &key("scale_by"), finding, remedy)?;
         let Quantity { name, unit, factor, largest } = quantity;
         let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
         let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);

@@ -190,3 +190,67 @@ fn keys_out_of_range_and_missing_grids_are_refused() {
     folder.write("cloud.vdb", "no voxels");
     folder.refused(&["render", "scene.toml"], 1, "cloud.vdb: ");
 }
+
+/// The test scene with a cloud, `empty.vdb` beside it, in which no density is above 0.
+fn with_nothing() -> Folder {
+    let folder = with_cloud(", translate = [0, 0, 1.5]");
+    let leaf = fogbow::volume::Leaf { origin: [0; 3], values: Box::new([0.0; 512]) };
+    fogbow_testing::volume_writer::write(&folder.path("empty.vdb"), 0.25, &[leaf]);
+    folder
+}
+
+#[test]
+fn a_grid_without_densities_is_told() {
+    let folder = with_nothing();
+    let empty = ["--set", "volume[0].grid.file=empty.vdb"];
+    let run = folder.done(&[&["render", "scene.toml", "-o", "a.exr"], &empty[..]].concat());
+    let warning = "warning: --set volume[0].grid.file=empty.vdb: volume[0].grid.file is \"empty.vdb\", whose grid \
+                   \"density\" has no density above 0, so that nothing is there: name another grid or file\n";
+    assert!(run.stderr.contains(warning), "{run}");
+    let run = folder.done(&[&["info", "scene.toml"], &empty[..]].concat());
+    assert!(run.stdout.contains("\n  nothing: its grid has no density above 0\n"), "{run}");
+    assert!(run.stdout.contains(warning) && !run.stdout.contains("inf"), "{run}");
+    // Where it has a shape, the volume is still there, without a medium.
+    let shape = "volume[0].shape={ type = \"sphere\", center = [0, 0, 2], radius = 0.5 }";
+    let run = folder.done(&[&["info", "scene.toml", "--set", shape], &empty[..]].concat());
+    assert!(run.stdout.contains("\nvolumes: no extinction; ") && !run.stdout.contains("inf"), "{run}");
+    let emission = ["volume[0].emission=5", "volume[0].emission_grid.file=empty.vdb"];
+    let run = folder.done(&["render", "scene.toml", "-o", "b.exr", "--set", emission[0], "--set", emission[1]]);
+    assert!(
+        run.stderr.contains("volume[0].emission_grid.file is \"empty.vdb\", whose grid \"density\" has no"),
+        "{run}"
+    );
+}
+
+#[test]
+fn a_shape_that_misses_its_grid_is_refused() {
+    let folder = with_nothing();
+    let refused = |sets: &[&str], place: &str, finding: &str| {
+        let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let run = folder.refused(&[&["render", "scene.toml"], &sets[..]].concat(), 1, place);
+        assert!(run.stderr.contains(finding) && run.stderr.contains("move the grid to the volume"), "{run}");
+    };
+    let grid = folder.place("grid");
+    let finding = "volume[0].grid is outside of the volume, which is from [49, -1, 4] to [51, 1, 6] m: densities above \
+                   0 are from [";
+    refused(&["volume[0].shape={ type = \"sphere\", center = [50, 0, 5], radius = 1 }"], &grid, finding);
+    let finding = "is outside of the volume, which is from [0, 0, -9] to [1, 1, 14] m: ";
+    refused(&["volume[0].shape={ type = \"box\", min = [0, 0, -9], max = [1, 1, 14] }"], &grid, finding);
+    // It may reach out of its grid.
+    let shape = "volume[0].shape={ type = \"box\", min = [0, 0, -9], max = [1, 3, 16] }";
+    folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", shape]);
+    let sets = ["volume[0].emission=5", "volume[0].emission_grid={ file = \"cloud.vdb\", translate = [0, 40, 0] }"];
+    let sets = ["--set", sets[0], "--set", sets[1]];
+    let place = "--set volume[0].emission_grid={ file = \"cloud.vdb\", translate = [0, 40, 0] }: volume[0].emission_grid \
+                 is outside of the volume, ";
+    folder.refused(&[&["render", "scene.toml"], &sets[..]].concat(), 2, place);
+}
+
+#[test]
+fn grids_that_reach_too_far_are_refused() {
+    let folder = with_cloud("");
+    let set = "volume[0].grid.scale_by=1e8";
+    let finding = "volume[0].grid.scale_by is 100000000.0, which puts the densities of \"cloud.vdb\" at [";
+    let run = folder.refused(&["info", "scene.toml", "--set", set], 2, &format!("--set {set}: {finding}"));
+    assert!(run.stderr.contains("coordinates go from -1e9 to 1e9 m"), "{run}");
+}
