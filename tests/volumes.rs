@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use fogbow::volume::{Leaf, VoxelGrid, list, list_bytes, read, read_bytes};
+use fogbow::volume::{GridSummary, Leaf, VoxelGrid, list, list_bytes, read, read_bytes, read_listed};
 use fogbow_testing::volume_writer;
 use fogbow_testing::volumes::{FILES, Outcomes, assert_sound, bytes, damage, path};
 use glam::{DMat3, DVec3};
@@ -130,8 +130,22 @@ fn grids_are_found_by_name() {
     assert_eq!(voxels(&grid("transforms.vdb", Some("density[1]"))), steps());
     let file = bytes("transforms.vdb");
     refused(&file, Some("smoke"), r#"has no grid "smoke""#);
-    refused(&file, Some("smoke"), r#"name one of "frustum", "turned", "density[0]", "density[1]""#);
+    // Of four grids one is in a frustum, and cannot be named.
+    refused(&file, Some("smoke"), r#"name one of "turned", "density[0]", "density[1]""#);
     refused(&file, None, r#"has 4 grids, none of them "density""#);
+    let others = bytes("others.vdb");
+    refused(&others, None, "save a grid of densities in it: none of those that it has can be read");
+    refused(&bytes("two.vdb"), Some("smoke"), r#"name one of "heat", "density""#);
+    let mixed = replaced(&bytes("two.vdb"), 0, b"Tree_float_5_4_3", b"Tree_int32_5_4_3");
+    refused(&mixed, Some("smoke"), r#"name "density", the only one that can be read"#);
+}
+
+#[test]
+fn grids_are_found_by_number() {
+    let by_number = |number| read_listed(&path("two.vdb"), number, &|_, _| {});
+    assert_eq!(by_number(0).expect("a grid").index_bounds(), Some([[0; 3], [2; 3]]));
+    assert_eq!(by_number(1).expect("a grid").name, "density");
+    assert!(by_number(2).expect_err("no grid").finding.contains("has 2 grids"));
 }
 
 #[test]
@@ -167,6 +181,14 @@ fn a_list_says_what_is_in_a_file() {
     assert_eq!(placed.world_bounds(), Some([[0.125, 1.875, 12.875], [6.125, 7.875, 18.875]]));
     let frustum = &list(&path("transforms.vdb")).expect("a list")[0];
     assert_eq!((frustum.transform.as_str(), frustum.index_to_world), ("NonlinearFrustumMap", None));
+    let obstacle = |grid: &GridSummary| grid.obstacle.clone().unwrap_or_default();
+    assert_eq!(obstacle(frustum), r#"its transform "NonlinearFrustumMap" is a frustum"#);
+    assert_eq!(obstacle(&grids[0]), "has values of type vec3s, not float");
+    assert!(obstacle(&grids[2]).starts_with("is a level set") && placed.obstacle.is_none());
+    let bits =
+        |file: &str| list(&path(file)).expect("a list").iter().map(GridSummary::bits_per_voxel).collect::<Vec<_>>();
+    assert_eq!(bits("others.vdb"), [Some(96), Some(1), Some(32)]);
+    assert_eq!(bits("types.vdb"), [Some(32), Some(64), Some(64), Some(1)]);
 }
 
 #[test]

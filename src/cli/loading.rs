@@ -14,7 +14,7 @@ use crate::scene::{self, LoadedScene};
 /// How often signals are looked for.
 const TICK: Duration = Duration::from_millis(20);
 /// Loading that takes no longer needs no progress.
-const NOTICEABLE: Duration = Duration::from_millis(500);
+pub const NOTICEABLE: Duration = Duration::from_millis(500);
 /// Bytes of the loader's stack: what the first thread of a program usually has.
 const STACK: usize = 8 << 20;
 

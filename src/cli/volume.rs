@@ -1,42 +1,45 @@
 //! `fogbow info` of an OpenVDB file.
 
+use std::cell::RefCell;
 use std::path::Path;
+use std::time::Instant;
 
 use super::info::{MOST_NAMED, count};
+use super::loading::NOTICEABLE;
+use super::progress::Reporter;
 use super::say;
 use crate::error::Result;
 use crate::figures::{length, number, point};
 use crate::gltf::quoted;
-use crate::volume::{self, GridSummary};
-
-/// Bytes of a voxel in memory.
-const VOXEL: u64 = 4;
+use crate::scene::Loading;
+use crate::volume::{self, GridSummary, VoxelGrid};
 
 /// Lists the grids in the file at `path`.
 pub fn describe(path: &Path) -> Result<()> {
     let grids = volume::list(path)?;
-    say(format!("{}: {}", path.display(), count(grids.len(), "grid")))?;
-    grids.iter().take(MOST_NAMED).try_for_each(describe_grid)?;
-    match grids.len().checked_sub(MOST_NAMED) {
+    let count_of_all = grids.len();
+    say(format!("{}: {}", path.display(), count(count_of_all, "grid")))?;
+    let mut first = grids.into_iter().take(MOST_NAMED).enumerate();
+    first.try_for_each(|(number, grid)| describe_grid(path, number, grid))?;
+    match count_of_all.checked_sub(MOST_NAMED) {
         Some(more @ 1..) => say(format!("and {}", count(more, "more grid"))),
         _ => Ok(()),
     }
 }
 
-fn describe_grid(grid: &GridSummary) -> Result<()> {
+fn describe_grid(path: &Path, number: usize, grid: GridSummary) -> Result<()> {
     let half = if grid.is_half { " saved as half floats" } else { "" };
     let class = if grid.class == "unknown" { "unknown class" } else { &grid.class };
     let compression = if grid.compression == "none" { "not compressed" } else { &grid.compression };
     say(format!("grid {}: {}{half}, {class}, {compression}", quoted(&grid.name), grid.value_type))?;
+    let grid = completed(path, number, grid);
     match grid.active_voxels {
-        Some(voxels) => {
-            say(format!("  active voxels: {voxels}, {} at {VOXEL} bytes each", memory(voxels.saturating_mul(VOXEL))))?
-        }
+        Some(voxels) => say(format!("  active voxels: {voxels}{}", taken(voxels, grid.bits_per_voxel())))?,
         None => say("  active voxels: the file does not say how many")?,
     }
     match grid.voxel_size() {
         Some(edges) => say(format!("  voxel size: {} m", size(edges)))?,
-        None => say(format!("  transform: {}, which cannot be used", quoted(&grid.transform)))?,
+        None => say(format!("  transform: {}", quoted(&grid.transform)))?,
     }
     if let Some([first, last]) = grid.index_bounds {
         say(format!("  index bounds: {first:?} to {last:?}"))?;
@@ -44,7 +47,50 @@ fn describe_grid(grid: &GridSummary) -> Result<()> {
     if let Some([min, max]) = grid.world_bounds() {
         say(format!("  world bounds: {} to {} m", point(min), point(max)))?;
     }
-    Ok(())
+    grid.obstacle.map_or(Ok(()), |obstacle| say(format!("  cannot be rendered: {obstacle}")))
+}
+
+/// The same with what the file does not say of a grid that can be read: what its voxels say, or why they cannot be read
+/// after all.
+fn completed(path: &Path, number: usize, grid: GridSummary) -> GridSummary {
+    let is_complete = grid.index_bounds.is_some() || grid.active_voxels == Some(0);
+    if grid.obstacle.is_some() || (is_complete && grid.active_voxels.is_some()) {
+        return grid;
+    }
+    match read(path, number) {
+        Ok(found) => {
+            let index_bounds = grid.index_bounds.or(found.index_bounds());
+            let nothing = index_bounds.is_none().then(|| "it has no density above 0".to_string());
+            GridSummary { active_voxels: Some(found.active_voxels), index_bounds, obstacle: nothing, ..grid }
+        }
+        Err(error) => {
+            let place = error.place.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&error.place).to_string();
+            GridSummary { obstacle: Some(format!("{place}: {}", error.finding)), ..grid }
+        }
+    }
+}
+
+/// Reads a grid, and says so where that takes long.
+fn read(path: &Path, number: usize) -> Result<VoxelGrid> {
+    let (start, reporter) = (Instant::now(), RefCell::new(Reporter::for_terminals()));
+    let look = |done, total| {
+        if start.elapsed() >= NOTICEABLE {
+            reporter.borrow_mut().loading(&Loading::of(path, done, total), start.elapsed());
+        }
+    };
+    let found = volume::read_listed(path, number, &look);
+    reporter.borrow_mut().loaded();
+    found
+}
+
+/// The memory of so many voxels of `bits` each, as the end of a line.
+fn taken(voxels: u64, bits: Option<u64>) -> String {
+    let Some(bits) = bits else { return String::new() };
+    let each = match bits {
+        1 => "1 bit".into(),
+        bits => format!("{} bytes", bits / 8),
+    };
+    format!(", {} at {each} each", memory(voxels.saturating_mul(bits).div_ceil(8)))
 }
 
 /// An amount of memory, in the unit that suits it.

@@ -26,6 +26,11 @@ impl Fault {
         Self { places: Vec::new(), finding: finding.to_string(), remedy: remedy.to_string() }
     }
 
+    /// What was found.
+    pub fn finding(&self) -> &str {
+        &self.finding
+    }
+
     /// The same, inside `place`.
     pub fn at(mut self, place: impl Display) -> Self {
         self.places.push(place.to_string());

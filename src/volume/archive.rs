@@ -1,5 +1,6 @@
 //! The frame of an OpenVDB file: a header, and for every grid what kind it is and where its parts are.
 
+use super::grid::obstacle;
 use super::input::{DAMAGED, Input};
 use super::metadata::Metadata;
 use super::transform::Map;
@@ -72,13 +73,13 @@ impl Archive {
         let called = |name: &str| self.grids.iter().find(|grid| grid.name == name);
         match (name, self.grids.as_slice()) {
             (_, []) => Err(Fault::new("has no grids", "save a grid of densities in it")),
-            (Some(name), _) => called(name).ok_or_else(|| {
-                Fault::new(format!("has no grid {}", quoted(name)), format!("name one of {}", self.names()))
-            }),
+            (Some(name), _) => {
+                called(name).ok_or_else(|| Fault::new(format!("has no grid {}", quoted(name)), self.what_to_name()))
+            }
             (None, [only]) => Ok(only),
             (None, _) => called("density").ok_or_else(|| {
                 let finding = format!("has {} grids, none of them \"density\"", self.grids.len());
-                Fault::new(finding, format!("name one of {}", self.names()))
+                Fault::new(finding, self.what_to_name())
             }),
         }
     }
@@ -93,10 +94,16 @@ impl Archive {
         owner.ok_or_else(|| Fault::new(finding(), DAMAGED))
     }
 
-    /// The names of all grids.
-    fn names(&self) -> String {
-        let names = self.grids.iter().take(MOST_NAMED).map(|grid| quoted(&grid.name)).collect::<Vec<_>>().join(", ");
-        if self.grids.len() > MOST_NAMED { names + " and others" } else { names }
+    /// The names of the grids that can be read.
+    fn what_to_name(&self) -> String {
+        let names: Vec<_> =
+            self.grids.iter().filter(|grid| obstacle(grid).is_none()).map(|grid| quoted(&grid.name)).collect();
+        let more = if names.len() > MOST_NAMED { " and others" } else { "" };
+        match names.as_slice() {
+            [] => "save a grid of densities in it: none of those that it has can be read".into(),
+            [one] => format!("name {one}, the only one that can be read"),
+            names => format!("name one of {}{more}", names[..names.len().min(MOST_NAMED)].join(", ")),
+        }
     }
 }
 

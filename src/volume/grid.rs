@@ -30,6 +30,11 @@ pub fn read(input: &mut Input, archive: &Archive, entry: &Entry, progress: &dyn 
     Ok(VoxelGrid { name: entry.name.clone(), index_to_world, leaves, active_voxels: tree.active_voxels })
 }
 
+/// Why `entry` cannot be read, as far as that is known before its voxels are.
+pub fn obstacle(entry: &Entry) -> Option<Fault> {
+    check_kind(entry).and_then(|()| entry.map.affine()).err()
+}
+
 /// Whether a grid holds single-precision densities.
 fn check_kind(entry: &Entry) -> Checked<()> {
     let finding = || format!("has values of type {}, not float", entry.value_type());

@@ -31,9 +31,9 @@ use glam::DAffine3;
 pub use fogbow_kernels::media::field::Leaf;
 
 use crate::error::{Error, Result};
-use crate::gltf::fault::InFile;
-use archive::Archive;
-use input::Input;
+use crate::gltf::fault::{Fault, InFile};
+use archive::{Archive, Entry};
+use input::{DAMAGED, Input};
 pub use summary::GridSummary;
 
 /// Bytes that are read at once.
@@ -55,6 +55,22 @@ pub struct VoxelGrid {
     pub active_voxels: u64,
 }
 
+impl VoxelGrid {
+    /// Index coordinates of the first and the last voxel along every axis that is not 0; none if all are.
+    pub fn index_bounds(&self) -> Option<[[i32; 3]; 2]> {
+        let (mut first, mut last) = ([i32::MAX; 3], [i32::MIN; 3]);
+        for leaf in &self.leaves {
+            for (index, _) in leaf.values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                for (axis, offset) in [index & 7, index >> 3 & 7, index >> 6].into_iter().enumerate() {
+                    let at = leaf.origin[axis] + offset as i32;
+                    (first[axis], last[axis]) = (first[axis].min(at), last[axis].max(at));
+                }
+            }
+        }
+        (first[0] <= last[0]).then_some([first, last])
+    }
+}
+
 /// What is in the file at `path`: all its grids, whether they can be read or not.
 ///
 /// # Errors
@@ -73,6 +89,19 @@ pub fn list(path: &Path) -> Result<Vec<GridSummary>> {
 pub fn read(path: &Path, name: Option<&str>, progress: &dyn Fn(u64, u64)) -> Result<VoxelGrid> {
     let mut file = open(path)?;
     one(&path.display().to_string(), &mut Input::new(&mut file), name, progress)
+}
+
+/// The same of the grid with this number in the [`list`] of the file's grids, whatever it is called.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_listed(path: &Path, number: usize, progress: &dyn Fn(u64, u64)) -> Result<VoxelGrid> {
+    let (mut file, name) = (open(path)?, path.display().to_string());
+    let input = &mut Input::new(&mut file);
+    let archive = Archive::read(input).in_file(&name)?;
+    let finding = || Fault::new(format!("has {} grids, and none of number {number}", archive.grids.len()), DAMAGED);
+    let entry = archive.grids.get(number).ok_or_else(finding).in_file(&name)?;
+    of_entry(&name, input, &archive, entry, progress)
 }
 
 /// What is in a file that is in memory; `file` is what errors call it.
@@ -113,5 +142,15 @@ fn summaries(file: &str, input: &mut Input) -> Result<Vec<GridSummary>> {
 fn one(file: &str, input: &mut Input, name: Option<&str>, progress: &dyn Fn(u64, u64)) -> Result<VoxelGrid> {
     let archive = Archive::read(input).in_file(file)?;
     let entry = archive.choose(name).in_file(file)?;
-    grid::read(input, &archive, entry, progress).map_err(|fault| fault.at(entry.label())).in_file(file)
+    of_entry(file, input, &archive, entry, progress)
+}
+
+fn of_entry(
+    file: &str,
+    input: &mut Input,
+    archive: &Archive,
+    entry: &Entry,
+    progress: &dyn Fn(u64, u64),
+) -> Result<VoxelGrid> {
+    grid::read(input, archive, entry, progress).map_err(|fault| fault.at(entry.label())).in_file(file)
 }

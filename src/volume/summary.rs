@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::archive::Entry;
+use super::grid::obstacle;
 
 /// What a file says about one of its grids, before any voxel is read. Programs may leave out counts and bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub struct GridSummary {
     pub transform: String,
     /// World metres of index coordinates; none if the transform cannot be used.
     pub index_to_world: Option<DAffine3>,
+    /// Why the grid cannot be read, as far as that is known before its voxels are; none if it can.
+    pub obstacle: Option<String>,
 }
 
 impl GridSummary {
@@ -42,7 +45,20 @@ impl GridSummary {
             active_voxels: metadata.active_voxels.and_then(|count| count.try_into().ok()),
             transform: entry.map.name.clone(),
             index_to_world: entry.map.affine().ok(),
+            obstacle: obstacle(entry).map(|fault| fault.finding().into()),
         }
+    }
+
+    /// Bits of the value of a voxel, in memory; none if values of this type are not known.
+    pub fn bits_per_voxel(&self) -> Option<u64> {
+        Some(match self.value_type.as_str() {
+            "bool" | "mask" => 1,
+            "float" | "int32" => 32,
+            "double" | "int64" => 64,
+            "vec3s" | "vec3i" => 96,
+            "vec3d" => 192,
+            _ => return None,
+        })
     }
 
     /// Lengths of a voxel's edges `[m]`.

@@ -1,5 +1,7 @@
 //! `fogbow info` of OpenVDB files.
 
+use fogbow::volume::Leaf;
+use fogbow_testing::volume_writer;
 use fogbow_testing::volumes::{bytes, path};
 
 use super::support::Folder;
@@ -31,9 +33,77 @@ fn what_is_not_known_of_a_grid_is_said() {
     let folder = Folder::empty();
     let info = |file: &str| folder.done(&["info", path(file).to_str().expect("UTF-8")]).stdout;
     assert!(info("half.vdb").contains("\ngrid \"density\": float saved as half floats, fog volume, "));
-    assert!(info("shared.vdb").contains("\n  active voxels: the file does not say how many\n"));
-    assert!(info("transforms.vdb").contains("\n  transform: \"NonlinearFrustumMap\", which cannot be used\n"));
+    assert!(info("transforms.vdb").contains("\n  transform: \"NonlinearFrustumMap\"\n"));
+    let written = plain_and(|_| 1.0, b"Tree_int32_5_4_3");
+    let said = written.done(&["info", "a.vdb"]).stdout;
+    assert!(said.contains("\n  active voxels: the file does not say how many\n"), "{said}");
     assert!(info("types.vdb").contains("\ngrid \"double\": double, unknown class, zip + active values\n"));
+}
+
+/// A folder with `a.vdb`, whose grid has no metadata, a leaf of these values by their index, and a tree of this kind.
+fn plain_and(value: impl Fn(usize) -> f32, tree: &[u8; 16]) -> Folder {
+    let folder = Folder::empty();
+    let leaf = Leaf { origin: [8, 16, 0], values: Box::new(core::array::from_fn(value)) };
+    volume_writer::write(&folder.path("a.vdb"), 0.25, &[leaf]);
+    let mut bytes = std::fs::read(folder.path("a.vdb")).expect("a file");
+    let at = bytes.windows(16).position(|window| window == b"Tree_float_5_4_3").expect("a tree");
+    bytes[at..at + 16].copy_from_slice(tree);
+    folder.write("a.vdb", bytes);
+    folder
+}
+
+#[test]
+fn voxels_are_read_where_the_file_does_not_say_what_they_are() {
+    const FLOAT: &[u8; 16] = b"Tree_float_5_4_3";
+    let said = |value: fn(usize) -> f32| plain_and(value, FLOAT).done(&["info", "a.vdb"]).stdout;
+    // Voxels 1 to 7 along x, of a row.
+    let text = said(|index| if (1..8).contains(&index) { 0.5 } else { 0.0 });
+    let expected = [
+        "  active voxels: 7, 28 bytes at 4 bytes each",
+        "  voxel size: 0.25 m",
+        "  index bounds: [9, 16, 0] to [15, 16, 0]",
+        "  world bounds: [2.125, 3.875, -0.125] to [3.875, 4.125, 0.125] m",
+    ];
+    assert_eq!(text.lines().skip(2).collect::<Vec<_>>(), expected, "{text}");
+    let text = said(|_| 0.0);
+    assert!(text.contains("\n  active voxels: 0, ") && text.ends_with("it has no density above 0\n"), "{text}");
+    let text = said(|index| if index == 1 { f32::NAN } else { 1.0 });
+    let finding = "\n  cannot be rendered: grid \"density\", voxel [9, 16, 0]: has the value NaN\n";
+    assert!(text.ends_with(finding), "{text}");
+    // Voxels of another grid.
+    let text = Folder::empty().done(&["info", path("shared.vdb").to_str().expect("UTF-8")]).stdout;
+    assert_eq!(text.matches("  active voxels: 1000, 3.91 KiB at 4 bytes each\n").count(), 2, "{text}");
+    assert!(text.ends_with("  world bounds: [-2.75, -0.25, -0.25] to [2.25, 4.75, 4.75] m\n"), "{text}");
+}
+
+#[test]
+fn it_is_said_why_a_grid_cannot_be_rendered() {
+    let folder = Folder::empty();
+    let info = |file: &str| folder.done(&["info", path(file).to_str().expect("UTF-8")]).stdout;
+    let others = info("others.vdb");
+    assert!(others.contains("  active voxels: 64, 768 bytes at 12 bytes each\n"), "{others}");
+    assert!(others.contains("  active voxels: 64, 8 bytes at 1 bit each\n"), "{others}");
+    assert!(others.contains("\n  cannot be rendered: has values of type vec3s, not float\n"), "{others}");
+    assert!(others.contains("\n  cannot be rendered: is a level set: its values are distances"), "{others}");
+    assert!(info("types.vdb").contains("  active voxels: 64, 512 bytes at 8 bytes each\n"));
+    assert!(!info("two.vdb").contains("cannot"));
+    let mut bytes = bytes("plain.vdb");
+    let name = b"UniformScaleMap";
+    let at = bytes.windows(name.len()).position(|window| window == name).expect("a transform") + name.len();
+    bytes[at..at + 24].copy_from_slice([1e-12_f64; 3].map(f64::to_le_bytes).as_flattened());
+    folder.write("tiny.vdb", bytes);
+    let finding = "its voxels have edges of [1e-12, 1e-12, 1e-12] m; 1e-9 to 1e9 m can be read";
+    let text = folder.done(&["info", "tiny.vdb"]).stdout;
+    assert!(text.ends_with(&format!("\n  cannot be rendered: {finding}\n")), "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn nobody_waits_for_the_writer_of_a_pipe() {
+    let folder = Folder::empty();
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe.vdb")).status();
+    assert!(made.is_ok_and(|status| status.success()));
+    folder.refused(&["info", "pipe.vdb"], 1, "pipe.vdb: is not a regular file\n");
 }
 
 #[test]

@@ -28,10 +28,12 @@ pub struct Summary {
     pub written: SystemTime,
 }
 
-/// Whether the file at `path` begins as checkpoints do, or is called like one.
+/// Whether the file at `path` begins as checkpoints do, or is called like one. Pipes are not looked into: that would wait
+/// for their writer, and take what is read next.
 pub fn is_checkpoint(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
-    let begins = File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC;
+    let begins =
+        path.is_file() && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC;
     begins || path.extension().is_some_and(|extension| extension == "checkpoint")
 }
 
