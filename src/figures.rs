@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use fogbow_kernels::LONGEST_PATH;
 use fogbow_kernels::survival::Survival;
 
 /// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an
@@ -39,6 +40,29 @@ pub fn survival(survival: &Survival) -> String {
     match survival.constant() {
         Some(constant) => constant.to_string(),
         None => survival.octaves().map(|octave| octave.to_string()).join(" "),
+    }
+}
+
+/// The same for people: of walks that end by depth, how far they get.
+pub fn survival_in_words(survival: &Survival) -> String {
+    if let Some(constant) = survival.constant() {
+        return format!("survival {constant}");
+    }
+    let last = |share: f64| {
+        let (mut near, mut far) = (1, LONGEST_PATH + 1);
+        while far - near > 1 {
+            let middle = near + (far - near) / 2;
+            if survival.reach(middle) >= share { near = middle } else { far = middle }
+        }
+        near
+    };
+    let [half, few] = [0.5, 0.01].map(last);
+    match (half, few) {
+        (LONGEST_PATH, _) => format!("{} of all walks get to the last vertex", percent(survival.reach(LONGEST_PATH))),
+        (_, LONGEST_PATH) => {
+            format!("half of all walks get to vertex {half}, {} to the last", percent(survival.reach(LONGEST_PATH)))
+        }
+        _ => format!("half of all walks get to vertex {half}, 1 % to vertex {few}"),
     }
 }
 
@@ -92,6 +116,17 @@ mod tests {
         }
         assert_eq!(number(1.5e-7, 3), "1.50e-7");
         assert_eq!(number(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn walks_that_end_by_depth_are_told_by_how_far_they_get() {
+        assert_eq!(survival_in_words(&Survival::Constant(0.75)), "survival 0.75");
+        let told = survival_in_words(&Survival::fading(3));
+        // 2^4 + 5 and 2^11 + 1758, as the share falls evenly from one octave to the next.
+        assert_eq!(told, "half of all walks get to vertex 21, 1 % to vertex 3806");
+        let told = survival_in_words(&Survival::fading(12));
+        assert_eq!(told, "half of all walks get to vertex 10922, 12.5 % to the last");
+        assert_eq!(survival_in_words(&Survival::fading(16)), "100 % of all walks get to the last vertex");
     }
 
     #[test]

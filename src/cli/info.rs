@@ -11,7 +11,7 @@ use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
 use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
-use crate::figures::{duration, number, point, rate, starts, survival};
+use crate::figures::{duration, number, point, rate, starts, survival_in_words};
 use crate::film::{self, Film, Region};
 use crate::gltf::{Animated, quoted};
 use crate::image::{self, Format};
@@ -27,6 +27,8 @@ use crate::volume::is_volume;
 const PILOT: Duration = Duration::from_millis(300);
 /// About how many pixels the rate is measured on.
 const PILOT_PIXELS: u32 = 1 << 14;
+/// Optical depth of nothing: weights are given at least that much.
+const NO_DEPTH: f32 = 1e-8;
 /// Meshes and lights of a scene, and grids of a volume, that are named.
 pub const MOST_NAMED: usize = 20;
 
@@ -94,12 +96,19 @@ fn coefficients(medium: &Medium, scale: f64) -> Option<(String, String)> {
     (extinction != [0.0; 3]).then(|| (free_path, spectrum(albedo)))
 }
 
-/// What a medium emits, as the end of a line about it.
-fn glow(medium: &Medium, grid: Option<&Grid>) -> String {
+/// What a grid is called, of which these are the densities.
+fn title(grid: &Grid, densities: Option<&Densities>) -> String {
+    let name = densities.map(|densities| &densities.grid).or(grid.name.as_ref());
+    let name = name.map_or_else(String::new, |name| format!("grid {} of ", quoted(name)));
+    name + &quoted(&grid.file)
+}
+
+/// What a medium emits, as the end of a line about it; `grid` is what multiplies it.
+fn glow(medium: &Medium, grid: Option<String>) -> String {
     if medium.emission.is_black() {
         return String::new();
     }
-    let of = grid.map_or_else(String::new, |grid| format!(" times {}", quoted(&grid.file)));
+    let of = grid.map_or_else(String::new, |grid| format!(" times {grid}"));
     format!(", emission {} W/(m^3 sr){of}", spectrum(medium.emission.0.map(|channel| channel as f32)))
 }
 
@@ -107,10 +116,12 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
     for (volume, filling) in loaded.scene.volume.iter().zip(&loaded.fillings) {
         let name = volume.name.as_ref().map_or_else(String::new, |name| format!(" {}", quoted(name)));
         let shape = volume.shape.as_ref().map(|shape| format!("a {}", shape.kind.name()));
-        let grid = volume.grid.as_ref().map(|grid| quoted(&grid.file));
-        let what = [shape, grid].into_iter().flatten().collect::<Vec<_>>().join(" of ");
+        let densities = filling.as_ref().and_then(|filling| filling.densities.as_ref());
+        let grid = volume.grid.as_ref().map(|grid| title(grid, densities));
+        let what = [shape, grid].into_iter().flatten().collect::<Vec<_>>().join(" with ");
         let what = if what.is_empty() { "a flame".into() } else { what };
-        let glow = glow(&volume.medium(), volume.emission_grid.as_ref());
+        let glowing = filling.as_ref().and_then(|filling| filling.glowing.as_ref());
+        let glow = glow(&volume.medium(), volume.emission_grid.as_ref().map(|grid| title(grid, glowing)));
         let of = if volume.grid.is_some() { " at density 1" } else { "" };
         let scale = volume.grid.as_ref().map_or(1.0, |grid| grid.scale);
         let inside = coefficients(&volume.medium(), scale).map_or_else(
@@ -213,7 +224,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         .filter(|left_out| left_out.matters())
         .try_for_each(|left_out| say(format!("warning: {left_out}")))?;
     if frame.techniques.any() {
-        say(format!("vertices that connect: {}, survival {}", starts(walk.starts), survival(&walk.survival)))?;
+        say(format!("vertices that connect: {}, {}", starts(walk.starts), survival_in_words(&walk.survival)))?;
     }
     let samples = pixels * u64::from(render.samples);
     say(format!(
@@ -299,7 +310,10 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     let [camera, light] = [loaded.camera.position, center].map(glam::DVec3::from);
     let (distance, origin) = (camera.distance(light), glam::DVec3::from(loaded.origin));
     let depth = |channel| loaded.frame.medium.twin(channel).optical_depth(camera - origin, light - origin) as f32;
-    let depth = spectrum([0, 1, 2].map(depth));
+    let depth = match [0, 1, 2].map(depth) {
+        depths if depths.iter().all(|depth| *depth <= NO_DEPTH) => "no medium in between".into(),
+        depths => format!("{} mean free paths", spectrum(depths)),
+    };
     let distance = number(distance, 4);
     let kind = match (values.kind, values.cone, values.exponent) {
         (LightKind::Spot, Some(cone), _) => {
@@ -309,7 +323,7 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
         (LightKind::Spot, None, Some(exponent)) => format!("spot of exponent {} and", number(exponent, 4)),
         (kind, ..) => format!("{} of", kind.name()),
     };
-    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera ({depth} mean free paths)"))
+    say(format!("light{name}: {kind} radius {radius:?} m at {distance} m from the camera ({depth})"))
 }
 
 /// Samples per second of this scene on this machine, from a short render, the walk that it will take, and what its

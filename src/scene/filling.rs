@@ -20,8 +20,10 @@ pub struct Filling {
 }
 
 /// What a grid holds, as its file has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Densities {
+    /// What the file calls the grid.
+    pub grid: String,
     /// Voxels that the file calls active.
     pub active_voxels: u64,
     /// Mean density of these.
@@ -37,21 +39,14 @@ impl Densities {
     /// Those of `grid`, whose index coordinates lead `to_world`.
     pub fn of(grid: &VoxelGrid, to_world: &DAffine3) -> Self {
         let (mut sum, mut most, mut active) = (0.0, 0.0_f32, 0_u64);
-        let (mut first, mut last) = ([i32::MAX; 3], [i32::MIN; 3]);
-        for leaf in &grid.leaves {
-            for (index, value) in leaf.values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
-                (sum, most, active) = (sum + f64::from(*value), most.max(*value), active + 1);
-                for (axis, offset) in [index & 7, index >> 3 & 7, index >> 6].into_iter().enumerate() {
-                    let at = leaf.origin[axis] + offset as i32;
-                    (first[axis], last[axis]) = (first[axis].min(at), last[axis].max(at));
-                }
-            }
+        for value in grid.leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value != 0.0) {
+            (sum, most, active) = (sum + f64::from(*value), most.max(*value), active + 1);
         }
         let active_voxels = grid.active_voxels.max(active);
         let mean = sum / active_voxels.max(1) as f64;
-        let corners = if active > 0 { [first, last] } else { [[0; 3]; 2] };
-        let [low, high] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
-        Self { active_voxels, mean, most, bounds: around(to_world, [low - 0.5, high + 0.5]) }
+        let [low, high] = grid.index_bounds().unwrap_or_default().map(|corner| DVec3::from(corner.map(f64::from)));
+        let bounds = around(to_world, [low - 0.5, high + 0.5]);
+        Self { grid: grid.name.clone(), active_voxels, mean, most, bounds }
     }
 }
 

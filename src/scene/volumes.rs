@@ -207,7 +207,7 @@ impl Volume<'_> {
                 let quantity = Quantity::extinction(extinction);
                 let unit = (f64::from(extinction) * grid.scale) as f32;
                 let found = self.voxels("grid", grid, &quantity, origin)?;
-                densities = found.as_ref().map(|(_, densities)| *densities);
+                densities = found.as_ref().map(|(_, densities)| densities.clone());
                 found.map_or((0.0, None), |(voxels, _)| (unit, Some(voxels)))
             }
             None if shape.is_none() && self.keys.emission_grid.is_some() => {
@@ -224,7 +224,11 @@ impl Volume<'_> {
         if shape.is_none() && voxels.is_none() {
             return Ok(None);
         }
-        let own = densities.or(glowing).filter(|_| self.keys.shape.is_none()).map(|densities| densities.bounds);
+        let own = densities
+            .as_ref()
+            .or(glowing.as_ref())
+            .filter(|_| self.keys.shape.is_none())
+            .map(|densities| densities.bounds);
         let placed = Placed { shape, voxels, extinction: unit };
         self.must_meet("grid", placed.voxels.as_ref().zip(densities.as_ref()), &placed, origin)?;
         self.must_meet("emission_grid", source.voxels.as_ref().zip(glowing.as_ref()), &placed, origin)?;

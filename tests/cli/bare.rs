@@ -141,7 +141,7 @@ fn a_bare_model_is_described_with_its_contents() {
         "mesh \"Wall\": 2 triangles",
         "camera \"Eye\", used for the render",
         "camera \"Lamp\"",
-        "light \"Lamp\": spot with a cone of 0 to 28.65 degrees and radius 0.05 m at 2 m from the camera (0 mean free paths)",
+        "light \"Lamp\": spot with a cone of 0 to 28.65 degrees and radius 0.05 m at 2 m from the camera (no medium in between)",
         "emissive meshes: 1, with 2 triangles",
     ];
     for line in lines {

@@ -31,11 +31,16 @@ fn a_cloud_is_rendered_by_every_technique() {
 #[test]
 fn a_cloud_is_described() {
     let run = with_cloud(", scale = 2").done(&["info", "scene.toml"]);
-    let cloud = "volume \"puff\": \"cloud.vdb\", mean free path 0.05000 m at density 1, albedo 0.7";
+    let cloud = "volume \"puff\": grid \"density\" of \"cloud.vdb\", mean free path 0.05000 m at density 1, albedo 0.7";
     assert!(run.stdout.lines().any(|line| line.starts_with(cloud)), "{run}");
     assert!(!run.stdout.contains("vacuum") && !run.stdout.contains("fog:"), "{run}");
     let grid = run.stdout.lines().find(|line| line.contains(", 9544 active voxels, "));
     assert!(grid.is_some_and(|line| line.starts_with("  from [") && line.ends_with(" KiB")), "{run}");
+    // The lamp is beside the cloud.
+    assert!(
+        run.stdout.contains("\nlight: disk of radius 1.5 m at 3 m from the camera (no medium in between)\n"),
+        "{run}"
+    );
     // The densest voxels have 250/256; at the edge there is next to nothing.
     assert!(run.stdout.contains("\n  mean free path 0.05120 m where it is densest, 0."), "{run}");
 }

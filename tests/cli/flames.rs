@@ -34,7 +34,7 @@ fn flames_are_all_the_light_that_a_scene_needs() {
 #[test]
 fn what_emits_is_described() {
     let run = with(FLAME, true).done(&["info", "scene.toml"]);
-    assert!(run.stdout.contains("emission 3 | 2 | 1 W/(m^3 sr) times \"blob.vdb\""), "{run}");
+    assert!(run.stdout.contains("emission 3 | 2 | 1 W/(m^3 sr) times grid \"density\" of \"blob.vdb\""), "{run}");
     let run = with(&format!("{MEDIUM}\nemission = 2"), true).done(&["info", "scene.toml"]);
     assert!(run.stdout.contains(", emission 2 W/(m^3 sr)"), "{run}");
 }
