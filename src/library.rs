@@ -74,7 +74,8 @@ impl Scene {
 
     /// Renders until a [`Target`] is met, or the first of several ([`Limits`], or a list of targets), on all processors.
     ///
-    /// As in the program, a [pilot](crate::pilot) chooses what the scene leaves open.
+    /// As in the program, a [pilot](crate::pilot) chooses what the scene leaves open; of [`Target::Time`] a quarter may go
+    /// by before the first sample.
     ///
     /// # Errors
     /// If there is not enough memory for the image.
@@ -103,7 +104,7 @@ impl Scene {
 
     fn render_with(&self, settings: Settings, limits: Limits) -> Result<Rendered> {
         let mut session = Session::new(self.loaded.clone(), settings)?;
-        session.prepare(true, |_| {});
+        session.prepare(true, limits, |_| {});
         let outcome = session.run(limits, || false, |_| {});
         Ok(Rendered { session, outcome })
     }
@@ -141,11 +142,12 @@ impl Rendered {
     }
 
     /// What a person should know about this image: what in the scene was not rendered as written, how much light the
-    /// limit on path length left out, and whether this build is slow.
+    /// limit on path length left out, what there was no time to prepare, and whether this build is slow.
     pub fn warnings(&self) -> Vec<String> {
         let scene = self.session.scene.warnings.iter().map(ToString::to_string);
-        let left_out = self.session.preparation().left_out.filter(|left_out| left_out.matters());
-        scene.chain(left_out.map(|left_out| left_out.to_string())).chain(cpu::advice().map(String::from)).collect()
+        let preparation = self.session.preparation();
+        let left_out = preparation.warning_of_left_out().map(|left_out| left_out.to_string());
+        scene.chain(left_out).chain(preparation.warning()).chain(cpu::advice().map(String::from)).collect()
     }
 
     /// Writes the image; the ending of `path`, `.exr` or `.png`, chooses the format.

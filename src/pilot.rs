@@ -67,6 +67,11 @@ pub struct Choices {
 }
 
 impl Choices {
+    /// Whether any of them matters to `frame`.
+    pub fn matter_to(self, frame: &Frame) -> bool {
+        self.that_matter(frame) != Self::default()
+    }
+
     /// Those that matter to `frame`. Without bridges, which need lights that have a place, there are no starts and
     /// survivals to try: techniques that do not reach every path need every walk. Where there are volumes every vertex
     /// connects: bridges through vacuum count nothing, and few starts may see next to nothing of a volume without any
@@ -97,7 +102,8 @@ impl Setting {
         Self { starts: frame.walk.starts, survival: frame.walk.survival, roulette: frame.roulette }
     }
 
-    fn apply(self, frame: &Frame) -> Frame {
+    /// `frame` rendered like this.
+    pub fn apply(self, frame: &Frame) -> Frame {
         Frame { roulette: self.roulette, ..frame.clone() }.with_walk(self.starts, self.survival)
     }
 }
@@ -178,6 +184,15 @@ pub fn choose(
         search.try_neighbours();
     }
     (search.setting.apply(frame), search.trials)
+}
+
+/// `frame` as it is rendered where there was no time to try what `choices` allow: as it is, but that no more vertices of
+/// long paths connect than would have been tried.
+pub fn untried(frame: &Frame, choices: Choices) -> Frame {
+    let [.., most, _] = STARTS;
+    let is_long = choices.that_matter(frame).starts && frame.lengths.max > LONGEST_FOR_ALL;
+    let Setting { starts, .. } = Setting::of(frame);
+    Setting { starts: if is_long { starts.min(most) } else { starts }, ..Setting::of(frame) }.apply(frame)
 }
 
 /// The next smaller and larger number of starts.

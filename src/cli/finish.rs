@@ -77,7 +77,7 @@ pub fn finish(
     refuse_drops(session, reporter)?;
     if let Some(denoising) = denoising {
         let (size, header) = (session.scene.scene.film.size, session.report(outcome).header());
-        let exposure = session.preparation().exposure.unwrap_or(Exposure(0.0));
+        let exposure = session.png_exposure().unwrap_or(Exposure(0.0));
         let (film, threads) = (&session.film, session.threads());
         let image = Noisy { film, size, header: &header, exposure, threads };
         if let Err(error) = denoising.finish(&image, || signals.came(), reporter) {
@@ -164,7 +164,7 @@ fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> Str
         End::Met(target) if session.limits().are_several() => format!(", ended by {}", target.name()),
         _ => String::new(),
     };
-    let exposure = session.preparation().exposure.map_or_else(String::new, |stops| format!(", exposure {stops}"));
+    let exposure = session.png_exposure().map_or_else(String::new, |stops| format!(", exposure {stops}"));
     format!(
         "{}: {}, {per_pixel} in {}{end}, {}, mean {}{noise}{exposure}",
         names.join(", "),

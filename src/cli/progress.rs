@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::figures::{duration, percent, rate};
 use crate::live::Turn;
 use crate::scene::Loading;
-use crate::session::{State, Target};
+use crate::session::{State, Step, Target};
 
 /// Time between plain lines and between messages.
 const INTERVAL: Duration = Duration::from_secs(2);
@@ -23,7 +23,9 @@ const INTERVAL: Duration = Duration::from_secs(2);
 fn outlooks(state: &State, turn: Option<Turn>) -> Outlooks {
     let frame = turn.map_or_else(String::new, |turn| format!("{turn}  "));
     if state.preparing {
-        return Outlooks::of(&format!("{frame}preparing"));
+        let step = state.step.map_or("preparing", Step::name);
+        let long = if state.step.is_some() { format!("{frame}preparing: {step}") } else { format!("{frame}{step}") };
+        return Outlooks { short: format!("{frame}{step}"), long };
     }
     let noise = state.noise.map_or_else(String::new, |noise| format!("noise {}  ", percent(noise)));
     let rate = state.rate().map_or_else(String::new, |of| format!("{}  ", rate(of)));

@@ -29,6 +29,7 @@ use crate::image::Format;
 use crate::live::{Phase, Turn};
 use crate::scene::document::Override;
 use crate::scene::{self, LoadedScene};
+use crate::session::checkpoint::Checkpoint;
 use crate::session::{Limits, Outcome, Session, Settings, State};
 
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
@@ -121,7 +122,7 @@ impl Run<'_> {
             return Ok(ExitCode::SUCCESS);
         }
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
-        self.prepare(&mut session, request.has_png());
+        self.prepare(&mut session, &request, checkpoint.as_ref());
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
             session.resume(&mut checkpoint)?;
             request.plan.check_limits(&session, checkpoint.limits(), &self.reporter)?;
@@ -229,15 +230,22 @@ impl Run<'_> {
         is_done
     }
 
-    fn prepare(&mut self, session: &mut Session, has_png: bool) {
+    fn prepare(&mut self, session: &mut Session, request: &Request, checkpoint: Option<&Checkpoint>) {
         let Self { reporter, signals, onlookers, .. } = self;
         session.stop_by(signals.stop());
-        session.prepare(has_png, |state| {
+        let look = |state| {
             reporter.update(state);
             onlookers.look(state, reporter);
-        });
-        let left_out = session.preparation().left_out.filter(|left_out| left_out.matters() && !signals.came());
-        left_out.iter().for_each(|left_out| reporter.warn(left_out));
+        };
+        match checkpoint {
+            Some(checkpoint) => session.prepare_to_resume(checkpoint, request.has_png(), request.limits, look),
+            None => session.prepare(request.has_png(), request.limits, look),
+        }
+        if !signals.came() {
+            let preparation = session.preparation();
+            preparation.warning_of_left_out().iter().for_each(|left_out| reporter.warn(left_out));
+            preparation.warning().iter().for_each(|unfinished| reporter.warn(unfinished));
+        }
     }
 
     /// Takes all samples; how that ended, and what became of them.

@@ -144,7 +144,7 @@ impl Board {
         session.monitor().is_watched.store(true, Ordering::Relaxed);
         let mut shown = self.shown();
         shown.session = Some(Arc::clone(session));
-        shown.state.preparing = false;
+        (shown.state.preparing, shown.state.step) = (false, None);
     }
 
     /// Notes how far the render is.

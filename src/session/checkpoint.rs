@@ -24,6 +24,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use fogbow_kernels::accumulate::Dropped;
+use fogbow_kernels::survival::Survival;
 use serde::{Deserialize, Serialize};
 
 use super::identity::{self, Difference, Entry, PILOTED};
@@ -32,6 +33,7 @@ use crate::adaptive::Probing;
 use crate::error::{Error, Result};
 use crate::film::{Film, LayerForm, Tile};
 use crate::output::{self, Replace, Sink};
+use crate::pilot::Setting;
 pub use slot::Slot;
 pub use summary::{Summary, is_checkpoint};
 
@@ -204,6 +206,21 @@ impl Checkpoint {
     /// What its render was to go on until.
     pub fn limits(&self) -> Limits {
         self.progress.limits
+    }
+
+    /// What its pilot chose; none if it does not say.
+    pub fn setting(&self) -> Option<Setting> {
+        let text = |name: &str| identity::text(&self.about.identity, name);
+        let starts = match text("starts")? {
+            "all" => u32::MAX,
+            number => number.parse().ok()?,
+        };
+        let survival: Vec<f32> = text("survival")?.split(' ').map(|q| q.parse().ok()).collect::<Option<_>>()?;
+        let survival = match survival.as_slice() {
+            [constant] => Survival::Constant(*constant),
+            octaves => Survival::by_octave(octaves.try_into().ok()?),
+        };
+        Some(Setting { starts, survival, roulette: text("roulette")?.parse().ok()? })
     }
 
     /// What differs between its render and that of `session`, as far as that is known before it is prepared.

@@ -6,6 +6,7 @@ mod estimates;
 pub mod identity;
 mod limits;
 mod plan;
+mod preparation;
 pub mod report;
 mod rounds;
 mod watch;
@@ -21,17 +22,15 @@ use fogbow_kernels::pipeline::{self, Pipeline, Stage};
 use crate::adaptive::Plan;
 use crate::error::{Error, Result};
 use crate::film::{self, Film, Region};
-use crate::frame::Frame;
 use crate::image::tone::Exposure;
 use crate::image::{self, Format};
-use crate::pilot::{self, Trial};
+use crate::output;
 use crate::render::{Monitor, Renderer, Workers};
 use crate::scene::LoadedScene;
 use crate::stats::Stats;
-use crate::truncation::{self, Truncation};
-use crate::{metering, output};
 use estimates::Estimates;
 pub use limits::{End, Limits, Target};
+pub use preparation::{Preparation, Step};
 pub use report::Report;
 pub use watch::State;
 
@@ -121,17 +120,6 @@ struct Earlier {
     time: Duration,
     /// Samples of all pixels together.
     samples: u64,
-}
-
-/// What was decided before the first sample.
-#[derive(Clone, Debug, Default)]
-pub struct Preparation {
-    /// What the pilot tried.
-    pub trials: Vec<Trial>,
-    /// What the limit on the length of paths leaves out.
-    pub left_out: Option<Truncation>,
-    /// Exposure of PNG images, if any is to be written.
-    pub exposure: Option<Exposure>,
 }
 
 /// How a render ended.
@@ -232,49 +220,9 @@ impl Session {
         &self.preparation
     }
 
-    /// Has the pilot choose what the scene leaves open, and looks at what the limit on the length of paths leaves out;
-    /// meters the exposure if there will be a PNG image. Tells `look` now and then that it is at it. Once the session's
-    /// monitor says stop nothing further is tried.
-    pub fn prepare(&mut self, has_png: bool, look: impl FnMut(State)) {
-        let prepare = || self.prepared(has_png, |frame| self.leaves_out(frame));
-        (self.scene.frame, self.preparation) = self.watch_preparation(look, prepare);
-    }
-
-    /// As [`Self::prepare`] without an exposure, where `left_out` is known of the same light, rendered in another way.
-    pub fn prepare_knowing(&mut self, left_out: Option<Truncation>, look: impl FnMut(State)) {
-        let prepare = || self.prepared(false, |_| left_out);
-        (self.scene.frame, self.preparation) = self.watch_preparation(look, prepare);
-    }
-
-    /// What the limit on the length of paths leaves out, in whatever way the scene is rendered; `None` where nothing
-    /// turns light.
-    pub fn find_left_out(&self, look: impl FnMut(State)) -> Option<Truncation> {
-        self.watch_preparation(look, || self.leaves_out(&self.scene.frame))
-    }
-
-    fn leaves_out(&self, frame: &Frame) -> Option<Truncation> {
-        truncation::estimate(frame, self.scene.scene.film.size, &self.renderer, &self.monitor)
-    }
-
-    /// The frame with what the scene left open, and what is known before the first sample.
-    fn prepared(&self, has_png: bool, left_out: impl FnOnce(&Frame) -> Option<Truncation>) -> (Frame, Preparation) {
-        let Self { scene: LoadedScene { scene, frame, .. }, renderer, monitor, .. } = self;
-        let size = scene.film.size;
-        let metered = || metering::exposure(frame, size, renderer, monitor);
-        let exposure = has_png.then(|| scene.film.exposure.0.map_or_else(metered, Exposure));
-        let (frame, trials) = pilot::choose(frame, size, self.scene.choices(), renderer, monitor);
-        let left_out = left_out(&frame);
-        (frame, Preparation { trials, left_out, exposure })
-    }
-
     /// Number of its frame, if it is one of an animation.
     pub fn frame_number(&self) -> Option<u32> {
         self.settings.frame
-    }
-
-    /// The exposure of its images, as far as it is settled before they are rendered.
-    pub fn exposure(&self) -> Option<Exposure> {
-        self.preparation.exposure.or(self.scene.scene.film.exposure.0.map(Exposure))
     }
 
     /// All that is told of a render that ended like this.
@@ -290,7 +238,7 @@ impl Session {
     pub fn write(&self, outcome: &Outcome, path: &Path, format: Format, interrupted: impl Fn() -> bool) -> Result<()> {
         let size = self.scene.scene.film.size;
         output::write(path, interrupted, |file| match format {
-            Format::Png => image::png::write_film(file, &self.film, self.preparation.exposure.unwrap_or(Exposure(0.0))),
+            Format::Png => image::png::write_film(file, &self.film, self.png_exposure().unwrap_or(Exposure(0.0))),
             Format::Exr => image::exr::write_film(file, &self.film, size, &self.report(outcome).header()),
         })
     }

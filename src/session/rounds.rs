@@ -12,7 +12,7 @@ use crate::scene::schema::MOST_SAMPLES;
 use crate::stats::Stats;
 
 /// How often progress and deadlines are looked at.
-const TICK: Duration = Duration::from_millis(20);
+pub(super) const TICK: Duration = Duration::from_millis(20);
 
 /// Samples of every pixel before the noise is looked at for the first time.
 const FIRST_LOOK: u32 = 16;
@@ -55,19 +55,6 @@ impl Session {
             look(watch.state()); // a short round had no time for it
         };
         Outcome { stats, end, elapsed: self.elapsed(), sampling: watch.sampling() }
-    }
-
-    /// Prepares, telling `look` now and then that it does.
-    pub(super) fn watch_preparation<T: Send>(
-        &self,
-        mut look: impl FnMut(State),
-        prepare: impl FnOnce() -> T + Send,
-    ) -> T {
-        let state = || State { preparing: true, elapsed: self.elapsed(), ..State::default() };
-        watched(prepare, TICK, || {
-            look(state());
-            TICK
-        })
     }
 
     /// Renders one round, calling `look` now and then, and stops it at the deadline.
@@ -136,7 +123,11 @@ impl Session {
 }
 
 /// Does `work` on a thread of its own, and calls `look` after `wait`, and then as often as that says, until it is done.
-fn watched<T: Send>(work: impl FnOnce() -> T + Send, mut wait: Duration, mut look: impl FnMut() -> Duration) -> T {
+pub(super) fn watched<T: Send>(
+    work: impl FnOnce() -> T + Send,
+    mut wait: Duration,
+    mut look: impl FnMut() -> Duration,
+) -> T {
     std::thread::scope(|scope| {
         let (end, ended) = mpsc::channel();
         let thread = scope.spawn(move || {

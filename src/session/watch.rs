@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value, json};
 
 use super::limits::{Limits, Target};
+use super::preparation::Step;
 use super::{Earlier, Session};
 
 /// Time after which the rate so far says how long the rest will take.
@@ -25,6 +26,8 @@ const GLIMPSE_SHARE: u32 = 50;
 pub struct State {
     /// Whether it is being prepared, so that there is no sample yet.
     pub preparing: bool,
+    /// The step of the preparation that it is at, once there is one.
+    pub step: Option<Step>,
     /// Share of the work that is done, in [0, 1], as far as that is known; never less than before.
     pub fraction: f64,
     /// Camera paths so far.
@@ -48,7 +51,7 @@ pub struct State {
 impl State {
     /// The same, with nothing left to do.
     pub fn done(self) -> Self {
-        Self { preparing: false, fraction: 1.0, seconds_left: Some(0.0), ..self }
+        Self { preparing: false, step: None, fraction: 1.0, seconds_left: Some(0.0), ..self }
     }
 
     /// Time that it will take in all `[s]`, also where the rate was not measured for long; none if nothing is known of
@@ -70,6 +73,7 @@ impl State {
     pub fn figures(&self) -> Map<String, Value> {
         let figures = [
             ("phase", json!(if self.preparing { "preparing" } else { "rendering" })),
+            ("step", json!(self.step.map(Step::name))),
             ("fraction", json!(self.fraction)),
             ("samples", json!(self.samples)),
             ("samples_per_second", json!(self.rate())),
@@ -133,6 +137,7 @@ impl<'a> Watch<'a> {
         self.fraction.set(self.fraction.get().max(fraction.min(1.0)));
         State {
             preparing: false,
+            step: None,
             fraction: self.fraction.get(),
             samples,
             earlier: *earlier,

@@ -3,7 +3,7 @@
 use fogbow::film::Region;
 use fogbow::session::checkpoint::Checkpoint;
 use fogbow::session::{Session, Settings};
-use fogbow::{Scene, Target};
+use fogbow::{Limits, Scene, Target};
 
 use super::support::{Folder, header, plane};
 
@@ -135,7 +135,7 @@ fn session(folder: &Folder, aovs: &str) -> Session {
     let mut scene = Scene::load(folder.path("scene.toml")).expect("a scene");
     scene.set("film.aov", aovs).expect("layers");
     let mut session = Session::new(scene.loaded().clone(), Settings::default()).expect("memory");
-    session.prepare(false, |_| {});
+    session.prepare(false, Limits::default(), |_| {});
     session
 }
 

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use fogbow::kernels::accumulate::Dropped;
 use fogbow::session::checkpoint::Checkpoint;
-use fogbow::session::{Session, Settings, State};
-use fogbow::{Scene, Target};
+use fogbow::session::{Session, Settings, State, Step};
+use fogbow::{Limits, Scene, Target};
 
 use super::support::Folder;
 
@@ -18,7 +18,7 @@ fn session(samples: u32) -> (Folder, Session) {
     let folder = Folder::with_scene();
     let scene = Scene::load(folder.path("scene.toml")).expect("a scene");
     let mut session = Session::new(scene.loaded().clone(), Settings::default()).expect("memory");
-    session.prepare(false, |_| {});
+    session.prepare(false, Limits::default(), |_| {});
     session.run(Target::Samples(samples), || false, |_| {});
     session.write_checkpoint(&folder.path("c")).expect("written");
     (folder, session)
@@ -26,6 +26,36 @@ fn session(samples: u32) -> (Folder, Session) {
 
 fn pixels(session: &Session) -> Vec<fogbow::film::Pixel> {
     session.film.pixels().collect()
+}
+
+#[test]
+fn what_was_chosen_before_a_checkpoint_is_not_chosen_again() {
+    let folder = Folder::with_scene();
+    let mut scene = Scene::load(folder.path("scene.toml")).expect("a scene");
+    scene.set("render.technique", "bridge").expect("a technique");
+    let session = || Session::new(scene.loaded().clone(), Settings::default()).expect("memory");
+    let mut chosen = session();
+    chosen.prepare(true, Limits::default(), |_| {});
+    assert!(!chosen.preparation().trials.is_empty() && chosen.preparation().unfinished.is_empty());
+    assert_ne!(chosen.scene.frame.walk, scene.loaded().frame.walk, "not all vertices connect");
+    // Nothing is chosen where there is no time for it.
+    let mut hasty = session();
+    let stop = std::sync::Arc::clone(&hasty.monitor().stop);
+    stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    hasty.prepare(true, Limits::default(), |_| {});
+    stop.store(false, std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(hasty.preparation().unfinished, [Step::Choosing, Step::Metering, Step::LongPaths]);
+    assert_eq!(hasty.scene.frame.walk, scene.loaded().frame.walk);
+    for first in [chosen, hasty] {
+        first.run(Target::Samples(3), || false, |_| {});
+        first.write_checkpoint(&folder.path("c")).expect("written");
+        let (mut resumed, mut checkpoint) = (session(), Checkpoint::open(&folder.path("c")).expect("a checkpoint"));
+        resumed.prepare_to_resume(&checkpoint, true, Limits::default(), |_| {});
+        assert!(resumed.preparation().trials.is_empty() && resumed.preparation().exposure.is_some());
+        resumed.resume(&mut checkpoint).expect("the same render");
+        assert_eq!(resumed.scene.frame.walk, first.scene.frame.walk);
+        assert_eq!(pixels(&resumed), pixels(&first));
+    }
 }
 
 #[test]

@@ -82,3 +82,27 @@ fn what_is_done_already_is_left_out_on_resume() {
     assert!(!is_left_out(&["--samples", "4"]) && is_left_out(&["--samples", "4"]));
     assert!(!is_left_out(&["--samples", "4", "--set", "light[0].radius=0.2"]), "another scene");
 }
+
+/// What long paths would bring, and how vertices of such paths connect, takes seconds to find out.
+const LONG: [&str; 8] =
+    ["--max-segments", "1024", "--set", "medium.scattering=60", "--technique", "bridge", "--size", "32x32"];
+
+#[test]
+fn preparing_takes_no_more_than_its_share_of_the_time() {
+    let folder = Folder::with_scene();
+    let flags = ["render", "scene.toml", "-o", "a.png", "-o", "a.exr", "--stats", "a.json", "--time", "2s"];
+    let run = folder.done(&[&flags[..], &LONG].concat());
+    let statistics: Value =
+        serde_json::from_slice(&std::fs::read(folder.path("a.json")).expect("a file")).expect("JSON");
+    let unfinished = statistics["unfinished"].as_array().expect("a list");
+    assert_eq!(unfinished.last().and_then(Value::as_str), Some("looking at long paths"), "{run}");
+    let warning = "warning: preparing may take 0.5 s of the time, which was not enough: ";
+    assert!(run.stderr.contains(warning), "{run}");
+    assert!(run.stderr.contains("how much light longer paths would bring is not known; more time lets it"), "{run}");
+    assert!(!run.stderr.contains("are left out"), "{run}");
+    assert!(statistics["exposure"].is_number() && run.stderr.contains(", exposure "), "{run}");
+    assert_eq!(header(&folder.image("a.exr"), "left_out"), "unknown beyond 1024 segments, no sufficient limit known");
+    // A block of samples of any step may be at hand.
+    let seconds = statistics["seconds_of_preparation"].as_f64().expect("a number");
+    assert!((0.5..if cfg!(debug_assertions) { 60.0 } else { 6.0 }).contains(&seconds), "{seconds} s");
+}

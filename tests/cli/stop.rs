@@ -194,7 +194,7 @@ fn a_signal_ends_a_long_preparation_at_once() {
     let (code, _, stderr) = ended_by("-TERM", child);
     assert_eq!(code, Some(143), "{stderr}");
     assert!(start.elapsed() < SLOWNESS * Duration::from_secs(3), "took {:?}", start.elapsed());
-    assert!(stderr.contains("\"phase\":\"preparing\""), "{stderr}");
+    assert!(stderr.contains("\"phase\":\"preparing\",\"step\":\""), "{stderr}");
     assert!(!stderr.contains("are left out"), "nothing is known of it yet\n{stderr}");
 }
 
