@@ -58,25 +58,29 @@ fn flights_are_weighed_by_channel_where_extinction_is_coloured() {
     assert!(calls(Stage::SpectralWeight) >= 1.0 && calls(Stage::FlightWeight) == 0.0, "{statistics:#}");
 }
 
+/// A volume and another one beside it, so that neither is all there is.
+fn doubled(volume: &str) -> String {
+    format!("{volume}\n{}", volume.replace("[0, 0, 2]", "[0.5, 0, 2]"))
+}
+
 #[test]
 fn transmittances_are_estimated_unless_they_are_known() {
     let fog = "[medium]\nscattering = 0.7\nabsorption = 0.3";
-    let ball = "{ type = 'sphere', center = [0, 0, 2], radius = 1 }";
-    let block = "{ type = 'box', min = [-1, -1, 1], max = [1, 1, 2] }";
-    for (shape, is_estimated) in [(ball, true), (block, false)] {
-        let volume = format!("[[volume]]\nshape = {shape}\nscattering = 2");
-        let statistics = statistics(&Folder::with_edited_scene(fog, &volume), &["--samples", "4"]);
+    let ball = "[[volume]]\nshape = { type = 'sphere', center = [0, 0, 2], radius = 1 }\nscattering = 2";
+    let block = "[[volume]]\nshape = { type = 'box', min = [-1, -1, 1], max = [1, 1, 2] }\nscattering = 2";
+    for (volumes, is_estimated) in [(ball, false), (block, false), (&doubled(ball), true)] {
+        let statistics = statistics(&Folder::with_edited_scene(fog, volumes), &["--samples", "4"]);
         let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
         assert!(calls(Stage::Passage) >= 1.0, "{statistics:#}");
-        assert_eq!(calls(Stage::Transmittance) >= 1.0, is_estimated, "{shape}: {statistics:#}");
+        assert_eq!(calls(Stage::Transmittance) >= 1.0, is_estimated, "{volumes}: {statistics:#}");
     }
 }
 
 #[test]
 fn flights_through_coloured_volumes_are_looked_at_again() {
     let fog = "[medium]\nscattering = 0.7\nabsorption = 0.3";
-    let volume = "[[volume]]\nshape = { type = 'sphere', center = [0, 0, 2], radius = 1 }\nscattering = [1, 2, 3]";
-    let statistics = statistics(&Folder::with_edited_scene(fog, volume), &["--samples", "4"]);
+    let ball = "[[volume]]\nshape = { type = 'sphere', center = [0, 0, 2], radius = 1 }\nscattering = [1, 2, 3]";
+    let statistics = statistics(&Folder::with_edited_scene(fog, &doubled(ball)), &["--samples", "4"]);
     let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
     assert!(calls(Stage::FlightHue) >= 1.0 && calls(Stage::SpectralWeight) >= 1.0, "{statistics:#}");
 }

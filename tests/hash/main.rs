@@ -84,7 +84,7 @@ fn what_a_file_of_voxels_says_changes_the_hash_and_not_its_name() {
     let hash =
         |grid: &str, file: &str| keys.with(&[(format!("volume[0].{grid}.file"), file.into())]).expect("a scene").hash();
     let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes");
-    for (from, to) in [("blob.vdb", "same.vdb"), ("block.vdb", "other.vdb")] {
+    for (from, to) in [("blob.vdb", "same.vdb"), ("half.vdb", "other.vdb")] {
         std::fs::copy(data.join(from), keys.folder.path().join(to)).expect("a file");
     }
     for grid in ["grid", "emission_grid"] {

@@ -5,6 +5,7 @@
 
 use core::f64::consts::TAU;
 
+use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 
 /// Allowed distance of two numbers or vectors: `absolute + relative * size`.
@@ -31,6 +32,15 @@ pub const TRACKED: Tolerance = tolerance(1e-5, 1e-4);
 
 /// Optical depths of a coarse field, and logarithms of extinctions.
 pub const PASSAGE: Tolerance = tolerance(1e-4, 1e-4);
+
+/// Transmittances of known shapes, and quotients of theirs: `exp` of optical depths that are as good as a coarse field's,
+/// since a ray that grazes a ball magnifies the rounding of its place.
+pub const KNOWN_SHAPE: Tolerance = tolerance(1e-12, 1e-4);
+
+/// `known` where a medium has a field of which everything is known, otherwise `plain`.
+pub fn through(medium: &Medium, known: Tolerance, plain: Tolerance) -> Tolerance {
+    if medium.field().is_some_and(|field| field.is_known()) { known } else { plain }
+}
 
 /// Estimated transmittances, over what weights take them for.
 pub const ESTIMATE: Tolerance = tolerance(1e-4, 2e-3);

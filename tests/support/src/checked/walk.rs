@@ -223,7 +223,8 @@ pub(super) fn check_light_hit(step: Step, columns: light_hit::Columns<'_, '_>) {
     check_queue("light_hit", &light_hits_both, &close);
     if views_both.0.indices("lane") == views_both.1.indices("lane") {
         for at in 0..views.len {
-            let close = [("weight", tolerances::TRANSMITTANCE), ("factor", tolerances::QUOTIENT)];
+            let through = |plain| tolerances::through(medium, tolerances::KNOWN_SHAPE, plain);
+            let close = [("weight", through(tolerances::TRANSMITTANCE)), ("factor", through(tolerances::QUOTIENT))];
             check_row("light_hit", (0, at), &worth_both, &close);
         }
     }
@@ -292,11 +293,13 @@ pub(super) fn check_spectral_weight(step: Step, columns: spectral_weight::Column
             throughput: &mut *throughput,
         }
     );
+    let log_posterior = tolerances::through(medium, tolerances::PASSAGE, tolerances::LOG_POSTERIOR);
+    let quotient = tolerances::through(medium, tolerances::KNOWN_SHAPE, tolerances::QUOTIENT);
     for lane in lanes(live) {
         let weighed = live.contains(lane) || on_surface.contains(lane);
         let allowed = |tolerance| if weighed { tolerance } else { tolerances::EXACT };
-        check_row("spectral_weight", (0, lane), &posterior_both, &[("channels", allowed(tolerances::LOG_POSTERIOR))]);
-        check_row("spectral_weight", (0, lane), &throughput_both, &[("channels", allowed(tolerances::QUOTIENT))]);
+        check_row("spectral_weight", (0, lane), &posterior_both, &[("channels", allowed(log_posterior))]);
+        check_row("spectral_weight", (0, lane), &throughput_both, &[("channels", allowed(quotient))]);
     }
 }
 
