@@ -5,9 +5,9 @@
 //!
 //! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are
 //! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
-//! connect to a light from every vertex by a straight line. To them, small lights in open fog are as wide as half a
-//! mean free path: after so many turns that is all the same, and connections of a vertex close to a small light would
-//! decide the estimate.
+//! connect to a light from every vertex by short bridges. Straight lines would be cheaper, but where light goes on as it
+//! came a few of them decide the estimate. To walks, small lights in open fog are as wide as half a mean free path:
+//! after so many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
 //!
 //! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than
 //! the one before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with
@@ -37,12 +37,14 @@ use light::Light;
 /// Share of the light that may be left out without a word.
 pub const TOLERATED: f64 = 0.01;
 
-/// Longest side of the small image in pixels.
-const SIDE: u32 = 32;
+/// Longest side of the small image in pixels, for bridges and for walks.
+const SIDES: [u32; 2] = [32, 16];
 /// Looks whose spread tells how well light is known.
 const LOOKS: u32 = 16;
 /// Longest paths, in segments, that bridges look for.
 const SHORT: u32 = 32;
+/// Most edges of bridges from the vertices of walks.
+const NEAR: u32 = 8;
 /// How bridges look where nothing is solid, and where something is.
 const BRIDGES: [Way; 2] = [
     Way { starts: 1, survival: Survival::CERTAIN, samples: 8 << 10 },
@@ -50,8 +52,8 @@ const BRIDGES: [Way; 2] = [
 ];
 /// How walks look where nothing is solid, and where something is.
 const WALKS: [Way; 2] = [
-    Way { starts: u32::MAX, survival: Survival::CERTAIN, samples: 4 << 10 },
-    Way { starts: u32::MAX, survival: Survival::Constant(0.99), samples: 1 << 10 },
+    Way { starts: u32::MAX, survival: Survival::CERTAIN, samples: 256 },
+    Way { starts: u32::MAX, survival: Survival::Constant(0.99), samples: 256 },
 ];
 /// Least probability that a walk goes on where absorption decides it.
 const LEAST_SURVIVAL: f32 = 0.5;
@@ -196,14 +198,16 @@ impl Looker<'_> {
     fn look(&self) -> Option<Light> {
         let solid = usize::from(!self.frame.surfaces.is_empty());
         let dark = self.frame.lights.emitters().is_empty();
-        let nee = || Techniques { nee: !dark, ..Techniques::default() };
-        let close = if dark || self.frame.medium.never_scatters() { nee() } else { bridges(self.frame, SHORT) };
-        let short = self.take(close, &BRIDGES[solid], SHORT)?;
+        let nee = Techniques { nee: !dark, ..Techniques::default() };
+        let is_straight = dark || self.frame.medium.never_scatters();
+        let connections = |frame: &Frame, edges: u32| if is_straight { nee.clone() } else { bridges(frame, edges) };
+        let short = self.take(connections(self.frame, SHORT - 1), &BRIDGES[solid], SHORT)?;
         let [near, far, farthest] = LONGEST;
         let walks = self.walks();
         let wide = Frame { lights: lights::widened(self.frame), ..self.frame.clone() };
         let walker = Looker { frame: &wide, size: self.size, renderer: self.renderer, monitor: self.monitor };
-        let with_walks = |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(nee(), way, longest)?));
+        let with_walks =
+            |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(connections(&wide, NEAR), way, longest)?));
         // As many segments, so fewer walks.
         let fewer = Way { samples: walks.samples * near / far, ..walks };
         let fading = Way { survival: Survival::fading(FADING), ..fewer };
@@ -227,13 +231,14 @@ impl Looker<'_> {
 
     /// Light of a sample at each length up to `longest`, look by look; none if they were stopped.
     fn take(&self, techniques: Techniques, way: &Way, longest: u32) -> Option<Vec<Vec<f64>>> {
-        let (frame, region) = self.frame.small(self.size, SIDE);
+        let side = SIDES[usize::from(longest > SHORT)];
+        let (frame, region) = self.frame.small(self.size, side);
         let samples = way.samples.div_ceil(region.pixels() as u32);
         let lengths = PathLengths { max: longest, ..frame.lengths };
         let frame =
             Frame { lengths, techniques, seed: SEED, roulette: 0.0, ..frame }.with_walk(way.starts, way.survival);
         let look = |number: u32| {
-            let tile = if longest > LONGEST[1] { SIDE / 2 } else { tile_size(region) };
+            let tile = if longest > LONGEST[1] { side / 2 } else { tile_size(region) };
             let film = Film::new(&frame, region, tile);
             let samples = number * samples..(number + 1) * samples;
             let counted = Stats::new(false).by_length(&frame);
@@ -246,12 +251,12 @@ impl Looker<'_> {
     }
 }
 
-/// Bridges with N edges in proportion to 1 / N: as many in every doubling.
-fn bridges(frame: &Frame, longest: u32) -> Techniques {
-    let edges = longest.saturating_sub(1).max(1) as usize;
-    let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / n as f64).collect();
-    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges, |_| weights.clone());
-    Techniques { bridge: Some(Bridge::with_counts(Roll::Aligned, Arc::new(counts))), ..Techniques::default() }
+/// Bridges with N edges, N = 1 .. `edges`, in proportion to 1 / N: as many in every doubling.
+fn bridges(frame: &Frame, edges: u32) -> Techniques {
+    let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / f64::from(n)).collect();
+    let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges as usize, |_| weights.clone());
+    let bridge = Bridge { max_inserted: edges - 1, ..Bridge::with_counts(Roll::Aligned, Arc::new(counts)) };
+    Techniques { bridge: Some(bridge), ..Techniques::default() }
 }
 
 #[cfg(test)]
