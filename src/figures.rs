@@ -11,11 +11,13 @@ pub fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() || (value.fract() == 0.0 && value.abs() < 1e6) {
         return value.to_string();
     }
-    let exponent = value.abs().log10().floor();
     let after_first = digits.saturating_sub(1);
+    let scientific = format!("{value:.after_first$e}");
+    // That of the rounded number: 9.9999 with three digits has the exponent of 10.
+    let exponent = scientific.rsplit('e').next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0);
     match exponent {
-        -4.0..6.0 => format!("{value:.*}", (after_first as i32 - exponent as i32).max(0) as usize),
-        _ => format!("{value:.after_first$e}"),
+        -4..6 => format!("{value:.*}", (after_first as i32 - exponent).max(0) as usize),
+        _ => scientific,
     }
 }
 
@@ -115,6 +117,7 @@ mod tests {
             assert_eq!(number(value, 4), text);
         }
         assert_eq!(number(1.5e-7, 3), "1.50e-7");
+        assert_eq!([9.999_99, 10.000_01, 0.999_96].map(|value| number(value, 4)), ["10.00", "10.00", "1.000"]);
         assert_eq!(number(f64::INFINITY, 3), "inf");
     }
 
