@@ -11,6 +11,7 @@ use super::progress::Reporter;
 use super::values::{DrawingFormat, DrawingOutput, LightChoice};
 use super::{loading, tell, values, warning_text};
 use crate::error::{Error, Result};
+use crate::figures::number;
 use crate::image::png;
 use crate::output;
 use crate::paths::{self, Found, Request};
@@ -25,7 +26,9 @@ A path leaves --from in the direction --dir, is traced for --walk vertices, and 
 technique, as in a render. With path it is traced until it meets a light by itself, which takes many tries. Paths with
 something in the way are not drawn. The drawing is to scale, on the plane of the start, the direction and the light.
 
-With nee, --walk decides where the straight connection begins; for other techniques 1 is what a camera ray does.";
+With nee, --walk decides where the straight connection begins; for other techniques 1 is what a camera ray does. mvnee
+and bridge connect no farther than the scene lets them, in expected segments: render.mesc and render.bridge_mesc.
+--set render.mesc=20 raises the limit.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_PATHS)]
@@ -89,8 +92,9 @@ pub fn run(args: &PathsArgs) -> Result<()> {
     };
     if found.paths.is_empty() {
         let finding = format!("none of {} paths by {name} reached the light", found.tried);
-        let remedy = "choose another --technique, --from or --dir, or less --walk";
-        return Err(Error::failure(&scene.name, finding, remedy));
+        let [more, remedy] = limit(&scene, &request, target).map_or_else(Default::default, |limit| limit.words());
+        let remedy = format!("{remedy}choose another --technique, --from or --dir, or less --walk");
+        return Err(Error::failure(&scene.name, finding + &more, remedy));
     }
     let title = format!("{}: {count} by {name}, of {} tried", scene.name, found.tried);
     if (found.paths.len() as i64) < args.count {
@@ -98,6 +102,43 @@ pub fn run(args: &PathsArgs) -> Result<()> {
     }
     let panel = paths::panel(&scene.frame, title, &found, target, plot::colour(name, 0));
     args.output.iter().try_for_each(|to| write(to, &panel, &found, scene.origin))
+}
+
+/// A limit of the scene on connections that is shorter than the way to the light.
+struct Limit {
+    key: &'static str,
+    /// In expected segments, and in metres.
+    segments: f64,
+    length: f64,
+    /// The way to the light `[m]`.
+    distance: f64,
+}
+
+impl Limit {
+    /// What it does, and what to do about it.
+    fn words(&self) -> [String; 2] {
+        let Self { key, segments, length, distance } = self;
+        // Paths set out aside, so that some of the way is added to them.
+        let enough = (2.0 * segments * distance / length).ceil();
+        let finding = format!(
+            ", which is {} m away: {key} = {segments} lets them connect over {} m",
+            number(*distance, 3),
+            number(*length, 3)
+        );
+        [finding, format!("raise the limit, for example with --set {key}={enough}; or ")]
+    }
+}
+
+/// The limit that keeps the technique of `request` from reaching `target`, if there is one.
+fn limit(scene: &LoadedScene, request: &Request, target: DVec3) -> Option<Limit> {
+    let (render, techniques) = (&scene.scene.render, &scene.frame.techniques);
+    let (key, segments, length) = match request.technique? {
+        Technique::Mvnee => ("render.mesc", render.mesc?, techniques.mvnee.as_ref()?.max_distance),
+        Technique::Bridge => ("render.bridge_mesc", render.bridge_mesc?, techniques.bridge.as_ref()?.max_distance),
+        _ => return None,
+    };
+    let (length, distance) = (f64::from(length), target.distance(request.from));
+    (distance > length).then_some(Limit { key, segments, length, distance })
 }
 
 /// The scene's keys that flags override, before those of `--set`.

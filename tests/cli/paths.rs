@@ -101,3 +101,21 @@ fn what_cannot_be_drawn_is_refused() {
         folder.refused(&[&["paths", "scene.toml"], more].concat(), code, beginning);
     }
 }
+
+/// A light beyond what the scene lets a technique connect over.
+#[test]
+fn a_limit_that_no_connection_overcomes_is_named() {
+    let folder = Folder::with_scene();
+    let short = ["paths", "scene.toml", "--from", "0,0,0", "--dir", "0,1,0", "--count", "1", "-o", "a.svg"];
+    for (technique, key) in [("mvnee", "render.mesc"), ("bridge", "render.bridge_mesc")] {
+        let limit = format!("{key}=0.01");
+        let run = folder.run(&[&short[..], &["--technique", technique, "--set", &limit]].concat());
+        assert_eq!(run.code, Some(1), "{run}");
+        let limits = format!("which is 3 m away: {key} = 0.01 lets them connect over ");
+        assert!(run.stderr.contains(&limits), "{run}");
+        let (_, remedy) = run.stderr.split_once("  help: raise the limit, for example with --set ").expect("a remedy");
+        let enough = remedy.split(';').next().expect("a key with its value");
+        assert!(enough.starts_with(key), "{run}");
+        folder.done(&[&short[..], &["--technique", technique, "--set", enough]].concat());
+    }
+}
