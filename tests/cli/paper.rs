@@ -236,7 +236,7 @@ fn peers_are_made_again_once_mitsuba_is_there() {
         let table = section["tables"].as_array().expect("tables").iter().find(|table| {
             table["caption"]
                 .as_str()
-                .is_some_and(|caption| caption.starts_with(scene) && caption.contains("2026-11-22"))
+                .is_some_and(|caption| caption.starts_with(scene) && caption.contains("2026-11-24"))
         });
         assert!(table.is_some_and(|table| table["rows"].as_array().is_some_and(|rows| rows.len() == 5)), "{scene}");
     }
