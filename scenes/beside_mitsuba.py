@@ -3,10 +3,11 @@
 
 Usage: beside_mitsuba.py SCENE.json       (`fogbow paper peers` writes the scene, and runs this in turn with its own)
 
-It says "ready VERSION VARIANT" on standard output. Then it reads lines: "render N" takes N more samples of every pixel
-and answers with the seconds that this took; "write FILE.exr" writes the mean so far and answers "written". Scenes have
-one medium without end, disks as lights, and triangles that reflect diffusely. Needs mitsuba and numpy; where Mitsuba
-does not find LLVM, DRJIT_LIBLLVM_PATH names it."""
+It says "ready VERSION VARIANT" on standard output. Then it reads lines: "render N" takes N more samples of every pixel,
+or a few more than that, and answers with the seconds that this took and with their number; "write FILE.exr" writes the
+mean so far and answers "written". Scenes have one medium without end, disks as lights, triangles that reflect
+diffusely, and the seconds that a call may take. Needs mitsuba and numpy; where Mitsuba does not find LLVM,
+DRJIT_LIBLLVM_PATH names it."""
 
 import json
 import pathlib
@@ -33,8 +34,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from mitsuba_objects import diffuse, mesh, objects, rgb  # noqa: E402: needs a variant
 
 T = mi.ScalarTransform4f
-# Samples per pixel and call.
-SAMPLES = 16
+# Most samples per pixel and call.
+MOST = 16
 
 
 def medium(keys):
@@ -91,10 +92,29 @@ def scene(keys):
     return mi.load_dict(built)
 
 
+def rendered(built, samples, seed):
+    """The mean of so many samples per pixel, and the seconds that they took."""
+    start = time.time()
+    image = mi.render(built, spp=samples, seed=seed).numpy()[..., :3]
+    return image, time.time() - start
+
+
+def samples_per_call(built, seconds):
+    """As many samples per pixel as a call takes within so many seconds, a power of two. Kernels differ between numbers
+    of samples: they are compiled before any render is timed."""
+    samples = 1
+    while True:
+        rendered(built, samples, 99999)
+        _, took = rendered(built, samples, 99998)
+        if samples == MOST or 2 * took > seconds:
+            return samples
+        samples *= 2
+
+
 def main():
-    built = scene(json.loads(pathlib.Path(sys.argv[1]).read_text()))
-    # Kernels differ between numbers of samples: all renders take this one, which is compiled before any is timed.
-    mi.render(built, spp=SAMPLES, seed=99999).numpy()
+    keys = json.loads(pathlib.Path(sys.argv[1]).read_text())
+    built = scene(keys)
+    at_a_time = samples_per_call(built, keys["call"])
     print("ready", mi.__version__, VARIANT, flush=True)
     total, samples, seed = 0.0, 0, 0
     for line in sys.stdin:
@@ -102,10 +122,9 @@ def main():
         if command == "render":
             seconds, taken = 0.0, 0
             while taken < int(argument):
-                start = time.time()
-                image = mi.render(built, spp=SAMPLES, seed=seed).numpy()[..., :3]
-                seconds, taken, seed = seconds + time.time() - start, taken + SAMPLES, seed + 1
-                total, samples = total + SAMPLES * image.astype(np.float64), samples + SAMPLES
+                image, took = rendered(built, at_a_time, seed)
+                seconds, taken, seed = seconds + took, taken + at_a_time, seed + 1
+                total, samples = total + at_a_time * image.astype(np.float64), samples + at_a_time
             print(seconds, taken, flush=True)
         elif command == "write":
             mi.Bitmap((total / samples).astype(np.float32)).write(argument)

@@ -24,15 +24,17 @@ spotlight), fig12 (paths of 100 vertices), peers (beside Mitsuba 3, if python3 c
 costs). All of them take about a quarter of an hour on two processors.
 
 OUT/index.html is the report. It has everything in it and opens from disk. OUT/ITEM has the data of an item: data.json,
-tables as CSV, plots as SVG, images as EXR; OUT/references the converged images that errors are measured against. An
-item that is there, made by the same version of fogbow from the same scenes with the same settings, is not made again,
+tables and turns as CSV, plots as SVG, images as EXR; OUT/references the converged images that errors are measured
+against. An item that is there, made by the same program from the same scenes with the same settings, is not made again,
 so that the command can be interrupted and repeated; the report shows all items that are there.
 
-References are kept and added to: the next run that needs one goes on from what is there, until it has ten times the
-samples of what it judges. --references gives them more time at once.
+References are kept and added to: the next run that needs one goes on from what is there, until its error is less than a
+third of the least that it judges. --references gives them more time at once. Of those that are there a few pixels are
+rendered again; where a program takes other samples, its references begin anew.
 
-Renders that are compared take turns, many times, so that whatever else the machine does slows all of them alike. With
-less time per picture than 3 s pictures get smaller.";
+Renders that are compared take turns, many times, so that whatever else the machine does slows all of them alike, and
+pictures are so small that the slowest gets enough samples in its time. Where something else had more than a twentieth
+of the processors, the report says so.";
 
 #[derive(Debug, Args)]
 #[command(after_help = ABOUT_PAPER)]

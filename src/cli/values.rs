@@ -131,7 +131,10 @@ pub struct LightChoice(pub Option<u32>);
 
 /// `--budget`
 pub fn budget(text: &str) -> Result<Duration> {
-    span("--budget", text)
+    match span("--budget", text)? {
+        Duration::ZERO => refuse("--budget", text, "is no time to render anything", "give some, for example 60s"),
+        budget => Ok(budget),
+    }
 }
 
 /// `--references`

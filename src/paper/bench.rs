@@ -1,6 +1,7 @@
 //! What items are made with: scenes, time, threads, and a folder to write to.
 
 use std::path::Path;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use toml::Value;
@@ -11,7 +12,8 @@ use super::reference::Reference;
 use super::run::{Contender, LeftOut, Run};
 use super::scenes::Scenes;
 use super::section::{Gallery, Picture, Plot};
-use super::{Item, MAKING, Tell};
+use super::size::Size;
+use super::{Item, Tell};
 use crate::error::{Error, Result};
 use crate::figures::number;
 use crate::film::{Film, Region};
@@ -19,11 +21,6 @@ use crate::image::tone::Exposure;
 use crate::image::{self, Format};
 use crate::plot::{self, Chart, Panel};
 use crate::scene::LoadedScene;
-
-/// Rendering time per picture below which pictures get smaller `[s]`.
-const FULL_SIZE_FROM: f64 = 3.0;
-/// Least side of a picture in pixels.
-const LEAST_SIDE: f64 = 32.0;
 
 /// What items are made with.
 pub struct Bench<'a> {
@@ -44,6 +41,8 @@ pub struct Bench<'a> {
 /// Samples of a reference, as a multiple of those of the render that it judges: its error is then less than a third.
 /// A little more than ten, as errors are not known exactly.
 pub const TIMES: f64 = 11.0;
+/// How much longer than it is expected to a reference may take, on a machine that is at times slower.
+const PATIENCE: f64 = 1.5;
 
 /// How the time of an item is shared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +67,7 @@ impl Bench<'_> {
     pub fn key(&self, item: &Item) -> Result<String> {
         let scenes: Result<Vec<_>> = item.scenes.iter().map(|scene| Ok(self.scenes.load(scene, &[])?.hash())).collect();
         let times = [self.budget, self.references].map(|time| time.as_millis() as u64);
-        let all = (env!("CARGO_PKG_VERSION"), MAKING, item.name, times, self.workers, scenes?);
+        let all = (program(), item.name, times, self.workers, scenes?);
         let text = serde_json::to_vec(&all).expect("names and numbers");
         Ok(blake3::hash(&text).to_hex()[..32].to_string())
     }
@@ -77,30 +76,33 @@ impl Bench<'_> {
     pub fn times(&self, share: f64, renders: usize) -> Times {
         let (own, more) = (share * self.budget.as_secs_f64(), share * self.references.as_secs_f64());
         let each = own / (renders as f64 + TIMES);
-        Times { each, reference: TIMES * each + more }
+        Times { each, reference: PATIENCE * TIMES * each + more }
     }
 
-    /// A scene with some keys changed, of about as many pixels as `seconds` for each picture are enough for. There are
-    /// few sizes, so that items and budgets that differ a little share references.
+    /// Width and height of a scene's own film.
     ///
     /// # Errors
     /// If it cannot be read.
-    pub fn scene(&self, name: &str, seconds: f64, changes: &[(&str, Value)]) -> Result<LoadedScene> {
-        let [width, height] = self.scenes.load(name, &[])?.scene.film.size.map(f64::from);
-        let halvings = (FULL_SIZE_FROM / seconds.max(1e-9)).log2().max(0.0).round();
-        let scale = (-0.5 * halvings).exp2().max(LEAST_SIDE / width.max(height)).min(1.0);
-        let side = |length: f64| Value::from((scale * length).round().max(1.0) as i64);
-        let size = ("film.size", Value::from(vec![side(width), side(height)]));
+    pub fn full_size(&self, name: &str) -> Result<[u32; 2]> {
+        Ok(self.scenes.load(name, &[])?.scene.film.size)
+    }
+
+    /// A scene of some size with some keys changed.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn scene(&self, name: &str, size: Size, changes: &[(&str, Value)]) -> Result<LoadedScene> {
+        let sides = size.of(self.full_size(name)?).map(|side| Value::from(i64::from(side)));
+        let size = ("film.size", Value::from(sides.to_vec()));
         self.scenes.load(name, &[&[size], changes].concat())
     }
 
-    /// Contenders that begin, all for the same light.
+    /// Contenders that begin, all for the same light, of which `left_out` is what a limit on paths leaves out.
     ///
     /// # Errors
     /// If there is not enough memory.
-    pub fn begin(&self, contenders: Vec<Contender>) -> Result<Vec<Run>> {
-        let left_out = LeftOut::new();
-        let begin = |contender| Run::begin(contender, &left_out, self.workers, self.tell);
+    pub fn begin(&self, contenders: Vec<Contender>, left_out: &LeftOut) -> Result<Vec<Run>> {
+        let begin = |contender| Run::begin(contender, left_out, self.workers, self.tell);
         contenders.into_iter().map(begin).collect()
     }
 
@@ -185,6 +187,16 @@ impl Bench<'_> {
         self.folder.write(&path, &text)?;
         Ok(Plot { file: format!("{name}.svg"), caption: caption.into() })
     }
+}
+
+/// A hash of this program: what another one made is made again.
+fn program() -> &'static str {
+    static HASH: OnceLock<String> = OnceLock::new();
+    HASH.get_or_init(|| {
+        let bytes = std::env::current_exe().and_then(std::fs::read);
+        let hash = |bytes: Vec<u8>| blake3::hash(&bytes).to_hex().to_string();
+        bytes.map_or_else(|_| env!("CARGO_PKG_VERSION").into(), hash)
+    })
 }
 
 /// A picture of any kind as an EXR image: planes R, G and B.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::section::{Section, Table};
+use super::section::Section;
 use crate::error::{Error, Result};
 use crate::output;
 
@@ -94,14 +94,13 @@ impl Folder {
     /// If it cannot be written.
     pub fn write_section(&self, section: &Section) -> Result<()> {
         for (index, table) in section.tables.iter().enumerate() {
-            self.write_table(&section.item, index, table)?;
+            self.write(&self.file(&section.item, &format!("table{}.csv", index + 1))?, &table.csv())?;
+        }
+        if !section.turns.rows.is_empty() {
+            self.write(&self.file(&section.item, "turns.csv")?, &section.turns.csv())?;
         }
         let text = serde_json::to_string_pretty(section).expect("a section is made of numbers and names");
         self.write(&self.file(&section.item, DATA)?, &text)
-    }
-
-    fn write_table(&self, item: &str, index: usize, table: &Table) -> Result<()> {
-        self.write(&self.file(item, &format!("table{}.csv", index + 1))?, &table.csv())
     }
 
     /// Writes `text` to `path`.

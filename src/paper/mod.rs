@@ -5,9 +5,11 @@
 //! is made of the sections that a folder holds, so that items can be made one at a time, and an item that is there for
 //! the same settings is not made again.
 
+mod again;
 pub mod bench;
 pub mod folder;
 mod items;
+pub mod load;
 pub mod measure;
 pub mod ratio;
 pub mod reference;
@@ -16,6 +18,7 @@ pub mod rmse;
 pub mod run;
 pub mod scenes;
 pub mod section;
+pub mod size;
 pub mod summary;
 pub mod table;
 pub mod turns;
@@ -33,8 +36,18 @@ pub const DEFAULT_BUDGET: Duration = Duration::from_secs(11 * 60);
 /// Authors, title and year of the paper.
 pub const CITATION: &str = "Weber, Hanika, Dachsbacher: Multiple Vertex Next Event Estimation, 2017";
 
-/// Version of what items make: sections of another one are made again.
-const MAKING: u32 = 2;
+/// What has to be known of all numbers, in paragraphs.
+pub const REMARKS: [&str; 3] = [
+    "Published numbers stand beside ours, with their source. Where ours are ratios, the numbers in brackets are the \
+     ends of their confidence interval of 95 %, from the turns that renders take; `turns.csv` in the folder of an item \
+     has them all. A claim is not decided where that covers both answers. Where a published number has a size, a claim \
+     agrees if ours has the same, to within its interval and 5 %, and in part if only the side of one is the same.",
+    "Times, rates, errors and efficiencies are those of rendering alone. What goes before the first sample, choosing \
+     settings by a small render of the scene, stands beside them as preparation; the last column of a table has the \
+     efficiency with it, for a render of that length. It is the same for a render of an hour.",
+    "Renders at equal time take turns, and pictures are so small that the slowest has some samples in every turn; the \
+     time of each is on its picture.",
+];
 
 /// Something to make.
 #[derive(Clone, Copy)]
@@ -143,12 +156,15 @@ impl Item {
         }
         // What it found before is not about the pictures that it makes now.
         bench.folder.forget(self.name)?;
-        let start = std::time::Instant::now();
+        let (start, watch) = (std::time::Instant::now(), load::Watch::begin());
         let section = (self.make)(bench)?;
         if bench.tell.stops() {
             return Ok(Made::Interrupted);
         }
-        let made = section::Making::now(bench.threads(), start.elapsed());
+        let made = section::Making::now(bench.threads(), start.elapsed(), watch.load());
+        if let Some(warning) = made.busy() {
+            bench.tell.line(&format!("  warning: {warning}"));
+        }
         let head = (self.name.to_string(), self.title.to_string());
         bench.folder.write_section(&Section { item: head.0, title: head.1, key, made, ..section })?;
         Ok(Made::Now)

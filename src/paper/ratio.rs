@@ -16,12 +16,17 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Probability that an interval contains the ratio.
 pub const CONFIDENCE: f64 = 0.95;
 
+/// Factor by which a published ratio may be off, as it stands: they have one or two digits.
+const ROUNDING: f64 = 1.05;
+
 /// What is found of something published.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It agrees.
     Agrees,
+    /// It agrees in kind, and not in size.
+    InPart,
     /// It does not.
     Differs,
     /// What is found covers both answers.
@@ -39,7 +44,8 @@ impl Verdict {
         match (self, other) {
             (Self::Agrees, Self::Agrees) => Self::Agrees,
             (Self::Differs, _) | (_, Self::Differs) => Self::Differs,
-            _ => Self::Undecided,
+            (Self::Undecided, _) | (_, Self::Undecided) => Self::Undecided,
+            _ => Self::InPart,
         }
     }
 
@@ -47,6 +53,7 @@ impl Verdict {
     pub fn text(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
+            Self::InPart => "agrees in part",
             Self::Differs => "differs",
             Self::Undecided => "not decided",
         }
@@ -60,8 +67,19 @@ pub struct Turn {
     pub seconds: f64,
     /// Samples of every pixel.
     pub samples: f64,
-    /// Mean squared error of the image of these samples; not a number if there is no reference.
+    /// Mean squared error of the image of these samples, of all channels; not a number if there is no reference.
     pub squared: f64,
+    /// The same of green alone.
+    pub green: f64,
+}
+
+/// Whose errors are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channels {
+    /// All of them.
+    All,
+    /// Green, of which there are published numbers.
+    Green,
 }
 
 /// What of a render is compared.
@@ -77,9 +95,10 @@ pub enum Worth {
 
 impl Worth {
     /// That of some turns, per pixel.
-    fn of<'a>(self, turns: impl Iterator<Item = &'a Turn>) -> f64 {
+    fn of<'a>(self, channels: Channels, turns: impl Iterator<Item = &'a Turn>) -> f64 {
         let mut sums = [0.0; 3];
-        for Turn { seconds, samples, squared } in turns {
+        for Turn { seconds, samples, squared, green } in turns {
+            let squared = if channels == Channels::Green { green } else { squared };
             // Squared error falls as one over samples.
             let of_one = squared * samples;
             [*seconds, *samples, of_one * samples].into_iter().zip(&mut sums).for_each(|(value, sum)| *sum += value);
@@ -108,11 +127,11 @@ impl Ratio {
     pub const UNKNOWN: Self = Self { value: f64::NAN, interval: [0.0, f64::INFINITY] };
 
     /// The worth of the renders that took `turns` over that of those that took `others`, in the same turns.
-    pub fn of(worth: Worth, turns: &[Turn], others: &[Turn]) -> Self {
+    pub fn of(worth: Worth, channels: Channels, turns: &[Turn], others: &[Turn]) -> Self {
         let ratio = |left_out: Option<usize>| {
             let all_but = |turns: &'_ [Turn]| {
                 let kept = turns.iter().enumerate().filter(|(turn, _)| Some(*turn) != left_out).map(|(_, turn)| *turn);
-                worth.of(kept.collect::<Vec<_>>().iter())
+                worth.of(channels, kept.collect::<Vec<_>>().iter())
             };
             all_but(turns) / all_but(others)
         };
@@ -138,8 +157,16 @@ impl Ratio {
         match self.is_above(limit) {
             Verdict::Agrees => Verdict::Differs,
             Verdict::Differs => Verdict::Agrees,
-            Verdict::Undecided => Verdict::Undecided,
+            undecided => undecided,
         }
+    }
+
+    /// Whether it is what was `published`: on the same side of 1, and of that size.
+    pub fn is_about(self, published: f64) -> Verdict {
+        let side = if published > 1.0 { self.is_above(1.0) } else { self.is_below(1.0) };
+        let [low, high] = self.interval;
+        let is_so_large = (low / ROUNDING..=high * ROUNDING).contains(&published);
+        if side == Verdict::Agrees && !is_so_large { Verdict::InPart } else { side }
     }
 
     /// The ratio the other way round.
@@ -177,11 +204,9 @@ mod tests {
         (0..12)
             .map(|turn| {
                 let error = 1.0 + scatter * 12.0_f64.sqrt() * (uniform(run, turn) - 0.5);
-                Turn {
-                    seconds: if turn % 3 == 0 { 4.0 } else { 1.0 },
-                    samples: 100.0,
-                    squared: variance * error / 100.0,
-                }
+                let squared = variance * error / 100.0;
+                let seconds = if turn % 3 == 0 { 4.0 } else { 1.0 };
+                Turn { seconds, samples: 100.0, squared, green: 2.0 * squared }
             })
             .collect()
     }
@@ -191,7 +216,8 @@ mod tests {
     fn intervals_contain_the_ratio() {
         let cases = 1000;
         let contain = |case: u32| {
-            let ratio = Ratio::of(Worth::Second, &turns(2 * case, 1.0, 0.33), &turns(2 * case + 1, 2.0, 0.33));
+            let ratio =
+                Ratio::of(Worth::Second, Channels::All, &turns(2 * case, 1.0, 0.33), &turns(2 * case + 1, 2.0, 0.33));
             let [low, high] = ratio.interval;
             assert!(low < ratio.value && ratio.value < high, "{ratio:?}");
             u32::from(low <= 2.0 && 2.0 <= high)
@@ -202,7 +228,7 @@ mod tests {
 
     #[test]
     fn what_slows_both_alike_leaves_the_rate_sure() {
-        let ratio = Ratio::of(Worth::Rate, &turns(1, 1.0, 0.3), &turns(2, 1.0, 0.3));
+        let ratio = Ratio::of(Worth::Rate, Channels::All, &turns(1, 1.0, 0.3), &turns(2, 1.0, 0.3));
         assert!(
             (ratio.value - 1.0).abs() < 1e-9 && ratio.interval.iter().all(|end| (end - 1.0).abs() < 1e-9),
             "{ratio:?}"
@@ -219,8 +245,39 @@ mod tests {
         assert_eq!(Ratio::UNKNOWN.is_below(1.0), Verdict::Undecided);
         assert_eq!(ratio(2.0, 4.0).inverse().interval, [0.25, 0.5]);
         let one = turns(1, 1.0, 0.3)[..1].to_vec();
-        assert_eq!(Ratio::of(Worth::Second, &one, &one).is_above(0.5), Verdict::Undecided, "one turn says nothing");
+        assert_eq!(
+            Ratio::of(Worth::Second, Channels::All, &one, &one).is_above(0.5),
+            Verdict::Undecided,
+            "one turn says nothing"
+        );
         assert_eq!(Verdict::Agrees.and(Verdict::Undecided), Verdict::Undecided);
         assert_eq!(Verdict::Differs.and(Verdict::Undecided), Verdict::Differs);
+        assert_eq!(Verdict::Differs.and(Verdict::InPart), Verdict::Differs);
+        assert_eq!(Verdict::InPart.and(Verdict::Agrees), Verdict::InPart);
+    }
+
+    #[test]
+    fn what_is_published_has_a_size() {
+        let verdict =
+            |low, high, published| Ratio { value: 0.5 * (low + high), interval: [low, high] }.is_about(published);
+        assert_eq!(verdict(2.6, 3.3, 3.0), Verdict::Agrees);
+        assert_eq!(verdict(4.4, 5.4, 3.0), Verdict::InPart);
+        assert_eq!(verdict(1.2, 1.5, 3.0), Verdict::InPart);
+        assert_eq!(verdict(0.5, 0.9, 3.0), Verdict::Differs);
+        assert_eq!(verdict(0.8, 4.0, 3.0), Verdict::Undecided);
+        assert_eq!(verdict(0.56, 0.84, 0.5), Verdict::InPart);
+        assert_eq!(verdict(0.45, 0.84, 0.5), Verdict::Agrees);
+        assert_eq!(Ratio::UNKNOWN.is_about(0.5), Verdict::Undecided);
+    }
+
+    #[test]
+    fn green_has_a_worth_of_its_own() {
+        let (a, b) = (turns(1, 1.0, 0.3), turns(2, 1.0, 0.3));
+        let [all, green] = [Channels::All, Channels::Green].map(|channels| Ratio::of(Worth::Sample, channels, &a, &b));
+        assert!((all.value - green.value).abs() < 1e-9, "{all:?} {green:?}");
+        let pale: Vec<_> = a.iter().map(|turn| Turn { green: turn.squared, ..*turn }).collect();
+        let [all, green] =
+            [Channels::All, Channels::Green].map(|channels| Ratio::of(Worth::Sample, channels, &pale, &b));
+        assert!((green.value / all.value - 2.0).abs() < 1e-9, "{all:?} {green:?}");
     }
 }

@@ -1,20 +1,27 @@
-//! Converged images that others are measured against. They are kept, and added to: sums are exact, so that many runs make
-//! the image of one.
+//! Converged images that others are measured against. They are kept, and added to: sums are exact, so that many runs
+//! make the image of one.
 
 use std::path::Path;
 
+use super::Tell;
+use super::again::takes_again;
 use super::bench::{Bench, TIMES};
+use super::measure::Measured;
 use super::rmse::{self, Rmse};
 use super::run::{Contender, LeftOut, Run};
-use crate::error::Result;
-use crate::figures::number;
+use super::turns::{Renders, go_on};
+use crate::error::{Error, Result};
+use crate::figures::{number, percent};
 use crate::film::Pixel;
-use crate::image;
 use crate::scene::LoadedScene;
 use crate::session::checkpoint::Checkpoint;
 
+/// Share of the least error that it judges which its own is to have at most.
+const SHARE: f64 = 1.0 / 3.0;
 /// Time between looks at the error `[s]`.
 const LOOK: f64 = 1.0;
+/// Fewest samples of every pixel: one tells nothing of its error.
+const LEAST: f64 = 2.0;
 
 /// An image that others are measured against.
 pub struct Reference {
@@ -42,12 +49,16 @@ impl Reference {
         self.squared().sqrt()
     }
 
-    /// What is said of it below the table of those that it judges.
-    pub fn note(&self) -> String {
+    /// What is said of it above the table of those that it judges.
+    pub fn note(&self, judged: &[Measured]) -> String {
+        let share = self.error() / judged.iter().filter_map(Measured::error).fold(f64::INFINITY, f64::min);
+        let (samples, error) = (number(self.samples, 4), number(self.error(), 2));
+        // Where the least error is not known either, so is its share.
+        let more = if share <= SHARE { "" } else { " With more --references it would be less." };
         format!(
-            "Errors are against a reference of {} samples per pixel; its own error, {}, is subtracted.",
-            number(self.samples, 4),
-            number(self.error(), 2)
+            "Errors are against a reference of {samples} samples per pixel; its own error, {error}, is subtracted. It \
+             is {} of the least.{more}",
+            percent(share)
         )
     }
 }
@@ -62,7 +73,9 @@ pub fn goal(runs: &[Run], judge: &Run) -> f64 {
         let told = if by_judge.squared > by_judge.reference { by_judge.squared } else { 0.0 };
         rmse::own(run.film().pixels()).max(told)
     };
-    runs.iter().map(squared).fold(rmse::own(judge.film().pixels()), f64::min) / TIMES
+    let least = runs.iter().map(squared).fold(rmse::own(judge.film().pixels()), f64::min);
+    // As good as there is time for where no error is known.
+    if least.is_finite() { least / TIMES } else { 0.0 }
 }
 
 impl Bench<'_> {
@@ -75,66 +88,60 @@ impl Bench<'_> {
         let name = format!("{}-{}", scene.name, &scene.hash()[..16]);
         let file = self.folder.reference(&name);
         let path = self.folder.path(&file);
-        let cached = cached(&path).map(|pixels| Reference::of(file.clone(), pixels));
-        if let Some(reference) = cached.filter(|reference| reference.squared() <= goal) {
-            return Ok(reference);
-        }
-        self.tell.line(&format!("  reference of {}", scene.name));
         let sums = path.with_extension("checkpoint");
         let mut run = self.resumed(scene, left_out, &sums)?;
-        while run.seconds() < seconds && !self.tell.stops() {
-            run.until((run.seconds() + LOOK).min(seconds), self.tell);
-            if rmse::own(run.film().pixels()) <= goal {
-                break;
+        if !is_good(&run, goal) || !path.is_file() {
+            self.tell.line(&format!("  reference of {name}"));
+            add_to(&mut run, goal, seconds, self.tell);
+            // Pixels without samples would look like pixels without light.
+            if run.samples() >= LEAST {
+                run.session().write_checkpoint(&sums)?;
+                run.write(&path)?;
             }
         }
-        let reference = Reference::of(file, run.film().pixels().collect());
-        // What there is when somebody stops it counts, too.
-        if run.seconds() > 0.0 {
-            run.session().write_checkpoint(&sums)?;
-            run.write(&path)?;
-        }
-        Ok(reference)
+        Ok(Reference::of(file, run.film().pixels().collect()))
     }
 
-    /// A render of `scene` that goes on from the sums at `path`, if they are its own.
+    /// A render of `scene` that goes on from the sums at `path`, if they are its own and those of this program.
     fn resumed(&self, scene: LoadedScene, left_out: &LeftOut, path: &Path) -> Result<Run> {
-        let contender = Contender { name: "reference".into(), scene };
-        let mut run = Run::begin(contender, left_out, self.workers, self.tell)?;
-        if path.is_file() {
-            let resumed = Checkpoint::open(path).and_then(|mut checkpoint| run.resume(&mut checkpoint));
-            if let Err(error) = resumed {
-                self.tell.line(&format!("  begun anew: {error}"));
-            }
+        let begin = |scene| {
+            let contender = Contender { name: "reference".into(), scene };
+            Run::begin(contender, left_out, self.workers, self.tell)
+        };
+        let (mut run, anew) = (begin(scene.clone())?, || begin(scene));
+        // What is chosen in a hurry is not what was chosen before.
+        if !path.is_file() || self.tell.stops() {
+            return Ok(run);
         }
-        Ok(run)
+        let finding = match Checkpoint::open(path).and_then(|mut checkpoint| run.resume(&mut checkpoint)) {
+            Ok(()) if takes_again(&run)? => return Ok(run),
+            Ok(()) => "has samples that this program takes otherwise".to_string(),
+            Err(Error { finding, .. }) => finding,
+        };
+        self.tell.line(&format!("  {} {finding}: begun anew", path.display()));
+        anew()
     }
 }
 
-/// The pixels of the reference at `path`, if this version of the program made it.
-fn cached(path: &Path) -> Option<Vec<Pixel>> {
-    let image = image::exr::read_image(path).ok()?;
-    let name = format!("{}version", image::exr::PREFIX);
-    let version = image.header.iter().find(|(entry, _)| *entry == name).map(|(_, text)| text.as_str());
-    if version == Some(env!("CARGO_PKG_VERSION")) { pixels(&image) } else { None }
+/// Whether the squared error of `run` is known, and at most `goal`.
+fn is_good(run: &Run, goal: f64) -> bool {
+    run.samples() >= LEAST && rmse::own(run.film().pixels()) <= goal
 }
 
-/// The pixels of an EXR image with standard errors.
-fn pixels(image: &image::Image) -> Option<Vec<Pixel>> {
-    let planes = |prefix: &str| {
-        let [red, green, blue] = ["R", "G", "B"].map(|name| image.channel(&format!("{prefix}{name}")));
-        Some([red?, green?, blue?])
-    };
-    let (means, errors, samples) = (planes("")?, planes("SE.")?, image.channel("N")?);
-    let at = |planes: [&[f32]; 3], i: usize| planes.map(|plane| f64::from(plane[i]));
-    let pixel = |i| Pixel { mean: at(means, i), standard_error: at(errors, i), samples: samples[i] as u64 };
-    Some((0..image.width * image.height).map(pixel).collect())
+/// Has `run` go on for `seconds` or until it is good, at least to where its error is known.
+fn add_to(run: &mut Run, goal: f64, seconds: f64, tell: &dyn Tell) {
+    let is_over = |run: &mut Run| run.samples() >= LEAST && run.log().has_had(seconds);
+    while !is_good(run, goal) && !is_over(run) && !tell.stops() {
+        let until = (run.seconds() + LOOK).min(seconds);
+        // Our own renders do not fail.
+        let _ = go_on(run, until, tell);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
-    use std::time::Duration;
+    use std::time::{Duration, Instant};
 
     use toml::Value;
 
@@ -153,9 +160,16 @@ mod tests {
         test(&Bench { folder: &folder, scenes: &scenes, budget, references, workers: 1, tell: &Quiet })
     }
 
+    fn size() -> (&'static str, Value) {
+        ("film.size", Value::from(vec![24, 24]))
+    }
+
+    fn technique() -> (&'static str, Value) {
+        ("render.technique", "bridge".into())
+    }
+
     fn scene(bench: &Bench<'_>) -> LoadedScene {
-        let size = ("film.size", Value::from(vec![24, 24]));
-        bench.scenes.load("spotlight", &[size, ("render.technique", "bridge".into())]).expect("a scene")
+        bench.scenes.load("spotlight", &[size(), technique()]).expect("a scene")
     }
 
     #[test]
@@ -164,12 +178,14 @@ mod tests {
             let reference = |goal| bench.reference(scene(bench), &LeftOut::new(), goal, 0.2).expect("a reference");
             let first = reference(0.0);
             let second = reference(0.0);
-            assert!(first.samples >= 1.0 && second.samples > first.samples, "{} {}", first.samples, second.samples);
+            // As much again in the same time, on a machine that is not many times faster then.
+            let more = second.samples / first.samples;
+            assert!(first.samples >= 2.0 && more > 1.0 && more < 10.0, "{} {}", first.samples, second.samples);
             assert_eq!(reference(2.0 * second.squared()).samples, second.samples, "it is good enough");
             // The very image of one run of as many samples.
             let contender = Contender { name: "one run".into(), scene: scene(bench) };
             let mut run = Run::begin(contender, &LeftOut::new(), 1, &Quiet).expect("a run");
-            run.take(second.samples as u32).expect("a render");
+            run.take(second.samples as u32, &Quiet).expect("a render");
             assert!(run.film().pixels().map(|pixel| pixel.mean).eq(second.pixels.iter().map(|pixel| pixel.mean)));
         });
     }
@@ -185,6 +201,50 @@ mod tests {
         });
     }
 
+    #[test]
+    fn samples_of_another_program_are_not_gone_on_with() {
+        with_bench(|bench| {
+            let first = bench.reference(scene(bench), &LeftOut::new(), 0.0, 0.1).expect("a reference");
+            let sums = bench.folder.path(&first.file).with_extension("checkpoint");
+            // The checkpoint of the same scene, as it says, with other samples.
+            let seed = ("render.seed", Value::from(7));
+            let mut other = scene(bench);
+            other.frame = bench.scenes.load("spotlight", &[size(), technique(), seed]).expect("a scene").frame;
+            let contender = Contender { name: "other".into(), scene: other };
+            let mut run = Run::begin(contender, &LeftOut::new(), 1, &Quiet).expect("a run");
+            run.take(1000, &Quiet).expect("a render");
+            run.session().write_checkpoint(&sums).expect("a checkpoint");
+            let second = bench.reference(scene(bench), &LeftOut::new(), 0.0, 0.1).expect("a reference");
+            assert!(second.samples < 1000.0, "begun anew");
+        });
+    }
+
+    /// Somebody who wants it to end some time from now.
+    struct Impatient(Instant);
+
+    impl Tell for Impatient {
+        fn line(&self, _: &str) {}
+        fn stops(&self) -> bool {
+            Instant::now() >= self.0
+        }
+    }
+
+    #[test]
+    fn what_is_there_when_somebody_stops_it_is_kept() {
+        with_bench(|bench| {
+            let stopped = |after: f64| {
+                let tell = Impatient(Instant::now() + Duration::from_secs_f64(after));
+                let bench = Bench { tell: &tell, ..*bench };
+                let reference = bench.reference(scene(&bench), &LeftOut::new(), 0.0, 600.0).expect("a reference");
+                assert!(tell.0.elapsed().as_secs_f64() < 1.0, "{} s too late", tell.0.elapsed().as_secs_f64());
+                reference.samples
+            };
+            // Preparing takes a moment, and may take all of it.
+            let samples = [2.0, 0.0, 2.0].map(stopped);
+            assert!(samples[0] >= 2.0 && samples[1] == 0.0 && samples[2] > samples[0], "{samples:?}");
+        });
+    }
+
     /// A run that has not found the light takes its error for 0; the one that has knows better.
     #[test]
     fn the_goal_is_below_the_least_error_that_is_true() {
@@ -194,7 +254,7 @@ mod tests {
                 let scene = bench.scenes.load("spotlight", &keys).expect("a scene");
                 let contender = Contender { name: technique.into(), scene };
                 let mut run = Run::begin(contender, &LeftOut::new(), 1, &Quiet).expect("a run");
-                run.take(samples).expect("a render");
+                run.take(samples, &Quiet).expect("a render");
                 run
             };
             let runs = [run("path", 2), run("bridge", 64)];

@@ -14,7 +14,8 @@ use crate::film::Pixel;
 /// An error, with what it was found from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rmse {
-    /// Mean squared error, that of the reference subtracted; below 0 if there is less than noise can tell.
+    /// Mean squared error, that of the reference subtracted; below 0 if there is less than noise can tell, and not a
+    /// number if the reference does not know its own.
     pub squared: f64,
     /// The same of green alone.
     pub green: f64,
@@ -28,25 +29,36 @@ impl Rmse {
         let (mut squares, mut green, mut count) = (0.0, 0.0, 0.0);
         for (x, r) in image.into_iter().zip(reference) {
             for (channel, x) in x.into_iter().enumerate() {
-                let squared = (x - r.mean[channel]).powi(2) - r.standard_error[channel].powi(2);
+                let squared = (x - r.mean[channel]).powi(2) - error(r, channel).powi(2);
                 squares += squared;
                 green += if channel == 1 { 3.0 * squared } else { 0.0 };
                 count += 1.0;
             }
         }
-        let [squared, green] = [squares, green].map(|sum| sum / f64::max(count, 1.0));
+        let known = |squared: f64| if squared.is_finite() { squared } else { f64::NAN };
+        let [squared, green] = [squares, green].map(|sum| known(sum / f64::max(count, 1.0)));
         Self { squared, green, reference: own(reference.iter().copied()) }
     }
 
     /// Its root; 0 where there is nothing but noise.
     pub fn root(&self) -> f64 {
-        self.squared.max(0.0).sqrt()
+        positive(self.squared).sqrt()
     }
 }
 
-/// Mean squared error of an image by its own standard errors.
+/// `squared` if it is above 0, and 0 below; not a number if it is none.
+pub fn positive(squared: f64) -> f64 {
+    if squared < 0.0 { 0.0 } else { squared }
+}
+
+/// The standard error of a channel; infinite where one sample tells nothing of it.
+fn error(pixel: &Pixel, channel: usize) -> f64 {
+    if pixel.samples < 2 { f64::INFINITY } else { pixel.standard_error[channel] }
+}
+
+/// Mean squared error of an image by its own standard errors; infinite if it does not know them.
 pub fn own(image: impl IntoIterator<Item = Pixel>) -> f64 {
-    let squares = |pixel: Pixel| pixel.standard_error.iter().map(|error| error * error).sum::<f64>() / 3.0;
+    let squares = |pixel: Pixel| (0..3).map(|channel| error(&pixel, channel).powi(2)).sum::<f64>() / 3.0;
     let (sum, count) = image.into_iter().fold((0.0, 0.0), |(sum, count), pixel| (sum + squares(pixel), count + 1.0));
     sum / f64::max(count, 1.0)
 }
@@ -93,5 +105,13 @@ mod tests {
         }
         let same = Rmse::of(means(image(3, 0.0)), &image(4, 1.0));
         assert!(same.squared.abs() < 4.0 * (2.0_f64 / 60_000.0).sqrt() && same.root() < 0.2, "{same:?}");
+    }
+
+    #[test]
+    fn a_reference_of_one_sample_tells_nothing() {
+        let once = || image(2, 0.0).into_iter().map(|pixel| Pixel { samples: 1, ..pixel }).collect::<Vec<_>>();
+        let found = Rmse::of(means(image(1, 0.5)), &once());
+        assert!(found.squared.is_nan() && found.green.is_nan() && found.root().is_nan(), "{found:?}");
+        assert!(own(once()).is_infinite());
     }
 }

@@ -38,11 +38,14 @@ pub struct Run {
 }
 
 impl Renders for Run {
-    fn take(&mut self, samples: u32) -> core::result::Result<(f64, f64), String> {
+    fn take(&mut self, samples: u32, tell: &dyn Tell) -> core::result::Result<(f64, f64), String> {
         let (start, level) = (Instant::now(), self.session.level());
-        let outcome = self.session.run(Limits::from(Target::Samples(level + samples)), || false, |_| {});
+        let stop = &self.session.monitor().stop;
+        let look = |_| stop.store(tell.stops(), Ordering::Relaxed);
+        let outcome = self.session.run(Limits::from(Target::Samples(level + samples)), || tell.stops(), look);
+        stop.store(false, Ordering::Relaxed);
         self.last = Some(outcome);
-        Ok((f64::from(samples), start.elapsed().as_secs_f64()))
+        Ok((f64::from(self.session.level() - level), start.elapsed().as_secs_f64()))
     }
 
     fn means(&mut self) -> core::result::Result<Vec<[f32; 3]>, String> {
@@ -79,9 +82,7 @@ impl Run {
     /// # Errors
     /// If they are of another render.
     pub fn resume(&mut self, checkpoint: &mut Checkpoint) -> Result<()> {
-        self.session.resume(checkpoint)?;
-        self.log.samples = f64::from(self.session.level());
-        Ok(())
+        self.session.resume(checkpoint)
     }
 
     /// What it has of the image.
@@ -94,22 +95,22 @@ impl Run {
         &self.session
     }
 
-    /// Samples per pixel.
+    /// Samples per pixel, those that it went on from included.
     pub fn samples(&self) -> f64 {
         f64::from(self.session.level())
     }
 
-    /// Seconds of rendering so far.
+    /// Seconds of rendering so far, without those of the run that it went on from.
     pub fn seconds(&self) -> f64 {
         self.log.seconds
     }
 
     /// Goes on until it has had `seconds`, at least for one sample of every pixel.
     pub fn until(&mut self, seconds: f64, tell: &dyn Tell) {
-        while (self.log.seconds < seconds || self.last.is_none()) && !tell.stops() {
+        while !self.log.has_had(seconds) && !tell.stops() {
             let until = seconds.min(self.log.seconds + TURN);
             // Our own renders do not fail.
-            let _ = go_on(self, until);
+            let _ = go_on(self, until, tell);
         }
     }
 

@@ -4,6 +4,9 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
+use crate::figures::{duration, number};
+
+use super::load::Load;
 pub use super::ratio::Verdict;
 pub use super::table::{Cell, Column, Show, Table};
 
@@ -30,6 +33,8 @@ pub struct Section {
     pub plots: Vec<Plot>,
     /// Pictures that are compared with each other.
     pub galleries: Vec<Gallery>,
+    /// Every turn of every render, from which intervals come; reports do not show it.
+    pub turns: Table,
 }
 
 /// Where and when something was made.
@@ -45,11 +50,13 @@ pub struct Making {
     pub threads: usize,
     /// How long it took, all in all.
     pub seconds: f64,
+    /// Who had the processors meanwhile, as far as the system tells.
+    pub load: Option<Load>,
 }
 
 impl Making {
     /// Here and now.
-    pub fn now(threads: usize, elapsed: Duration) -> Self {
+    pub fn now(threads: usize, elapsed: Duration, load: Option<Load>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             date: humantime::format_rfc3339_seconds(SystemTime::now())
@@ -59,7 +66,29 @@ impl Making {
             processor: processor(),
             threads,
             seconds: elapsed.as_secs_f64(),
+            load,
         }
+    }
+
+    /// All of it in a line.
+    pub fn line(&self) -> String {
+        let Self { version, date, processor, threads, seconds, load } = self;
+        let load = load.map_or_else(String::new, |Load { processors, own, others }| {
+            let [processors, own, others] = [processors, own, others].map(|count| number(count, 2));
+            format!(" Of {processors} processors fogbow had {own}, everything else {others}.")
+        });
+        format!("fogbow {version}, {date}, {processor}, {threads} threads, {} in all.{load}", duration(*seconds))
+    }
+
+    /// A warning if the machine was busy.
+    pub fn busy(&self) -> Option<String> {
+        let Load { processors, others, .. } = self.load.filter(Load::is_busy)?;
+        Some(format!(
+            "the machine was busy: something else had {} of its {} processors, so that rates and times are not those \
+             of this machine; make it again on one that does nothing else",
+            number(others, 2),
+            number(processors, 2)
+        ))
     }
 }
 

@@ -94,6 +94,12 @@ impl Column {
 }
 
 impl Table {
+    /// Adds the rows of another one with the same columns.
+    pub fn add(&mut self, other: Self) {
+        let rows = core::mem::take(&mut self.rows);
+        *self = Self { rows: rows.into_iter().chain(other.rows).collect(), ..other };
+    }
+
     /// The table as CSV, of plain numbers.
     pub fn csv(&self) -> String {
         let titles: Vec<_> = self.columns.iter().map(|column| column.title.as_str()).collect();

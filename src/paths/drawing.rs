@@ -30,7 +30,16 @@ pub fn panel(frame: &Frame, title: String, found: &Found, target: DVec3, colour:
         paths: found.paths.iter().map(|path| flat(&path.vertices)).collect(),
         lights: outlines(frame).iter().map(|outline| flat(outline)).collect(),
         colour,
+        arrow: arrow(direction, right, up),
+        is_cut: false,
     }
+}
+
+/// The direction as it is seen on the plane; nothing if it points out of it.
+fn arrow(direction: DVec3, right: DVec3, up: DVec3) -> Option<[f64; 2]> {
+    let seen = [direction.dot(right), direction.dot(up)];
+    let length = seen[0].hypot(seen[1]);
+    (length > 1e-6).then(|| seen.map(|part| part / length))
 }
 
 /// All vertices, one per line: number of the path, number of the vertex, who made it, position in metres, counted from

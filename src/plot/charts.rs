@@ -7,6 +7,8 @@ use crate::figures::{csv_line, plain};
 
 /// Pixels of a chart.
 const SIZE: (u32, u32) = (720, 420);
+/// Room on the left of the names of curves.
+const MARGIN: u32 = 66;
 /// Size of its letters, in pixels.
 const LETTERS: u32 = 15;
 
@@ -41,6 +43,11 @@ impl Curve {
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>, look: Look, colour: [u8; 3]) -> Self {
         Self { name: name.into(), points, look, colour }
     }
+
+    fn style(&self) -> ShapeStyle {
+        let [r, g, b] = self.colour;
+        ShapeStyle { color: RGBColor(r, g, b).to_rgba(), filled: true, stroke_width: 2 }
+    }
 }
 
 /// A chart.
@@ -56,21 +63,6 @@ pub struct Chart {
     pub curves: Vec<Curve>,
     /// Whether the vertical axis begins at 0, unless it is logarithmic.
     pub from_zero: bool,
-    /// Where the legend is.
-    pub legend: Corner,
-}
-
-/// A place in a chart where no curve is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Corner {
-    /// Where steep falls leave room.
-    UpperRight,
-    /// Where peaks on either side leave room.
-    UpperMiddle,
-    /// Where curves rise.
-    UpperLeft,
-    /// Where curves fall.
-    LowerLeft,
 }
 
 impl Chart {
@@ -87,6 +79,14 @@ impl Chart {
 }
 
 impl Look {
+    fn has_line(self) -> bool {
+        self != Self::Marks
+    }
+
+    fn has_marks(self) -> bool {
+        matches!(self, Self::Marks | Self::MarkedLine)
+    }
+
     fn name(self) -> &'static str {
         match self {
             Self::Line => "line",
@@ -97,37 +97,32 @@ impl Look {
     }
 }
 
-impl Corner {
-    fn position(self) -> SeriesLabelPosition {
-        match self {
-            Self::UpperRight => SeriesLabelPosition::UpperRight,
-            Self::UpperMiddle => SeriesLabelPosition::UpperMiddle,
-            Self::UpperLeft => SeriesLabelPosition::UpperLeft,
-            Self::LowerLeft => SeriesLabelPosition::LowerLeft,
-        }
-    }
-}
-
 /// The chart as SVG.
 ///
 /// # Errors
 /// What the plotting library says.
 pub fn chart(chart: &Chart) -> Result<String, String> {
     let mut text = String::new();
-    draw(SVGBackend::with_string(&mut text, SIZE).into_drawing_area(), chart).map_err(|error| error.to_string())?;
+    let legend = Legend::of(&chart.curves);
+    let size = (SIZE.0, SIZE.1 + legend.height());
+    draw(SVGBackend::with_string(&mut text, size).into_drawing_area(), chart, &legend)
+        .map_err(|error| error.to_string())?;
     Ok(text)
 }
 
 type Outcome<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-fn draw<B: DrawingBackend>(area: DrawingArea<B, plotters::coord::Shift>, chart: &Chart) -> Outcome<B> {
-    let Chart { title, x, y, curves, from_zero, legend } = chart;
+type Area<B> = DrawingArea<B, plotters::coord::Shift>;
+
+fn draw<B: DrawingBackend>(whole: Area<B>, chart: &Chart, legend: &Legend<'_>) -> Outcome<B> {
+    let Chart { title, x, y, curves, from_zero } = chart;
     let curves: Vec<Vec<(f64, f64)>> = curves.iter().map(|curve| placed(curve, x, y)).collect();
     let all = || curves.iter().flatten();
     let across = x.widened(x.range(all().map(|point| point.0)), 0.02);
     let up = y.range(all().map(|point| point.1));
     let up = y.widened(if *from_zero && !y.is_logarithmic { up.from_zero() } else { up }, 0.04);
-    area.fill(&WHITE)?;
+    whole.fill(&WHITE)?;
+    let (area, below) = whole.split_vertically(SIZE.1);
     let mut context = ChartBuilder::on(&area)
         .caption(title, ("sans-serif", LETTERS + 3))
         .margin(10)
@@ -144,35 +139,69 @@ fn draw<B: DrawingBackend>(area: DrawingArea<B, plotters::coord::Shift>, chart: 
         .y_label_formatter(&|place| y.label(*place))
         .label_style(("sans-serif", LETTERS))
         .draw()?;
-    for (index, (curve, points)) in chart.curves.iter().zip(curves).enumerate() {
-        let is_named =
-            chart.curves[..index].iter().all(|other| (&other.name, other.colour) != (&curve.name, curve.colour));
-        let [r, g, b] = curve.colour;
-        let style = ShapeStyle { color: RGBColor(r, g, b).to_rgba(), filled: true, stroke_width: 2 };
-        if curve.look != Look::Marks {
-            let line = context.draw_series(LineSeries::new(points.iter().copied(), style))?;
-            if is_named {
-                line.label(&curve.name).legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
-            }
+    for (curve, points) in chart.curves.iter().zip(curves) {
+        if curve.look.has_line() {
+            context.draw_series(LineSeries::new(points.iter().copied(), curve.style()))?;
         }
-        if matches!(curve.look, Look::Marks | Look::MarkedLine) {
-            let marks = context.draw_series(points.iter().map(|point| Circle::new(*point, 3, style)))?;
-            if curve.look == Look::Marks && is_named {
-                marks.label(&curve.name).legend(move |(x, y)| Circle::new((x + 9, y), 3, style));
-            }
+        if curve.look.has_marks() {
+            context.draw_series(points.iter().map(|point| Circle::new(*point, 3, curve.style())))?;
         }
-    }
-    if chart.curves.len() > 1 {
-        context
-            .configure_series_labels()
-            .position(legend.position())
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .label_font(("sans-serif", LETTERS))
-            .draw()?;
     }
     drop(context);
-    area.present()
+    legend.draw(&below)?;
+    whole.present()
+}
+
+/// The names of curves, below the chart, where they hide nothing.
+struct Legend<'a> {
+    /// Every name once, with left edge and row.
+    entries: Vec<(&'a Curve, u32, u32)>,
+    rows: u32,
+}
+
+/// Pixels of a row of the legend, of the sample of a curve beside its name, and of a letter, about.
+const ROW: u32 = 22;
+const SAMPLE: u32 = 34;
+const LETTER: u32 = 8;
+
+impl<'a> Legend<'a> {
+    /// That of `curves`; nothing if there is one alone.
+    fn of(curves: &'a [Curve]) -> Self {
+        let (mut entries, mut left, mut row) = (Vec::new(), MARGIN, 0);
+        for (index, curve) in curves.iter().enumerate() {
+            let is_known = |other: &Curve| (&other.name, other.colour) == (&curve.name, curve.colour);
+            if curves.len() < 2 || curves[..index].iter().any(is_known) {
+                continue;
+            }
+            let width = SAMPLE + LETTER * curve.name.chars().count() as u32;
+            if left + width > SIZE.0 && left > MARGIN {
+                (left, row) = (MARGIN, row + 1);
+            }
+            entries.push((curve, left, row));
+            left += width;
+        }
+        let rows = if entries.is_empty() { 0 } else { row + 1 };
+        Self { entries, rows }
+    }
+
+    fn height(&self) -> u32 {
+        self.rows * ROW
+    }
+
+    fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Outcome<B> {
+        for (curve, left, row) in &self.entries {
+            let (left, middle, style) = (*left as i32, (row * ROW + ROW / 2) as i32, curve.style());
+            if curve.look.has_line() {
+                area.draw(&PathElement::new(vec![(left, middle), (left + 18, middle)], style))?;
+            }
+            if curve.look.has_marks() {
+                area.draw(&Circle::new((left + 9, middle), 3, style))?;
+            }
+            let letters = ("sans-serif", LETTERS).into_font().color(&BLACK);
+            area.draw(&Text::new(curve.name.clone(), (left + 23, middle - LETTERS as i32 / 2 - 1), letters))?;
+        }
+        Ok(())
+    }
 }
 
 /// The points of a curve that the axes can show.
@@ -225,7 +254,6 @@ mod tests {
             y: Axis::logarithmic("radiance"),
             curves: looks.map(|(name, look)| curve(name, look)).into(),
             from_zero: false,
-            legend: Corner::UpperLeft,
         })
         .expect("a chart");
         for part in ["What it shows", "length [m]", "radiance", "a &lt; b", "dots", "<circle", "#010203"] {
@@ -241,8 +269,20 @@ mod tests {
             y: Axis::logarithmic("RMSE"),
             curves: vec![Curve::new("a, b", vec![(0.5, 1e-3), (1000.0, 2.0)], Look::Marks, [0; 3])],
             from_zero: false,
-            legend: Corner::UpperLeft,
         };
         assert_eq!(chart.csv(), "curve,look,time [s],RMSE\n\"a, b\",marks,0.5,0.001\n\"a, b\",marks,1000,2\n");
+    }
+
+    #[test]
+    fn names_stand_below_the_chart_each_of_them_once() {
+        let curve = |name: &str, look| Curve::new(name, vec![(0.0, 0.0), (1.0, 1.0)], look, [1, 2, 3]);
+        let names = ["a technique with a long name", "another one with as long a name", "and a third one of this kind"];
+        let curves: Vec<_> =
+            names.iter().flat_map(|name| [curve(name, Look::Line), curve(name, Look::Marks)]).collect();
+        let legend = Legend::of(&curves);
+        let places: Vec<_> =
+            legend.entries.iter().map(|(curve, left, row)| (curve.name.as_str(), *left, *row)).collect();
+        assert_eq!(places, [(names[0], 66, 0), (names[1], 324, 0), (names[2], 66, 1)]);
+        assert_eq!((legend.height(), Legend::of(&curves[..1]).height()), (44, 0));
     }
 }

@@ -5,7 +5,7 @@ mod charts;
 mod paths;
 
 pub use axes::{Axis, Range};
-pub use charts::{Chart, Corner, Curve, Look, bars, chart};
+pub use charts::{Chart, Curve, Look, bars, chart};
 pub use paths::{Panel, paths_csv, paths_png, paths_svg};
 
 /// Colours that tell series apart, also for people who see red and green alike (Okabe, Ito 2008).

@@ -15,6 +15,10 @@ pub struct Panel {
     pub lights: Vec<Vec<[f64; 2]>>,
     /// The colour of the paths.
     pub colour: [u8; 3],
+    /// The direction in which they arrive at their start, or set out from it; an arrow shows it.
+    pub arrow: Option<[f64; 2]>,
+    /// Whether what leaves the view of the other panels is cut off.
+    pub is_cut: bool,
 }
 
 /// Width of a drawing in pixels, and the least and largest height of a panel.
@@ -27,6 +31,10 @@ const TITLE: u32 = 30;
 const MARGIN: f64 = 24.0;
 /// Share of a panel's width that the scale bar has at most.
 const BAR: f64 = 0.25;
+/// Length of arrows as a share of what is shown from left to right.
+const ARROW: f64 = 0.09;
+/// Vertices of a path, in the mean of a panel, beyond which their marks would hide the paths.
+const MOST_MARKS: usize = 40;
 
 /// What all panels share: the part of the plane that they show, and its scale.
 struct View {
@@ -38,26 +46,34 @@ struct View {
     columns: u32,
     width: u32,
     height: u32,
+    /// Length of arrows `[m]`.
+    arrow: f64,
 }
 
 impl View {
     fn of(panels: &[Panel]) -> Self {
-        let points = panels.iter().flat_map(|panel| panel.paths.iter().chain(&panel.lights)).flatten();
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in points.filter(|point| point.iter().all(|place| place.is_finite())) {
-            for axis in 0..2 {
-                (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
-            }
-        }
+        let is_whole = |panel: &&Panel| !panel.is_cut || panels.iter().all(|panel| panel.is_cut);
+        let paths = panels.iter().filter(is_whole).flat_map(|panel| &panel.paths);
+        let points = paths.chain(panels.iter().flat_map(|panel| &panel.lights)).flatten().copied();
+        let bounds = |points: &mut dyn Iterator<Item = [f64; 2]>, from: [[f64; 2]; 2]| {
+            let finite = points.filter(|point| point.iter().all(|place| place.is_finite()));
+            finite.fold(from, |[low, high], point| {
+                [[0, 1].map(|axis| low[axis].min(point[axis])), [0, 1].map(|axis| high[axis].max(point[axis]))]
+            })
+        };
+        let [mut low, mut high] = bounds(&mut points.into_iter(), [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
         if low[0] > high[0] {
             (low, high) = ([0.0; 2], [1.0; 2]);
         }
+        let arrow = ARROW * (high[0] - low[0]).max(1e-9);
+        let tails = panels.iter().filter_map(|panel| panel.arrow_of(arrow)).map(|[tail, _]| tail);
+        [low, high] = bounds(&mut tails.into_iter(), [low, high]);
         let extent = [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-9));
         let columns = if panels.len() > 1 && extent[0] < NARROW * extent[1] { 2 } else { 1 };
         let width = WIDTH / columns;
         let scale = ((f64::from(width) - 2.0 * MARGIN) / extent[0]).min((HEIGHTS[1] - 2.0 * MARGIN) / extent[1]);
         let height = (scale * extent[1] + 2.0 * MARGIN).clamp(HEIGHTS[0], HEIGHTS[1]).ceil();
-        Self { low, high, scale, columns, width, height: height as u32 }
+        Self { low, high, scale, columns, width, height: height as u32, arrow }
     }
 
     /// Left and upper edge of panel `index`, below its title.
@@ -72,11 +88,32 @@ impl View {
     }
 
     /// The pixel of a point, that of the middle of what is shown in the middle of the panel.
-    fn pixel(&self, point: [f64; 2], [left, top]: [u32; 2]) -> (i32, i32) {
+    fn pixel(&self, point: [f64; 2], corner: [u32; 2]) -> (i32, i32) {
+        rounded(self.place(point, corner))
+    }
+
+    /// The same, not rounded.
+    fn place(&self, point: [f64; 2], [left, top]: [u32; 2]) -> [f64; 2] {
         let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
         let x = f64::from(left) + 0.5 * f64::from(self.width) + self.scale * (point[0] - middle[0]);
         let y = f64::from(top) + 0.5 * f64::from(self.height) - self.scale * (point[1] - middle[1]);
-        (x.round() as i32, y.round() as i32)
+        [x, y]
+    }
+
+    /// The parts of a path that are within a panel, as pixels.
+    fn within(&self, path: &[[f64; 2]], corner: [u32; 2]) -> Vec<Vec<(i32, i32)>> {
+        let ends = [corner.map(f64::from), [corner[0] + self.width, corner[1] + self.height].map(f64::from)];
+        let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
+        for pair in path.windows(2) {
+            let Some([a, b]) = clipped([self.place(pair[0], corner), self.place(pair[1], corner)], ends) else {
+                continue;
+            };
+            match parts.last_mut() {
+                Some(part) if part.last() == Some(&a) => part.push(b),
+                _ => parts.push(vec![a, b]),
+            }
+        }
+        parts.into_iter().map(|part| part.into_iter().map(rounded).collect()).collect()
     }
 
     /// A round length `[m]` for the scale bar.
@@ -84,6 +121,40 @@ impl View {
         let most = BAR * f64::from(self.width) / self.scale;
         let power = 10.0_f64.powf(most.log10().floor());
         [5.0, 2.0, 1.0].into_iter().map(|digit| digit * power).find(|length| *length <= most).unwrap_or(power)
+    }
+}
+
+fn rounded([x, y]: [f64; 2]) -> (i32, i32) {
+    (x.round() as i32, y.round() as i32)
+}
+
+/// The part of a segment that is within a rectangle, given by two corners.
+fn clipped([a, b]: [[f64; 2]; 2], [low, high]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let length = b[axis] - a[axis];
+        let at = [low[axis], high[axis]].map(|end| (end - a[axis]) / length);
+        if length == 0.0 {
+            if !(low[axis]..=high[axis]).contains(&a[axis]) {
+                return None;
+            }
+            continue;
+        }
+        (from, to) = (from.max(at[0].min(at[1])), to.min(at[0].max(at[1])));
+    }
+    let at = |share: f64| match share {
+        0.0 => a,
+        1.0 => b,
+        _ => [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])),
+    };
+    (from <= to).then(|| [at(from), at(to)])
+}
+
+impl Panel {
+    /// Tail and tip of its arrow of this `length`: it ends at the start.
+    fn arrow_of(&self, length: f64) -> Option<[[f64; 2]; 2]> {
+        let (tip, direction) = (*self.paths.first()?.first()?, self.arrow?);
+        Some([[0, 1].map(|axis| tip[axis] - length * direction[axis]), tip])
     }
 }
 
@@ -155,19 +226,33 @@ fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, view: &View, cor
     for light in &panel.lights {
         area.draw(&PathElement::new(pixels(light), RGBColor(230, 159, 0).stroke_width(3)))?;
     }
-    // Marks of paths with many vertices would hide the paths.
-    let is_long = panel.paths.iter().any(|path| path.len() > 40);
+    let vertices: usize = panel.paths.iter().map(Vec::len).sum();
+    let has_marks = vertices <= MOST_MARKS * panel.paths.len();
     for path in &panel.paths {
-        let vertices = pixels(path);
-        area.draw(&PathElement::new(vertices.clone(), colour.mix(0.75).stroke_width(1)))?;
-        for vertex in vertices.iter().skip(1).filter(|_| !is_long) {
-            area.draw(&Circle::new(*vertex, 2, colour.filled()))?;
+        for part in view.within(path, corner) {
+            area.draw(&PathElement::new(part, colour.mix(0.75).stroke_width(1)))?;
         }
+        for vertex in path.iter().skip(1).filter(|_| has_marks) {
+            area.draw(&Circle::new(view.pixel(*vertex, corner), 2, colour.filled()))?;
+        }
+    }
+    if let Some(arrow) = panel.arrow_of(view.arrow) {
+        draw_arrow(area, arrow.map(|end| view.place(end, corner)))?;
     }
     match panel.paths.first().and_then(|path| path.first()) {
         Some(start) => area.draw(&Circle::new(view.pixel(*start, corner), 4, BLACK.filled())),
         None => Ok(()),
     }
+}
+
+/// An arrow, whose tip leaves room for the mark of the start.
+fn draw_arrow<B: DrawingBackend>(area: &Area<B>, [tail, tip]: [[f64; 2]; 2]) -> Outcome<B> {
+    let [x, y] = [tip[0] - tail[0], tip[1] - tail[1]];
+    let length = x.hypot(y).max(1e-9);
+    let [x, y] = [x / length, y / length];
+    let back = |along: f64, aside: f64| rounded([tip[0] - along * x - aside * y, tip[1] - along * y + aside * x]);
+    area.draw(&PathElement::new(vec![rounded(tail), back(14.0, 0.0)], BLACK.stroke_width(2)))?;
+    area.draw(&Polygon::new(vec![back(5.0, 0.0), back(16.0, 5.0), back(16.0, -5.0)], BLACK.filled()))
 }
 
 /// The scale bar, below the last panel.
@@ -193,6 +278,8 @@ mod tests {
             paths: vec![vec![[0.0, 0.0], [1.0, 1.0], [4.0, 0.0]], vec![[0.0, 0.0], [4.0, 0.1]]],
             lights: vec![vec![[4.0, -0.5], [4.0, 0.5]]],
             colour: [0, 114, 178],
+            arrow: None,
+            is_cut: false,
         }
     }
 
@@ -226,5 +313,44 @@ mod tests {
         assert_eq!(pixels.len() as u32, 3 * width * height);
         let dark = pixels.chunks(3).filter(|rgb| rgb.iter().any(|channel| *channel < 128)).count();
         assert!(dark > 500, "{dark} dark pixels");
+    }
+
+    #[test]
+    fn an_arrow_ends_at_the_start_and_is_in_sight() {
+        let panel = Panel { arrow: Some([0.6, 0.8]), ..panel() };
+        let (view, plain) =
+            (View::of(core::slice::from_ref(&panel)), View::of(&[Panel { arrow: None, ..panel.clone() }]));
+        let [tail, tip] = panel.arrow_of(view.arrow).expect("an arrow");
+        assert!(tip == [0.0, 0.0] && tail[0] < plain.low[0] && view.low[0] == tail[0], "{tail:?}");
+        assert!((0.8 * tail[0] - 0.6 * tail[1]).abs() < 1e-9 && tail[1] < 0.0, "{tail:?}");
+        let [with, without] =
+            [panel.clone(), Panel { arrow: None, ..panel }].map(|panel| paths_svg(&[panel]).expect("SVG"));
+        assert_eq!(with.matches("<polygon").count(), without.matches("<polygon").count() + 1);
+    }
+
+    #[test]
+    fn marks_are_left_out_where_paths_have_too_many_of_them() {
+        let path = |vertices: usize| (0..vertices).map(|k| [k as f64, 0.0]).collect::<Vec<_>>();
+        let marks = |paths: Vec<Vec<[f64; 2]>>| {
+            paths_svg(&[Panel { paths, ..panel() }]).expect("SVG").matches("<circle").count()
+        };
+        assert_eq!(marks(vec![path(60), path(5), path(5)]), 1 + 59 + 4 + 4, "one long path hides no others");
+        assert_eq!(marks(vec![path(60), path(60)]), 1, "the start alone");
+    }
+
+    #[test]
+    fn what_leaves_the_view_is_cut_off() {
+        let far =
+            Panel { paths: vec![vec![[0.0, 0.0], [2.0, 0.5], [40.0, 0.5], [2.0, -0.5]]], is_cut: true, ..panel() };
+        let view = View::of(&[panel(), far.clone()]);
+        assert_eq!(view.high[0], 4.0);
+        let parts = view.within(&far.paths[0], [0, 30]);
+        assert_eq!(parts.len(), 2, "{parts:?}");
+        let (width, height) = view.size(1);
+        let is_within = |(x, y): &(i32, i32)| (0..=width as i32).contains(x) && (30..=height as i32).contains(y);
+        assert!(parts.iter().flatten().all(is_within), "{parts:?}");
+        assert_eq!(View::of(&[far]).high[0], 40.0, "nothing else to show");
+        assert_eq!(clipped([[-1.0, 0.5], [-1.0, 0.7]], [[0.0; 2], [1.0; 2]]), None);
+        assert_eq!(clipped([[-1.0, 0.5], [3.0, 0.5]], [[0.0; 2], [1.0; 2]]), Some([[0.0, 0.5], [1.0, 0.5]]));
     }
 }

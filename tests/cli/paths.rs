@@ -65,8 +65,8 @@ fn a_drawing_is_valid_and_has_every_path() {
     let drawing = roxmltree::Document::parse(&text).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(drawing.root_element().tag_name().name(), "svg");
     let named = |name: &'static str| drawing.descendants().filter(move |node| node.has_tag_name(name));
-    // The paths, the light, and the scale bar.
-    assert_eq!(named("polyline").count(), 6 + 1 + 1);
+    // The paths, the light, the arrow, and the scale bar.
+    assert_eq!(named("polyline").count(), 6 + 1 + 1 + 1);
     assert!(named("text").any(|node| node.text().is_some_and(|text| text.contains("6 paths by mvnee"))), "{text}");
     let (info, pixels) = folder.png("a.png");
     assert_eq!(pixels.len() as u32, 3 * info.width * info.height);

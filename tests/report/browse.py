@@ -45,10 +45,26 @@ def use(browser, item):
     check(len(set(wipes)) == 3, f"{item}: wipe follows the pointer")
     error = tool("click('error map'); return [sum(viewer.canvas), viewer.caption.textContent];")
     check(error[0] not in flips and "minus" in error[1], f"{item}: the error map is another picture")
+    legend = tool("return [viewer.legend.hidden, viewer.legend.innerText, viewer.unit];")
+    check(not legend[0] and "W/(m^2 sr)" in legend[1] and legend[2] > 0, f"{item}: a legend says what its colours are")
+    pale = tool("""
+      if (viewer.reference === null) return [0, 1];
+      const colour = (a) => {
+        viewer.choose('a', a);
+        const { data } = viewer.canvas.getContext("2d").getImageData(0, 0, viewer.canvas.width, viewer.canvas.height);
+        let sum = 0;
+        for (let i = 0; i < data.length; i += 4) sum += 245 - Math.min(data[i], data[i + 2]);
+        return sum / (data.length / 4) / 245;
+      };
+      const colours = [colour(0), colour(viewer.pictures.length - 2)];
+      viewer.choose('a', 0);
+      return colours;""")
+    check(pale[0] < pale[1], f"{item}: the best one's error map is paler, {pale[0]:.2f} and {pale[1]:.2f} of all colour")
     same = tool("viewer.choose('b', viewer.a); return [...viewer.canvas.getContext('2d')"
                 ".getImageData(0, 0, viewer.canvas.width, viewer.canvas.height).data].every((x) => x >= 245);")
     check(same, f"{item}: no picture differs from itself")
     tool("viewer.choose('b', viewer.pictures.length - 1); click('wipe');")
+    check(tool("return viewer.legend.hidden;"), f"{item}: the legend goes with the error map")
     insets = tool("return [0.1, 0.8].map((x) => { move(x, 0.4);"
                   "return [sum(viewer.zoom), viewer.reading.innerText]; });")
     check(insets[0] != insets[1] and "pixel" in insets[0][1], f"{item}: the inset shows where the pointer is")
@@ -133,6 +149,8 @@ def main():
             check(not browser.run("return document.body.innerText.includes('`')"), "no mark of code is left in the text")
             if shots:
                 shots.mkdir(parents=True, exist_ok=True)
+                browser.run("scrollTo(0, 0)")
+                time.sleep(0.3)
                 (shots / "top.png").write_bytes(browser.picture())
                 for item in items:
                     browser.run("document.getElementById(arguments[0]).scrollIntoView()", item)

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::figures::number;
 use crate::paper::bench::{Bench, write_planes};
 use crate::paper::section::{Cell, Column, Gallery, Picture, Plot, Section, Show, Table};
-use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
+use crate::plot::{self, Axis, Chart, Curve, Look};
 
 const NAME: &str = "fig3";
 const COSINES: [f64; 6] = [0.0, 0.3, 0.6, 0.9, 0.95, 0.99];
@@ -88,7 +88,6 @@ fn chart(bench: &Bench<'_>, fitted: &Fitted) -> Result<Plot> {
             Curve::new("GGX", along(*peak, *alpha, ggx), Look::Line, plot::COLOURS[1]),
         ],
         from_zero: true,
-        legend: Corner::UpperRight,
     };
     bench.plot(NAME, &format!("profile-g{}", (100.0 * g).round()), format!("g = {g}, mean free path 1 m."), &chart)
 }

@@ -16,20 +16,48 @@ use toml::Value;
 
 use super::bench::{Bench, Times};
 use super::measure::Measured;
-use super::ratio::{Ratio, Verdict, Worth};
+use super::ratio::{Channels, Ratio, Verdict, Worth};
 use super::reference::{self, Reference};
 use super::run::{Contender, LeftOut, Run};
-use super::section::{Claim, Plot, Table};
-use super::turns::{Renders, equal_time};
+use super::section::{Claim, Column, Plot, Show, Table};
+use super::size::{Size, fitting};
+use super::turns::{Renders, equal_time, slowest_step};
 use crate::error::Result;
 use crate::figures::number;
-use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
+use crate::plot::{self, Axis, Chart, Curve, Look};
 
 /// Source of numbers that are not in the paper.
 const PROGRAM: &str = "the published program (-O3 -march=native, 2 threads), as we measured it; not in the paper";
 
 /// Claims of the paper are given in words of our own.
 const PAPER: &str = "the paper, in our words";
+
+/// What the published program does on a scene: samples per second, in thousands, and the variance of green of one, as
+/// far as that is known.
+type Published = (&'static Technique, f64, Option<f64>);
+
+/// What the published program does beside what is found.
+fn beside_published(published: &[Published], measured: &[Measured], note: &str) -> Table {
+    let row = |(technique, rate, variance): &Published| {
+        let own = of(measured, technique);
+        let own = [own.map(Measured::rate), own.map(|own| own.variance(Channels::Green))];
+        vec![technique.name.into(), (1e3 * rate).into(), own[0].into(), (*variance).into(), own[1].into()]
+    };
+    Table {
+        caption: format!("Beside {PROGRAM}. Rates depend on the machine, variances do not. {note}").trim_end().into(),
+        columns: Column::all([
+            ("technique", Show::Digits(1)),
+            ("published rate [1/s]", Show::Rate),
+            ("our rate [1/s]", Show::Rate),
+            ("published variance of green", Show::Digits(3)),
+            ("our variance of green", Show::Digits(3)),
+        ]),
+        rows: published.iter().map(row).collect(),
+    }
+}
+
+/// Only other programs fail.
+const NO_FAILURE: &str = "our own renders do not fail";
 
 /// Seed of references: other random numbers than those of what is measured against them.
 const SEED_OF_REFERENCES: i64 = 0x5eed;
@@ -73,8 +101,8 @@ impl Technique {
     }
 
     /// `scene` rendered with it, with further changes.
-    fn contender(&self, bench: &Bench<'_>, scene: &str, seconds: f64, changes: &[(&str, Value)]) -> Result<Contender> {
-        let scene = bench.scene(scene, seconds, &[self.changes().as_slice(), changes].concat())?;
+    fn contender(&self, bench: &Bench<'_>, scene: &str, size: Size, changes: &[(&str, Value)]) -> Result<Contender> {
+        let scene = bench.scene(scene, size, &[self.changes().as_slice(), changes].concat())?;
         Ok(Contender { name: self.name.into(), scene })
     }
 }
@@ -100,6 +128,9 @@ struct Contest<'a> {
     /// The technique of the reference, one of them.
     best: &'a Technique,
     times: Times,
+    /// How large they are, once they have begun.
+    size: Size,
+    left_out: LeftOut,
 }
 
 /// What came of it.
@@ -108,40 +139,58 @@ struct Match {
     reference: Reference,
 }
 
-impl Contest<'_> {
-    /// Every technique, about to begin.
-    fn begin(&self) -> Result<Vec<Run>> {
-        let Self { bench, scene, changes, techniques, times, .. } = self;
+impl<'a> Contest<'a> {
+    fn new(
+        bench: &'a Bench<'a>,
+        (scene, changes): (&'a str, &'a [(&'a str, Value)]),
+        techniques: &'a [Technique],
+        best: &'a Technique,
+        times: Times,
+    ) -> Self {
+        let (size, left_out) = (Size::for_seconds(times.each), LeftOut::new());
+        Self { bench, scene, changes, techniques, best, times, size, left_out }
+    }
+
+    /// Every technique, prepared, in pictures of this size.
+    fn prepared(&self, size: Size) -> Result<Vec<Run>> {
+        let Self { bench, scene, changes, techniques, left_out, .. } = self;
         let contenders: Result<Vec<_>> =
-            techniques.iter().map(|technique| technique.contender(bench, scene, times.each, changes)).collect();
-        bench.begin(contenders?)
+            techniques.iter().map(|technique| technique.contender(bench, scene, size, changes)).collect();
+        bench.begin(contenders?, left_out)
+    }
+
+    /// Every technique, with its first samples, in pictures of a size at which all can have the same time.
+    fn begin(&mut self) -> Result<Vec<Run>> {
+        let Self { bench, scene, times: Times { each, .. }, mut size, .. } = *self;
+        let step = |runs: &mut Vec<Run>| Ok(slowest_step(&mut turn_takers(runs), each, bench.tell).expect(NO_FAILURE));
+        let begin = |size| self.prepared(size);
+        let runs = fitting(&mut size, bench.full_size(scene)?, each, begin, step, || bench.tell.stops())?;
+        self.size = size;
+        Ok(runs)
     }
 
     /// What `runs` are measured against.
     fn reference(&self, runs: &[Run]) -> Result<Reference> {
         let seed = [("render.seed", Value::from(SEED_OF_REFERENCES))];
         let changes = [self.changes, &seed].concat();
-        let contender = self.best.contender(self.bench, self.scene, self.times.each, &changes)?;
+        let contender = self.best.contender(self.bench, self.scene, self.size, &changes)?;
         let judge = runs.iter().find(|run| run.name == self.best.name).expect("the best technique is one of them");
         let left_out = LeftOut::from(judge.session().preparation().left_out);
         self.bench.reference(contender.scene, &left_out, reference::goal(runs, judge), self.times.reference)
     }
 
-    /// What `runs` came to, errors for `common` seconds if that is given; least errors first.
-    fn measured(&self, runs: Vec<Run>, reference: &Reference, common: Option<f64>) -> Vec<Measured> {
-        let measure = |(technique, run): (&Technique, Run)| Measured {
-            common,
-            ..self.bench.measure(technique.file, run, Some(reference))
-        };
+    /// What `runs` came to; least errors first.
+    fn measured(&self, runs: Vec<Run>, reference: &Reference) -> Vec<Measured> {
+        let measure = |(technique, run): (&Technique, Run)| self.bench.measure(technique.file, run, Some(reference));
         sorted(self.techniques.iter().zip(runs).map(measure).collect())
     }
 
     /// All of them at equal time.
-    fn equal_times(&self) -> Result<Match> {
+    fn equal_times(&mut self) -> Result<Match> {
         let mut runs = self.begin()?;
-        equal_time(&mut turn_takers(&mut runs), self.times.each, self.bench.tell).expect("our own renders do not fail");
+        equal_time(&mut turn_takers(&mut runs), self.times.each, self.bench.tell).expect(NO_FAILURE);
         let reference = self.reference(&runs)?;
-        Ok(Match { measured: self.measured(runs, &reference, Some(self.times.each)), reference })
+        Ok(Match { measured: self.measured(runs, &reference), reference })
     }
 }
 
@@ -163,24 +212,34 @@ fn of<'a>(measured: &'a [Measured], technique: &Technique) -> Option<&'a Measure
 }
 
 /// What `technique` is worth over what `base` is; unknown if one is not there.
-fn over(measured: &[Measured], worth: Worth, technique: &Technique, base: &Technique) -> Ratio {
+fn over(measured: &[Measured], (worth, channels): (Worth, Channels), technique: &Technique, base: &Technique) -> Ratio {
     match (of(measured, technique), of(measured, base)) {
-        (Some(a), Some(b)) => a.over(worth, b),
+        (Some(a), Some(b)) => a.over(worth, channels, b),
         _ => Ratio::UNKNOWN,
     }
 }
 
+/// How many times the rate of `base` that of `technique` is.
+fn speed(measured: &[Measured], technique: &Technique, base: &Technique) -> Ratio {
+    over(measured, (Worth::Rate, Channels::All), technique, base)
+}
+
 /// How many times the efficiency of `base` that of `technique` is.
 fn gain(measured: &[Measured], technique: &Technique, base: &Technique) -> Ratio {
-    over(measured, Worth::Second, technique, base)
+    over(measured, (Worth::Second, Channels::All), technique, base)
+}
+
+/// The same in green, of which there are published numbers.
+fn gain_of_green(measured: &[Measured], technique: &Technique, base: &Technique) -> Ratio {
+    over(measured, (Worth::Second, Channels::Green), technique, base)
 }
 
 /// The table of `measured`, efficiencies relative to `base`.
 fn table(caption: &str, measured: &[Measured], base: &Technique, reference: &Reference) -> Table {
     let unit = of(measured, base);
     Table {
-        caption: format!("{caption} {}", reference.note()),
-        columns: Measured::columns(base.name, measured.first().and_then(|one| one.common)),
+        caption: format!("{caption} {}", reference.note(measured)),
+        columns: Measured::columns(base.name),
         rows: measured.iter().map(|one| one.row(unit)).collect(),
     }
 }
@@ -189,7 +248,7 @@ fn table(caption: &str, measured: &[Measured], base: &Technique, reference: &Ref
 fn convergence(bench: &Bench<'_>, item: &str, name: &str, title: &str, measured: &[Measured]) -> Result<Plot> {
     let seconds = measured.iter().map(|one| one.seconds).fold(0.0, f64::max).max(1e-3);
     let curves = |(index, one): (usize, &Measured)| {
-        let law = |seconds: f64| (seconds, (one.variance() * one.pixels / one.rate() / seconds).sqrt());
+        let law = |seconds: f64| (seconds, (one.variance(Channels::All) * one.pixels / one.rate() / seconds).sqrt());
         let colour = plot::colour(&one.name, index);
         let line = [-4, 4].map(|k| law(seconds * 2.0_f64.powi(k))).to_vec();
         [
@@ -203,25 +262,24 @@ fn convergence(bench: &Bench<'_>, item: &str, name: &str, title: &str, measured:
         y: Axis::logarithmic("RMSE"),
         curves: measured.iter().enumerate().flat_map(curves).collect(),
         from_zero: false,
-        legend: Corner::UpperRight,
     };
-    let caption = "RMSE against rendering time. Marks are measured, after every turn; lines are the law that errors fall \
-                   with the root of time, through the last mark.";
+    let caption = "RMSE against rendering time. Marks are measured, after every turn; lines are the law that errors \
+                   fall with the root of time, through the last mark.";
     bench.plot(item, name, caption, &chart)
 }
 
 /// A published claim beside what is found, and why that is not the same, should it not be.
 fn claim(published: &str, source: &str, verdict: Verdict, found: String, why: &str) -> Claim {
     let why = match verdict {
-        Verdict::Agrees => "",
-        Verdict::Differs => why,
-        Verdict::Undecided => "The interval covers both answers; a longer --budget narrows it.",
+        Verdict::Agrees => String::new(),
+        Verdict::InPart | Verdict::Differs => why.into(),
+        Verdict::Undecided => format!("The interval covers both answers; a longer --budget narrows it. {why}"),
     };
-    Claim { published: published.into(), source: source.into(), found, verdict, why: why.into() }
+    Claim { published: published.into(), source: source.into(), found, verdict, why: why.trim_end().into() }
 }
 
 /// A factor with its interval: `4.1 (3.5 to 4.9) times`.
-fn times(ratio: Ratio) -> String {
+fn factor(ratio: Ratio) -> String {
     let Ratio { value, interval: [low, high] } = ratio;
     if !value.is_finite() {
         return "an unknown number of times".into();

@@ -4,10 +4,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::embed;
 use crate::error::Result;
-use crate::figures::duration;
-use crate::paper::CITATION;
 use crate::paper::folder::Folder;
-use crate::paper::section::{Claim, Gallery, Making, Plot, Section, Table, Verdict};
+use crate::paper::section::{Claim, Gallery, Plot, Section, Table, Verdict};
+use crate::paper::{CITATION, REMARKS};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -32,9 +31,8 @@ pub fn page(folder: &Folder, sections: &[Section]) -> Result<String> {
                     h1 { "Multiple Vertex Next Event Estimation, reproduced" }
                     p { (CITATION) ". Tables and figures by fogbow " (env!("CARGO_PKG_VERSION")) "." }
                     p { "Our cameras are right-handed, so that pictures are mirror images of those in the paper. "
-                        "All pictures of a group have the same exposure. Published numbers stand beside ours, with their "
-                        "source. Where ours are ratios, the numbers in brackets are the ends of their confidence interval of "
-                        "95 %; a claim is not decided where that covers both answers." }
+                        "All pictures of a group have the same exposure." }
+                    @for remark in REMARKS { p { (prose(remark)) } }
                     nav { @for section in sections { a href={ "#" (section.item) } { (section.title) } } }
                     (verdicts(sections))
                 }
@@ -72,6 +70,7 @@ fn verdicts(sections: &[Section]) -> Markup {
 fn mark(claim: &Claim) -> Markup {
     let class = match claim.verdict {
         Verdict::Agrees => "agrees",
+        Verdict::InPart => "in-part",
         Verdict::Differs => "differs",
         Verdict::Undecided => "undecided",
     };
@@ -79,7 +78,8 @@ fn mark(claim: &Claim) -> Markup {
 }
 
 fn part(folder: &Folder, section: &Section) -> Result<Markup> {
-    let galleries: Vec<Markup> = section.galleries.iter().map(|one| gallery(folder, one)).collect::<Result<_>>()?;
+    let galleries: Vec<Markup> =
+        section.galleries.iter().map(|one| gallery(folder, one, unit(section, one))).collect::<Result<_>>()?;
     let plots: Vec<Markup> = section.plots.iter().map(|one| plot(folder, &section.item, one)).collect::<Result<_>>()?;
     Ok(html! {
         section id=(section.item) {
@@ -89,7 +89,8 @@ fn part(folder: &Folder, section: &Section) -> Result<Markup> {
             @for gallery in galleries { (gallery) }
             @for one in &section.tables { (table(one)) }
             div.plots { @for plot in plots { (plot) } }
-            p.made { (made(&section.made)) }
+            @if let Some(warning) = section.made.busy() { p.busy { "Warning: " (warning) "." } }
+            p.made { (section.made.line()) }
         }
     })
 }
@@ -111,12 +112,6 @@ fn said(claim: &Claim) -> Markup {
             @if !claim.why.is_empty() { p { "Why: " (prose(&claim.why)) } }
         }
     }
-}
-
-fn made(made: &Making) -> String {
-    let Making { version, date, processor, threads, seconds } = made;
-    let took = duration(*seconds);
-    format!("fogbow {version}, {date}, {processor}, {threads} threads, {took} in all.")
 }
 
 fn table(table: &Table) -> Markup {
@@ -141,8 +136,17 @@ fn plot(folder: &Folder, item: &str, plot: &Plot) -> Result<Markup> {
     })
 }
 
-/// The viewer of a gallery; the script fills it.
-fn gallery(folder: &Folder, gallery: &Gallery) -> Result<Markup> {
+/// What error maps of a gallery count in: the least error of all pictures of the item that have the same reference.
+fn unit(section: &Section, gallery: &Gallery) -> Option<f64> {
+    let judge = |one: &Gallery| one.pictures.last().filter(|_| one.has_reference).map(|last| last.file.clone());
+    let reference = judge(gallery)?;
+    let same = section.galleries.iter().filter(|one| judge(one).as_ref() == Some(&reference));
+    let errors = same.flat_map(|one| &one.pictures[..one.pictures.len() - 1]).filter_map(|picture| picture.rmse);
+    errors.filter(|error| *error > 0.0).min_by(f64::total_cmp)
+}
+
+/// The viewer of a gallery, whose error maps count in `unit`; the script fills it.
+fn gallery(folder: &Folder, gallery: &Gallery, unit: Option<f64>) -> Result<Markup> {
     let pictures: Vec<_> = gallery
         .pictures
         .iter()
@@ -150,7 +154,7 @@ fn gallery(folder: &Folder, gallery: &Gallery) -> Result<Markup> {
         .collect::<Result<_>>()?;
     let reference = if gallery.has_reference { "yes" } else { "no" };
     Ok(html! {
-        figure.gallery data-exposure=(gallery.exposure) data-reference=(reference) {
+        figure.gallery data-exposure=(gallery.exposure) data-reference=(reference) data-unit=[unit] {
             figcaption { (prose(&gallery.caption)) }
             @for (picture, embedded) in &pictures {
                 img.source hidden src=(embedded.uri) data-name=(picture.name) data-note=(picture.note) data-rmse=[picture.rmse]
@@ -164,9 +168,26 @@ fn gallery(folder: &Folder, gallery: &Gallery) -> Result<Markup> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::section::Picture;
 
     #[test]
     fn what_stands_between_backticks_is_code() {
         assert_eq!(prose("a < b, `fogbow paths` draws").into_string(), "a &lt; b, <code>fogbow paths</code> draws");
+    }
+
+    #[test]
+    fn error_maps_of_a_reference_share_their_unit() {
+        let picture = |file: &str, rmse| Picture { file: file.into(), name: String::new(), note: String::new(), rmse };
+        let gallery = |errors: [f64; 2], reference: &str| {
+            let judged = errors.map(|error| picture("a", Some(error)));
+            let pictures = judged.into_iter().chain([picture(reference, Some(0.01))]).collect();
+            Gallery { caption: String::new(), exposure: 0.0, pictures, has_reference: true }
+        };
+        let galleries = vec![gallery([0.5, 0.2], "r"), gallery([0.1, 0.0], "r"), gallery([3.0, 2.0], "other")];
+        let section = Section { galleries, ..Section::default() };
+        let units: Vec<_> = section.galleries.iter().map(|gallery| unit(&section, gallery)).collect();
+        assert_eq!(units, [Some(0.1), Some(0.1), Some(2.0)]);
+        let plain = Gallery { has_reference: false, ..section.galleries[0].clone() };
+        assert_eq!(unit(&section, &plain), None);
     }
 }

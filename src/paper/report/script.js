@@ -5,6 +5,8 @@ const WHITE = 16; // exposed radiance from which on a pixel is full, as in fogbo
 const BIAS = 128;
 const NOISY = 1 / 3; // share of a picture's error from which on that of the reference shows
 const INSET = 24; // pixels of a picture that the inset shows across
+const HALF = 3; // units of a difference at which an error map has half of its colour
+const TICKS = [1, 3, 10, 30]; // units that its legend names
 
 // Radiances of a picture: mantissas in its upper half, exponents in its lower one.
 function decode(image) {
@@ -39,17 +41,36 @@ function expose(picture, stops) {
   return shown;
 }
 
-// The difference of two pictures: white where they agree, red where a is brighter, blue where it is darker; full colour
-// is a quarter of middle grey.
-function difference(a, b, stops) {
-  const shown = new ImageData(a.width, a.height), scale = 2 ** stops / 0.045;
-  for (let i = 0; i < a.width * a.height; i++) {
-    let sum = 0;
-    for (let c = 0; c < 3; c++) sum += (a.radiance[3 * i + c] - b.radiance[3 * i + c]) / 3;
-    const t = Math.max(-1, Math.min(1, scale * sum)), away = 245 * (1 - Math.abs(t));
-    shown.data.set(t > 0 ? [245, away, away, 255] : [away, away, 245, 255], 4 * i);
-  }
+// How much colour a difference of so many units has: nearly none for small ones, and never all of it, so that large
+// ones are told apart, too.
+const colourOf = (units) => Math.abs(units) / (Math.abs(units) + HALF);
+
+// White where there is no difference, red where it is above 0, blue below.
+function tint(units) {
+  const away = 245 * (1 - colourOf(units));
+  return units > 0 ? [245, away, away, 255] : [away, away, 245, 255];
+}
+
+// Of pixel i, the difference of two pictures, the mean of the channels.
+function differenceAt(a, b, i) {
+  let sum = 0;
+  for (let c = 0; c < 3; c++) sum += (a.radiance[3 * i + c] - b.radiance[3 * i + c]) / 3;
+  return sum;
+}
+
+// The difference of two pictures, in units.
+function difference(a, b, unit) {
+  const shown = new ImageData(a.width, a.height);
+  for (let i = 0; i < a.width * a.height; i++) shown.data.set(tint(differenceAt(a, b, i) / unit), 4 * i);
   return shown;
+}
+
+// Root mean square of the difference of two pictures.
+function distance(a, b) {
+  const count = Math.min(a.width * a.height, b.width * b.height);
+  let squares = 0;
+  for (let i = 0; i < count; i++) squares += differenceAt(a, b, i) ** 2 / count;
+  return Math.sqrt(squares);
 }
 
 function element(name, properties = {}, ...children) {
@@ -73,6 +94,8 @@ class Viewer {
     this.pictures = pictures;
     this.exposure = Number(figure.dataset.exposure);
     this.reference = figure.dataset.reference === "yes" ? pictures[pictures.length - 1] : null;
+    // What error maps count in: the least error that is known of these pictures, or else what two of them differ by.
+    this.unit = Number(figure.dataset.unit ?? 0) || distance(pictures[0], pictures[pictures.length > 1 ? 1 : 0]) || 1;
     this.stops = 0;
     this.mode = "wipe";
     this.split = 0.5;
@@ -134,7 +157,39 @@ class Viewer {
     this.zoom = element("canvas", { width: 240, height: 240 });
     this.reading = element("p");
     const inset = element("div", { className: "inset" }, this.zoom, this.reading);
-    figure.append(this.thumbs, controls, element("div", { className: "stage" }, this.view, inset));
+    this.legend = element("div", { className: "legend", hidden: true });
+    figure.append(this.thumbs, controls, element("div", { className: "stage" }, this.view, inset), this.legend);
+  }
+
+  // What error maps count in as it is shown: brighter pictures show smaller differences.
+  shownUnit() {
+    return this.unit / 2 ** this.stops;
+  }
+
+  // The colours of error maps, and of which differences they are.
+  drawLegend() {
+    this.legend.hidden = this.mode !== "error";
+    const bar = element("canvas", { width: 401, height: 1 }), context = bar.getContext("2d");
+    for (let x = 0; x < bar.width; x++) {
+      const place = Math.max(-0.995, Math.min(0.995, 2 * x / (bar.width - 1) - 1));
+      const units = HALF * place / (1 - Math.abs(place));
+      context.putImageData(new ImageData(new Uint8ClampedArray(tint(units)), 1, 1), x, 0);
+    }
+    const tick = (units) => {
+      const text = units === 0 ? "0" : (units * this.shownUnit()).toPrecision(2).replace(/^(-?)(.*)e\+?/, "$1$2e");
+      const made = element("span", {}, text);
+      made.style.left = `${50 + 50 * Math.sign(units) * colourOf(units)}%`;
+      return made;
+    };
+    const ticks = [...TICKS.map((units) => -units).reverse(), 0, ...TICKS].map(tick);
+    const least = this.pictures.find((picture) => picture.rmse === this.unit);
+    const what = least ? `the first mark on either side is the RMSE of ${least.name}, the least of these`
+      : "the first mark on either side is what the first two differ by, root mean square";
+    const scale = this.stops === 0 ? "" : ", over the exposure";
+    this.legend.replaceChildren(
+      element("div", { className: "scale" }, bar, element("div", { className: "ticks" }, ...ticks)),
+      element("p", {}, `Difference of radiances [W/(m^2 sr)], mean of the channels: ${what}${scale}.`),
+    );
   }
 
   setMode(mode) {
@@ -187,7 +242,7 @@ class Viewer {
     const a = this.pictures[this.a], b = this.pictures[this.b];
     const same = a.width === b.width && a.height === b.height;
     if (this.mode === "error" && same) {
-      return [canvasOf(a, difference(a, b, this.exposure + this.stops)), `${a.name} minus ${b.name}${this.doubt(a, b)}`];
+      return [canvasOf(a, difference(a, b, this.shownUnit())), `${a.name} minus ${b.name}${this.doubt(a, b)}`];
     }
     if (this.mode === "flip" || !same) {
       const index = this.side === 0 ? this.a : this.b;
@@ -216,6 +271,7 @@ class Viewer {
       thumb.classList.toggle("b", i === this.b && i !== this.a);
     });
     this.drawInset(picture);
+    this.drawLegend();
   }
 
   drawInset(picture) {

@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::figures::percent;
 use crate::paper::bench::Bench;
 use crate::paper::section::{Cell, Column, Plot, Section, Show, Table};
-use crate::plot::{self, Axis, Chart, Corner, Curve, Look, Panel, Range};
+use crate::plot::{self, Axis, Chart, Curve, Look, Panel, Range};
 use world::{MAKERS, Maker, Sample, World};
 
 const NAME: &str = "fig12";
@@ -26,9 +26,22 @@ const NAME: &str = "fig12";
 const VERTICES: usize = 100;
 /// Mean cosine.
 const G: f64 = 0.9;
-/// Distance of the light in mean free paths of 1 m, and its radius `[m]`.
-const DISTANCE: f64 = 15.0;
-const RADIUS: f64 = 2.0;
+
+/// Where a light is.
+struct Place {
+    /// What its files are called.
+    file: &'static str,
+    /// Distance from the start in mean free paths of 1 m, and radius `[m]`.
+    distance: f64,
+    radius: f64,
+}
+
+/// So close that paths of so many vertices wander, and so far that MVNEE would insert about as many by itself.
+const PLACES: [Place; 2] =
+    [Place { file: "near", distance: 15.0, radius: 2.0 }, Place { file: "far", distance: 80.0, radius: 10.0 }];
+/// Decades below the mean beyond which the contributions of a technique are out of sight.
+const SIGHT: f64 = 60.0;
+
 /// Samples of each technique.
 const SAMPLES: u32 = 40_000;
 /// Share of the samples, the largest, of which the table says what they hold.
@@ -64,10 +77,12 @@ impl Made {
         sum(&logs[..(many * logs.len() as f64).ceil() as usize]) / sum(&logs)
     }
 
-    /// The logarithm to base 10 of samples over e to the power `unit`, as far as they contribute.
+    /// The logarithm to base 10 of samples over e to the power `unit`, as far as they contribute, the smallest first.
     fn logs(&self, unit: f64) -> Vec<f64> {
         let logs = self.samples.iter().map(|sample| (sample.ln - unit) / core::f64::consts::LN_10);
-        logs.filter(|log| log.is_finite()).collect()
+        let mut logs: Vec<f64> = logs.filter(|log| log.is_finite()).collect();
+        logs.sort_by(f64::total_cmp);
+        logs
     }
 }
 
@@ -80,20 +95,50 @@ fn all_made(world: &World, samples: u32) -> Vec<Made> {
     MAKERS.iter().map(made).collect()
 }
 
+/// What was made for a light at one place.
+struct Found {
+    place: &'static Place,
+    all: Vec<Made>,
+    /// The logarithm of the mean of aligned bridges, of all the surest: others are given relative to it.
+    unit: f64,
+    /// Share of the integral in paths that MVNEE never makes.
+    never: f64,
+}
+
+impl Found {
+    fn of(place: &'static Place) -> Self {
+        let world = World::new(VERTICES, place.distance, place.radius, G);
+        let all = all_made(&world, SAMPLES);
+        let unit = all[3].mean(0.0).0.ln();
+        let never = skew::never_made(&world, &all[3].samples);
+        Self { place, all, unit, never }
+    }
+}
+
 pub fn make(bench: &Bench<'_>) -> Result<Section> {
-    let world = World::new(VERTICES, DISTANCE, RADIUS, G);
-    let all = all_made(&world, SAMPLES);
-    // Relative to what bridges find, of all the surest.
-    let unit = all[3].mean(0.0).0.ln();
-    let never = skew::never_made(&world, &all[3].samples);
+    let mut found = Vec::new();
+    for place in &PLACES {
+        if bench.tell.stops() {
+            return Ok(Section::default());
+        }
+        found.push(Found::of(place));
+    }
     let (skew_table, skew_plot) = skew::of_few_vertices(bench, NAME)?;
+    let mut plots = Vec::new();
+    for found in &found {
+        plots.extend([drawing(bench, found)?, histogram(bench, found)?]);
+    }
+    plots.push(skew_plot);
+    let [near, far] = [0, 1].map(|place: usize| percent(found[place].never));
     Ok(Section {
         text: vec![
             format!(
-                "Paths with exactly {VERTICES} vertices between a start and a light {DISTANCE} mean free paths away, \
-                 in fog of g = {G}; they arrive at the start at 45 degrees to the way to the light. Distance, radius \
-                 and g are ours. All techniques estimate the same integral, MVNEE as far as it makes such paths; what \
-                 differs is how far single samples are from it."
+                "Paths with exactly {VERTICES} vertices between a start and a light, in fog of g = {G}; they arrive at \
+                 the start at 45 degrees to the way to the light. It is {} mean free paths away, so close that such \
+                 paths wander, or {}, so far that MVNEE would insert about as many vertices by itself. Distances, \
+                 radii and g are ours. All techniques estimate the same integral, MVNEE as far as it makes such paths; \
+                 what differs is how far single samples are from it.",
+                PLACES[0].distance, PLACES[1].distance
             ),
             format!(
                 "Path tracing walks {VERTICES} vertices and then connects: random ones end anywhere, and the best of \
@@ -102,36 +147,33 @@ pub fn make(bench: &Bench<'_>) -> Result<Section> {
             format!(
                 "MVNEE moves every seed by itself. So many of them crumple a chain, and each of its sharp turns is \
                  rare in forward scattering: what it finds is orders of magnitude below the mean. Nor does it make \
-                 paths that turn back along their axis, and with so many vertices these are {} of the integral, by \
-                 the samples of bridges: in renders other techniques find them. The paper limits connections to a few \
-                 expected segments, where neither matters much.",
-                percent(never)
+                 paths that turn back along their axis; by the samples of bridges these are {near} of the integral \
+                 where the light is near, and {far} where it is far: in renders other techniques find them. The paper \
+                 limits connections to a few expected segments, where neither matters much."
             ),
             "With few vertices MVNEE makes most paths, but its mean is still below that of the others for as many \
              samples as one has. The last table and plot show that this is skew, and no error of its density: below \
              any limit on contributions it finds as much as bridges say that it has to."
                 .into(),
         ],
-        tables: vec![table(&all, unit), skew_table],
-        plots: vec![drawing(bench, &all)?, histogram(bench, &all, unit)?, skew_plot],
+        tables: found.iter().map(table).chain([skew_table]).collect(),
+        plots,
         ..Section::default()
     })
 }
 
-fn table(all: &[Made], unit: f64) -> Table {
+fn table(Found { place, all, unit, .. }: &Found) -> Table {
     let row = |made: &Made| {
-        let (mean, error) = made.mean(unit);
+        let (mean, error) = made.mean(*unit);
         let variance = (error / mean).powi(2) * made.samples.len() as f64;
-        let mut logs = made.logs(unit);
-        logs.sort_by(f64::total_cmp);
-        let median = logs.get(logs.len() / 2).copied().unwrap_or(f64::NAN);
-        let numbers = [mean, error, variance, median, 100.0 * made.held(LARGEST)];
+        let numbers = [mean, error, variance, median(&made.logs(*unit)), 100.0 * made.held(LARGEST)];
         core::iter::once(Cell::from(made.name)).chain(numbers.map(Cell::from)).collect()
     };
     Table {
         caption: format!(
-            "{SAMPLES} samples each. Where the few largest samples hold most of the sum, mean and error are themselves \
-             uncertain, and rather too small."
+            "A light {} mean free paths away, {SAMPLES} samples each. Where the few largest samples hold most of the \
+             sum, mean and error are themselves uncertain, and rather too small.",
+            place.distance
         ),
         columns: Column::all([
             ("technique", Show::Digits(1)),
@@ -145,56 +187,81 @@ fn table(all: &[Made], unit: f64) -> Table {
     }
 }
 
-fn drawing(bench: &Bench<'_>, all: &[Made]) -> Result<Plot> {
+fn median(logs: &[f64]) -> f64 {
+    logs.get(logs.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn drawing(bench: &Bench<'_>, Found { place, all, .. }: &Found) -> Result<Plot> {
     let mut best: Vec<&Sample> = all[0].samples.iter().collect();
     best.sort_by(|a, b| b.ln.total_cmp(&a.ln));
     let first = |made: &'_ Made| made.samples.iter().map(|sample| sample.path.clone()).take(DRAWN).collect::<Vec<_>>();
     let best = best.iter().take(DRAWN).map(|sample| sample.path.clone()).collect();
     let panels = [
-        (format!("path tracing and NEE: the best {DRAWN} of {SAMPLES}"), best, "path"),
-        (format!("path tracing and NEE: {DRAWN} random ones"), first(&all[0]), "nee"),
-        (format!("MVNEE: {DRAWN} random ones"), first(&all[1]), "mvnee"),
-        (format!("bridges, aligned: {DRAWN} random ones"), first(&all[3]), "bridge"),
+        (format!("path tracing and NEE: the best {DRAWN} of {SAMPLES}"), best, "path", false),
+        (format!("path tracing and NEE: {DRAWN} random ones"), first(&all[0]), "nee", true),
+        (format!("MVNEE: {DRAWN} random ones"), first(&all[1]), "mvnee", false),
+        (format!("bridges, aligned: {DRAWN} random ones"), first(&all[3]), "bridge", false),
     ]
-    .map(|(title, paths, name)| panel(title, &paths, name));
-    let caption = "To scale. The start is black, the light orange, seen from its edge.";
-    bench.paths(NAME, "paths", caption, &panels)
+    .map(|(title, paths, name, is_cut)| Panel { is_cut, ..panel(place, title, &paths, name) });
+    let caption = format!(
+        "A light {} mean free paths away, to scale. The arrow is the direction in which paths arrive at the start; the \
+         light is orange, seen from its edge. Random path-traced ones are cut off where they leave the view of the \
+         others.",
+        place.distance
+    );
+    bench.paths(NAME, &format!("paths-{}", place.file), caption, &panels)
 }
 
-fn panel(title: String, paths: &[Vec<DVec3>], name: &str) -> Panel {
-    let flat = |path: &Vec<DVec3>| path.iter().map(|vertex| [vertex.z, vertex.y]).collect();
-    let light = vec![[DISTANCE, -RADIUS], [DISTANCE, RADIUS]];
-    Panel { title, paths: paths.iter().map(flat).collect(), lights: vec![light], colour: plot::colour(name, 0) }
+fn panel(place: &Place, title: String, paths: &[Vec<DVec3>], name: &str) -> Panel {
+    let flat = |point: &DVec3| [point.z, point.y];
+    let light = vec![[place.distance, -place.radius], [place.distance, place.radius]];
+    Panel {
+        title,
+        paths: paths.iter().map(|path| path.iter().map(flat).collect()).collect(),
+        lights: vec![light],
+        colour: plot::colour(name, 0),
+        arrow: Some(flat(&world::ARRIVING)),
+        is_cut: false,
+    }
 }
 
-fn histogram(bench: &Bench<'_>, all: &[Made], unit: f64) -> Result<Plot> {
-    let logs: Vec<Vec<f64>> = all.iter().map(|made| made.logs(unit)).collect();
+fn histogram(bench: &Bench<'_>, Found { place, all, unit, .. }: &Found) -> Result<Plot> {
+    let logs: Vec<Vec<f64>> = all.iter().map(|made| made.logs(*unit)).collect();
     let range = shown(&logs);
     let bins = (2.0 * range.length()) as usize;
     let curve = |((index, made), logs): ((usize, &Made), &Vec<f64>)| {
-        Curve::new(made.name, plot::bars(logs, range, bins), Look::Steps, plot::COLOURS[[6, 0, 4, 2][index]])
+        let (name, points) = if is_in_sight(logs) {
+            (made.name.into(), plot::bars(logs, range, bins))
+        } else {
+            (format!("{}: out of sight, about 1e{}", made.name, median(logs).round()), Vec::new())
+        };
+        Curve::new(name, points, Look::Steps, plot::COLOURS[[6, 0, 4, 2][index]])
     };
     let chart = Chart {
-        title: format!("contributions of paths of {VERTICES} vertices"),
+        title: format!("contributions of paths of {VERTICES} vertices, {} mean free paths", place.distance),
         x: Axis::linear("log10 of contribution over mean"),
         y: Axis::linear("density"),
         curves: all.iter().enumerate().zip(&logs).map(curve).collect(),
         from_zero: true,
-        legend: Corner::UpperMiddle,
     };
-    let caption = "Contributions of single samples. A technique is good if all of them are near the mean, 0.";
-    bench.plot(NAME, "contributions", caption, &chart)
+    let caption = format!(
+        "Contributions of single samples, a light {} mean free paths away. A technique is good if all of them are near \
+         the mean, 0. What is below 1e-{SIGHT} is not shown.",
+        place.distance
+    );
+    bench.plot(NAME, &format!("contributions-{}", place.file), caption, &chart)
 }
 
-/// What a histogram of all of `logs` shows: all of them but one in a hundred of the smallest.
+/// Whether some of the contributions of a technique are near those of others, given their logarithms in order.
+fn is_in_sight(logs: &[f64]) -> bool {
+    median(logs) > -SIGHT
+}
+
+/// What a histogram of `logs`, each in order, shows: all that is in sight but one in a hundred of the smallest.
 fn shown(logs: &[Vec<f64>]) -> Range {
-    let ends = logs.iter().filter(|logs| !logs.is_empty()).map(|logs| {
-        let mut logs = logs.clone();
-        logs.sort_by(f64::total_cmp);
-        [logs[logs.len() / 100], logs[logs.len() - 1]]
-    });
+    let ends = logs.iter().filter(|logs| is_in_sight(logs)).map(|logs| [logs[logs.len() / 100], logs[logs.len() - 1]]);
     let [low, high] = ends.fold([-4.0, 4.0], |[low, high], ends| [f64::min(low, ends[0]), f64::max(high, ends[1])]);
-    Range { low: low.floor(), high: high.ceil() }
+    Range { low: low.floor().max(-SIGHT), high: high.ceil() }
 }
 
 #[cfg(test)]
@@ -203,13 +270,17 @@ mod tests {
 
     #[test]
     fn paths_lead_from_the_start_to_the_light_through_so_many_vertices() {
-        let world = World::new(VERTICES, DISTANCE, RADIUS, G);
-        for maker in &MAKERS {
-            for sample in 0..20 {
+        for (place, maker) in PLACES.iter().flat_map(|place| MAKERS.iter().map(move |maker| (place, maker))) {
+            let world = World::new(VERTICES, place.distance, place.radius, G);
+            for sample in 0..10 {
                 let Sample { path, ln } = (maker.make)(&world, sample);
                 assert_eq!((path.len(), path[0]), (VERTICES + 2, DVec3::ZERO), "{}", maker.name);
                 let end = path[VERTICES + 1];
-                assert!((end.z - DISTANCE).abs() < 1e-9 && end.truncate().length() <= RADIUS, "{}", maker.name);
+                assert!(
+                    (end.z - place.distance).abs() < 1e-9 && end.truncate().length() <= place.radius,
+                    "{}",
+                    maker.name
+                );
                 assert!(!ln.is_nan() && ln < f64::INFINITY, "{}", maker.name);
             }
         }
@@ -254,9 +325,13 @@ mod tests {
     }
 
     #[test]
-    fn the_histogram_shows_all_techniques() {
-        let far = (0..100).map(|k| -60.0 - f64::from(k)).collect::<Vec<_>>();
-        let range = shown(&[vec![0.0, 1.0], far, Vec::new()]);
-        assert_eq!((range.low, range.high), (-158.0, 4.0));
+    fn the_histogram_shows_what_is_in_sight() {
+        let low = (0..100).map(|k| -50.0 + 0.5 * f64::from(k)).collect::<Vec<_>>();
+        let far = (0..100).map(|k| -190.0 + f64::from(k)).collect::<Vec<_>>();
+        let range = shown(&[vec![0.0, 1.0], low, far.clone(), Vec::new()]);
+        assert_eq!((range.low, range.high), (-50.0, 4.0));
+        let long = (0..100).map(|k| -99.0 + f64::from(k)).collect::<Vec<_>>();
+        assert_eq!(shown(&[long]).low, -SIGHT, "tails end where sight does");
+        assert!(!is_in_sight(&far) && !is_in_sight(&[]));
     }
 }

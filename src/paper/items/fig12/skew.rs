@@ -7,14 +7,14 @@
 //! mean over MVNEE's paths of (f / p_M where f / p_M < W)  =  mean over bridges' paths of (f / p_B where f / p_M < W)
 //! ```
 //!
-//! Both sides have a small variance, on the left because W bounds it. If they agree for every W, MVNEE's density is that
-//! of its sampler, and what its mean lacks is in contributions that are larger than any of its samples.
+//! Both sides have a small variance, on the left because W bounds it. If they agree for every W, MVNEE's density is
+//! that of its sampler, and what its mean lacks is in contributions that are larger than any of its samples.
 
 use super::world::{MAKERS, Sample, World};
 use crate::error::Result;
 use crate::paper::bench::Bench;
 use crate::paper::section::{Cell, Column, Plot, Show, Table};
-use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
+use crate::plot::{self, Axis, Chart, Curve, Look};
 
 /// Vertices between start and light, the light's distance and radius in mean free paths, and mean cosine.
 const FEW: usize = 3;
@@ -102,10 +102,9 @@ pub fn of_few_vertices(bench: &Bench<'_>, item: &str) -> Result<(Table, Plot)> {
             Curve::new("MVNEE: what it finds", points(|below| below.found.0), Look::Marks, plot::COLOURS[0]),
         ],
         from_zero: true,
-        legend: Corner::UpperLeft,
     };
-    let caption = "What MVNEE finds in contributions below a limit, and what is there. Where its marks leave the line, so \
-                   large a contribution is too rare for as many samples.";
+    let caption = "What MVNEE finds in contributions below a limit, and what is there. Where its marks leave the line, \
+                   so large a contribution is too rare for as many samples.";
     Ok((table, bench.plot(item, "skew", caption, &chart)?))
 }
 

@@ -9,7 +9,9 @@ use serde_json::json;
 
 use super::NAME;
 use crate::image::exr;
+use crate::paper::Tell;
 use crate::paper::bench::Bench;
+use crate::paper::size::STEPS;
 use crate::paper::turns::{Log, Renders};
 use crate::scene::LoadedScene;
 use crate::scene::schema::Segments;
@@ -18,6 +20,8 @@ use crate::scene::schema::Segments;
 const SCRIPT: &str = "beside_mitsuba.py";
 /// What it says of its errors.
 const LOG: &str = "mitsuba.log";
+/// Calls in its time, at least: enough that they end near it, and not more, as calls of many paths are faster per path.
+const CALLS: f64 = STEPS;
 /// What runs it.
 const PYTHON: &str = "python3";
 
@@ -42,14 +46,21 @@ pub fn is_there() -> bool {
 }
 
 impl Mitsuba {
-    /// Starts it with a scene, of which it will leave an EXR image called `image`. Or says why that does not work.
-    pub fn start(bench: &Bench<'_>, name: &str, scene: &LoadedScene, image: &str) -> Result<Self, String> {
+    /// Starts it with a scene, of which it will leave an EXR image called `image` after `seconds` of rendering. Or says
+    /// why that does not work.
+    pub fn start(
+        bench: &Bench<'_>,
+        name: &str,
+        scene: &LoadedScene,
+        image: &str,
+        seconds: f64,
+    ) -> Result<Self, String> {
         let script = bench.scenes.folder(SCRIPT);
         if !script.is_file() {
             return Err(format!("there is no {}", script.display()));
         }
         let file = bench.folder.file(NAME, &format!("{name}.json")).map_err(|error| error.to_string())?;
-        let text = keys(bench, name, scene)?.to_string();
+        let text = keys(bench, name, scene, seconds / CALLS)?.to_string();
         bench.folder.write(&file, &text).map_err(|error| error.to_string())?;
         let mut command = Command::new(PYTHON);
         let log = file.with_file_name(LOG);
@@ -93,8 +104,8 @@ impl Mitsuba {
 }
 
 impl Renders for Mitsuba {
-    fn take(&mut self, samples: u32) -> Result<(f64, f64), String> {
-        // It renders a few samples at a time, so they may be more.
+    fn take(&mut self, samples: u32, _: &dyn Tell) -> Result<(f64, f64), String> {
+        // It renders a few samples at a time, so these may be more.
         let told = self.ask(&format!("render {samples}"))?;
         let figures: Vec<f64> = told.split_whitespace().filter_map(|figure| figure.parse().ok()).collect();
         let [seconds, samples] = figures[..] else { return Err(format!("Mitsuba says {told:?}")) };
@@ -122,8 +133,8 @@ impl Drop for Mitsuba {
     }
 }
 
-/// What the script has to know of a scene.
-fn keys(bench: &Bench<'_>, name: &str, loaded: &LoadedScene) -> Result<serde_json::Value, String> {
+/// What the script has to know of a scene, of which a call is to take about `call` seconds.
+fn keys(bench: &Bench<'_>, name: &str, loaded: &LoadedScene, call: f64) -> Result<serde_json::Value, String> {
     let scene = &loaded.scene;
     let Some(medium) = &scene.medium else { return Err(format!("{name} has no medium")) };
     let Segments::Most(segments) = scene.render.max_segments else { return Err(format!("{name} has no limit")) };
@@ -150,5 +161,6 @@ fn keys(bench: &Bench<'_>, name: &str, loaded: &LoadedScene) -> Result<serde_jso
         "lights": lights.collect::<Vec<_>>(),
         "geometry": geometry,
         "max_segments": segments,
+        "call": call,
     }))
 }

@@ -1,15 +1,16 @@
-//! The power of a law, from what is measured of it.
+//! The power by which times grow.
 //!
-//! Time per sample is `a + b x^p`: something that every sample costs, and something that grows. The power p is that which
-//! fits best, with the best a and b for it; all times are taken to be off by the same share of themselves.
+//! No law `a + b x^p` fits them all the way: what every sample costs, half-filled batches and caches that are too small
+//! have their share here and there. What is asked for is how times go on growing: the power between the last two
+//! places,
+//!
+//! ```text
+//! p = ln (time at the last place / time at the one before) / ln (last place / place before)
+//! ```
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::paper::ratio::CONFIDENCE;
-
-/// Powers among which is looked.
-const POWERS: [f64; 2] = [0.05, 4.0];
-const STEPS: u32 = 4000;
 
 /// A power with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,9 +22,9 @@ pub struct Power {
 }
 
 impl Power {
-    /// That of the law by which every one of `turns` goes, given as values for `places`.
+    /// That by which every one of `turns` grows at the end, given as values for `places`.
     pub fn of(places: &[f64], turns: &[Vec<f64>]) -> Self {
-        Self::mean(turns.iter().map(|times| fitted(places, times)).collect())
+        Self::mean(turns.iter().map(|times| at_the_end(places, times)).collect())
     }
 
     /// The mean of independent results.
@@ -36,26 +37,19 @@ impl Power {
         let reach = law.map_or(f64::INFINITY, |law| law.inverse_cdf(0.5 + 0.5 * CONFIDENCE) * error);
         Self { value, reach }
     }
+
+    /// Whether its interval reaches up to `power`, or beyond.
+    pub fn may_be(self, power: f64) -> bool {
+        self.value + self.reach >= power
+    }
 }
 
-/// The power that fits best.
-pub fn fitted(places: &[f64], times: &[f64]) -> f64 {
-    let power = |step: u32| POWERS[0] + (POWERS[1] - POWERS[0]) * f64::from(step) / f64::from(STEPS);
-    let misfits = (0..=STEPS).map(|step| (power(step), misfit(places, times, power(step))));
-    misfits.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(f64::NAN, |best| best.0)
-}
-
-/// Sum of squares of relative misfits of the best `a + b x^power`.
-fn misfit(places: &[f64], times: &[f64], power: f64) -> f64 {
-    // Over the time all of them are to be 1: a u + b v = 1.
-    let terms = || places.iter().zip(times).map(|(place, time)| (1.0 / time, place.powf(power) / time));
-    let [uu, uv, vv, u, v] = terms().fold([0.0; 5], |sums, (u, v)| {
-        let terms = [u * u, u * v, v * v, u, v];
-        core::array::from_fn(|k| sums[k] + terms[k])
-    });
-    let determinant = uu * vv - uv * uv;
-    let (a, b) = ((u * vv - v * uv) / determinant, (v * uu - u * uv) / determinant);
-    terms().map(|(u, v)| (a * u + b * v - 1.0).powi(2)).sum()
+/// The power between the last two places; not a number if there are none.
+fn at_the_end(places: &[f64], times: &[f64]) -> f64 {
+    match (places, times) {
+        ([.., a, b], [.., first, last]) => (last / first).ln() / (b / a).ln(),
+        _ => f64::NAN,
+    }
 }
 
 #[cfg(test)]
@@ -65,22 +59,21 @@ mod tests {
     const PLACES: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 
     #[test]
-    fn what_every_sample_costs_does_not_hide_the_power() {
+    fn the_power_is_that_at_the_end() {
         for power in [0.5, 1.0, 2.0, 3.0] {
-            for a in [0.0, 100.0, 10_000.0] {
-                let times = PLACES.map(|x| a + 3.0 * x.powf(power));
-                let found = fitted(&PLACES, &times);
-                assert!((found - power).abs() < 2e-3, "{found} for {power} above {a}");
-            }
+            let times = PLACES.map(|x| if x < 30.0 { 1.0 } else { 3.0 * x.powf(power) });
+            assert!((at_the_end(&PLACES, &times) - power).abs() < 1e-9);
         }
+        assert!(at_the_end(&PLACES[..1], &[1.0]).is_nan());
     }
 
     #[test]
     fn turns_that_differ_leave_an_interval() {
-        let turn = |shake: f64| PLACES.map(|x| (100.0 + x * x) * (1.0 + shake * (x / 10.0).sin())).to_vec();
+        let turn = |shake: f64| PLACES.map(|x| x * x * (1.0 + shake * (x / 10.0).sin())).to_vec();
         let turns = [0.0, 0.01, -0.01, 0.005, -0.005].map(turn);
-        let Power { value, reach } = Power::of(&PLACES, &turns);
-        assert!((value - 2.0).abs() < reach && reach < 0.1, "{value} +- {reach}");
+        let power = Power::of(&PLACES, &turns);
+        assert!((power.value - 2.0).abs() < power.reach && power.reach < 0.1, "{power:?}");
+        assert!(power.may_be(2.0) && !power.may_be(2.2));
         assert_eq!(Power::of(&PLACES, &turns[..1]).reach, f64::INFINITY);
     }
 }

@@ -8,7 +8,7 @@ use super::{NAME, ground};
 use crate::error::{Error, Result};
 use crate::paper::bench::Bench;
 use crate::paper::section::{Cell, Column, Plot, Show, Table};
-use crate::plot::{self, Axis, Chart, Corner, Curve, Look};
+use crate::plot::{self, Axis, Chart, Curve, Look};
 
 /// Sides of images in pixels.
 const SIDES: [u32; 5] = [64, 128, 256, 512, 1024];
@@ -75,7 +75,6 @@ impl Grown {
             y: Axis::logarithmic("memory [MB]"),
             curves: vec![Curve::new("bridges", self.points.clone(), Look::MarkedLine, plot::colour("bridges", 0))],
             from_zero: false,
-            legend: Corner::UpperLeft,
         };
         let caption = "Most memory of a process that renders one sample of fog-facing and writes an EXR image.";
         bench.plot(NAME, self.file, caption, &chart)

@@ -12,6 +12,12 @@ use crate::scene::LoadedScene;
 pub const LONG_MVNEE: &str = "MVNEE, any length";
 pub const LONG_BRIDGES: &str = "bridges";
 
+/// The group in which threads differ.
+pub const THREADS: &str = "threads";
+
+/// Series whose weights are timed.
+const WEIGHED: [&str; 2] = [LONG_MVNEE, LONG_BRIDGES];
+
 /// Settings that differ in one number.
 pub struct Series {
     /// What it is called.
@@ -80,6 +86,8 @@ fn technique(name: &'static str) -> (&'static str, Value) {
 
 /// Side of images where that is not varied.
 const SIDE: u32 = 64;
+/// Side of images of few pixels, so that in little time each has enough samples to fill batches of paths of any length.
+const SMALL: u32 = 16;
 
 /// All series, those of a group in a row.
 pub fn all(bench: &Bench<'_>) -> Result<Vec<Series>> {
@@ -103,10 +111,11 @@ fn segments(bench: &Bench<'_>) -> Result<Vec<Series>> {
         caption: "fog-facing, every vertex connects. Longer paths have more vertices that connect, each with longer \
                   chains and weights.",
     };
-    let with = |name, technique_name, more: Changes<'_>| {
+    let with = |name: &'static str, technique_name, more: Changes<'_>| {
         let setting = |k: i64| {
             let changes = [&[technique(technique_name), ("render.max_segments", Value::from(k))], more].concat();
-            Ok(Setting::of(k as f64, load(bench, "fog-facing", SIDE, &changes)?, bench.threads()))
+            let setting = Setting::of(k as f64, load(bench, "fog-facing", SMALL, &changes)?, bench.threads());
+            Ok(if WEIGHED.contains(&name) { setting.with_weights() } else { setting })
         };
         group.series(name, [5, 10, 20, 40, 80].into_iter().map(setting))
     };
@@ -138,10 +147,10 @@ fn connections(bench: &Bench<'_>) -> Result<Vec<Series>> {
 
 fn threads(bench: &Bench<'_>) -> Result<Vec<Series>> {
     let group = Group {
-        group: "threads",
+        group: THREADS,
         file: "threads",
         axis: "threads",
-        caption: "dense-plate. Processor time per sample: a level line is a perfect gain.",
+        caption: "dense-plate. Processor time per sample: level where every thread does as much as one alone.",
     };
     let most = bench.threads().max(2);
     let counts: Vec<usize> = (0..).map(|power| 1 << power).take_while(|count| *count <= most).collect();
@@ -155,7 +164,7 @@ fn lanes(bench: &Bench<'_>) -> Result<Vec<Series>> {
         group: "paths in flight",
         file: "wavefront",
         axis: "paths in flight per thread",
-        caption: "dense-plate. Few paths leave lanes empty, many do not fit the caches.",
+        caption: "dense-plate. With few paths lanes may be empty; many may not fit the caches.",
     };
     group.by_technique(&[64, 256, 1024, 4096, 16384], |lanes, technique| {
         let scene = load(bench, "dense-plate", SIDE, &[technique])?;
@@ -168,7 +177,7 @@ fn pixels(bench: &Bench<'_>) -> Result<Vec<Series>> {
         group: "pixels",
         file: "resolution",
         axis: "width and height [pixels]",
-        caption: "dense-plate. Samples cost the same, however many pixels they are of.",
+        caption: "dense-plate. In small images few paths are in flight at a time.",
     };
     group.by_technique(&[16, 32, 64, 128, 256], |side, technique| {
         Ok(Setting::of(f64::from(side), load(bench, "dense-plate", side, &[technique])?, bench.threads()))
