@@ -80,6 +80,7 @@ impl Tell for Teller<'_> {
 pub fn run(args: &PaperArgs) -> Result<ExitCode> {
     let items = paper::named(&args.items)?;
     let signals = Signals::watch()?;
+    args.summary.iter().try_for_each(|path| summary::check(path))?;
     let folder = Folder::open(&args.output)?;
     let (scenes, teller) = (Scenes::find(args.scenes.as_deref()), Teller(&signals));
     cpu::advice().iter().for_each(|advice| tell(format!("warning: {advice}")));

@@ -16,6 +16,29 @@ pub fn write_film(writer: impl Write, film: &Film, exposure: Exposure) -> core::
     write_rows(writer, [region.width(), region.height()], rows, &[note])
 }
 
+/// Writes pixels that are indices into a `palette` of red, green and blue.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_indexed(
+    writer: impl Write,
+    size: [u32; 2],
+    palette: &[u8],
+    indices: &[u8],
+) -> core::result::Result<(), String> {
+    let failed = |error: png::EncodingError| error.to_string();
+    let mut encoder = png::Encoder::new(writer, size[0], size[1]);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette);
+    encoder.set_compression(png::Compression::High);
+    // Differences of indices mean nothing.
+    encoder.set_filter(png::Filter::NoFilter);
+    let mut png = encoder.write_header().map_err(failed)?;
+    png.write_image_data(indices).map_err(failed)?;
+    png.finish().map_err(failed)
+}
+
 /// Writes rows of RGB bytes.
 ///
 /// # Errors

@@ -19,6 +19,7 @@ pub mod run;
 pub mod scenes;
 pub mod section;
 pub mod size;
+mod strip;
 pub mod summary;
 pub mod table;
 pub mod turns;

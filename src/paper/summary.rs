@@ -5,44 +5,92 @@ use std::fs;
 use std::path::Path;
 
 use super::folder::Folder;
-use super::section::{Gallery, Section, Table};
-use super::{CITATION, ITEMS};
+use super::section::{Section, Table};
+use super::{CITATION, ITEMS, REMARKS, strip};
 use crate::error::{Error, Result};
-use crate::image::tone::Exposure;
-use crate::image::{Image, exr, png};
 use crate::output;
 
-/// Longest side of a picture in pixels.
-const SIDE: usize = 112;
-/// Pictures in a row.
-const ROW: usize = 5;
-/// Pixels between pictures.
-const GAP: usize = 4;
+/// Most bytes of all strips together: with the map of differences pictures stay below 3 MB.
+const MOST_BYTES: usize = 2_700_000;
+/// Galleries of an item beyond which its pictures are smaller.
+const MANY: f64 = 3.0;
 
-/// Writes `README.md` and its pictures to the folder at `to`, which is made if it is not there.
+/// The page.
+const PAGE: &str = "README.md";
+
+/// Makes the folder at `to` if it is not there, and fails if nothing can be written there.
 ///
 /// # Errors
-/// If something cannot be read or written.
-pub fn write(folder: &Folder, to: &Path) -> Result<()> {
+/// Which are those.
+pub fn check(to: &Path) -> Result<()> {
     fs::create_dir_all(to).map_err(|error| {
         let finding = format!("cannot be made: {error}");
         Error::failure(format!("--summary {}", to.display()), finding, "give a folder that can be written")
     })?;
+    output::check(&to.join(PAGE))
+}
+
+/// Writes the page and its pictures to the folder at `to`, which is made if it is not there.
+///
+/// # Errors
+/// If something cannot be read or written.
+pub fn write(folder: &Folder, to: &Path) -> Result<()> {
+    check(to)?;
     let mut text = format!(
         "# The paper, reproduced\n\n{CITATION}.\n\nThis page is written by fogbow itself, with the pictures beside it:\n\
-         \n```\ncargo run --release -- paper -o out/paper --summary docs/paper\n```\n\n`out/paper/index.html` is then the \
-         whole report, with pictures to compare by flip and wipe, error maps, exposure and all data. Our cameras are \
-         right-handed, so that pictures are mirror images of those in the paper.\n"
+         \n```\ncargo run --release -- paper --references 15min -o out/paper --summary docs/paper\n```\n\n\
+         `out/paper/index.html` is then the whole report, with pictures to compare by flip and wipe, error maps, \
+         exposure and all data. Our cameras are right-handed, so that pictures are mirror images of those in the paper.\n"
     );
-    for section in ITEMS.iter().filter_map(|item| folder.section(item.name)) {
-        add(&mut text, &section, folder, to)?;
+    for remark in REMARKS {
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "\n{remark}");
     }
-    folder.write(&to.join("README.md"), &text)
+    let sections: Vec<Section> = ITEMS.iter().filter_map(|item| folder.section(item.name)).collect();
+    for section in &sections {
+        add(&mut text, section, folder, to)?;
+    }
+    for (name, bytes) in strips(folder, &sections, MOST_BYTES)? {
+        write_bytes(&to.join(name), &bytes)?;
+    }
+    folder.write(&to.join(PAGE), &text)
+}
+
+/// What the strip of a gallery is called.
+fn name(section: &Section, gallery: usize) -> String {
+    format!("{}-{}.png", section.item, gallery + 1)
+}
+
+/// All galleries as strips, by their names, so large that together they have at most `most` bytes.
+fn strips(folder: &Folder, sections: &[Section], most: usize) -> Result<Vec<(String, Vec<u8>)>> {
+    let mut scale = 1.0;
+    loop {
+        let mut all = Vec::new();
+        for section in sections {
+            let own = scale * (MANY / section.galleries.len() as f64).sqrt().min(1.0);
+            for (index, gallery) in section.galleries.iter().enumerate() {
+                let bytes = strip::png(folder, gallery, own)?;
+                let failed = |error| Error::failure("--summary", error, "this is a fault of fogbow; report it");
+                all.push((name(section, index), bytes.map_err(failed)?));
+            }
+        }
+        let bytes: usize = all.iter().map(|(_, bytes)| bytes.len()).sum();
+        if bytes <= most || scale < 0.1 {
+            return Ok(all);
+        }
+        scale *= 0.95 * (most as f64 / bytes as f64).sqrt();
+    }
+}
+
+fn write_bytes(to: &Path, bytes: &[u8]) -> Result<()> {
+    output::write(to, || false, |file| file.write_all(bytes).map_err(|error| error.to_string()))
 }
 
 fn add(text: &mut String, section: &Section, folder: &Folder, to: &Path) -> Result<()> {
-    // Writing to a text cannot fail.
     let _ = writeln!(text, "\n## {}", section.title);
+    if let Some(warning) = section.made.busy() {
+        let _ = writeln!(text, "\n**Warning:** {warning}.");
+    }
     for paragraph in &section.text {
         let _ = writeln!(text, "\n{paragraph}");
     }
@@ -56,32 +104,23 @@ fn add(text: &mut String, section: &Section, folder: &Folder, to: &Path) -> Resu
         );
     }
     for (index, gallery) in section.galleries.iter().enumerate() {
-        let name = format!("{}-{}.png", section.item, index + 1);
-        write_strip(folder, gallery, &to.join(&name))?;
-        let names: Vec<_> =
-            gallery.pictures.iter().map(|picture| format!("{} ({})", picture.name, picture.note)).collect();
-        let _ = writeln!(
-            text,
-            "\n![{}]({name})\n\n{} From left to right: {}.",
-            gallery.caption,
-            gallery.caption,
-            names.join("; ")
-        );
+        let names: Vec<_> = gallery.pictures.iter().map(|picture| picture.name.as_str()).collect();
+        let name = name(section, index);
+        let _ = writeln!(text, "\n![{}]({name})\n\n{}", names.join("; "), gallery.caption);
     }
     for table in &section.tables {
         add_table(text, table);
     }
-    for plot in section.plots.iter().filter(|plot| plot.file.ends_with(".svg")) {
+    for plot in &section.plots {
         let name = format!("{}-{}", section.item, plot.file);
         let from = folder.path(&format!("{}/{}", section.item, plot.file));
-        let drawing = fs::read_to_string(&from).map_err(|error| {
+        let drawing = fs::read(&from).map_err(|error| {
             Error::failure(from.display(), format!("cannot be read: {error}"), "run the command again")
         })?;
-        folder.write(&to.join(&name), &drawing)?;
+        write_bytes(&to.join(&name), &drawing)?;
         let _ = writeln!(text, "\n![{}]({name})\n\n{}", plot.caption, plot.caption);
     }
-    let made = &section.made;
-    let _ = writeln!(text, "\n{}, {}, {} threads.", made.date, made.processor, made.threads);
+    let _ = writeln!(text, "\n{}", section.made.line());
     Ok(())
 }
 
@@ -97,69 +136,38 @@ fn add_table(text: &mut String, table: &Table) {
     }
 }
 
-/// The pictures of a gallery in rows, small.
-fn write_strip(folder: &Folder, gallery: &Gallery, to: &Path) -> Result<()> {
-    let images: Vec<Image> =
-        gallery.pictures.iter().map(|picture| exr::read_image(&folder.path(&picture.file))).collect::<Result<_>>()?;
-    let small: Vec<Small> = images.iter().map(|image| Small::of(image, Exposure(gallery.exposure))).collect();
-    let [width, height] = [0, 1].map(|axis| small.iter().map(|small| small.size[axis]).max().unwrap_or(1));
-    let (columns, rows) = (small.len().clamp(1, ROW), small.len().div_ceil(ROW).max(1));
-    let size = [columns * (width + GAP) - GAP, rows * (height + GAP) - GAP];
-    let mut pixels = vec![[255_u8; 3]; size[0] * size[1]];
-    for (index, small) in small.iter().enumerate() {
-        let (left, top) = (index % ROW * (width + GAP), index / ROW * (height + GAP));
-        for (y, row) in small.pixels.chunks(small.size[0]).enumerate() {
-            let start = (top + y) * size[0] + left;
-            pixels[start..start + row.len()].copy_from_slice(row);
-        }
-    }
-    let lines = pixels.chunks(size[0]).map(|row| row.iter().flatten().copied());
-    output::write(to, || false, |file| png::write_rows(file, size.map(|length| length as u32), lines, &[]))
-}
-
-/// A small picture.
-struct Small {
-    size: [usize; 2],
-    pixels: Vec<[u8; 3]>,
-}
-
-impl Small {
-    /// Means of radiances, exposed.
-    fn of(image: &Image, exposure: Exposure) -> Self {
-        let full = [image.width, image.height];
-        let longest = full[0].max(full[1]);
-        let size = full.map(|length| if longest > SIDE { (length * SIDE / longest).max(1) } else { length });
-        let planes = ["R", "G", "B"].map(|name| image.channel(name).unwrap_or_default());
-        let span = |place: usize, axis: usize| {
-            let edge = |place: usize| place * full[axis] / size[axis];
-            edge(place)..edge(place + 1).max(edge(place) + 1)
-        };
-        let mean = |plane: &[f32], x: usize, y: usize| {
-            let places = span(y, 1).flat_map(|row| span(x, 0).map(move |column| row * full[0] + column));
-            let (sum, count) = places.fold((0.0, 0.0), |(sum, count), place| {
-                (sum + plane.get(place).copied().map_or(0.0, f64::from), count + 1.0)
-            });
-            sum / count
-        };
-        let pixel = |(y, x): (usize, usize)| exposure.encode(planes.map(|plane| mean(plane, x, y)));
-        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (y, x))).map(pixel).collect();
-        Self { size, pixels }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::section::{Cell, Column, Show};
+    use crate::paper::bench::write_planes;
+    use crate::paper::section::{Cell, Column, Gallery, Picture, Show};
+
+    /// A folder with a gallery of noise, which hardly any compression makes smaller.
+    fn noise(folder: &Folder) -> Section {
+        let size = [240_u32, 240];
+        let value =
+            |i: u32| [(i * 7919 % 101) as f32 / 50.0, (i * 104_729 % 103) as f32 / 50.0, (i % 97) as f32 / 50.0];
+        let pixels: Vec<_> = (0..size[0] * size[1]).map(value).collect();
+        let pictures = ["a", "b", "c", "d", "e"].map(|name| {
+            let file = format!("fig8/{name}.exr");
+            write_planes(&folder.file("fig8", &format!("{name}.exr")).expect("a folder"), size, &pixels)
+                .expect("a file");
+            Picture { file, name: name.into(), note: "noise".into(), rmse: None }
+        });
+        let gallery =
+            Gallery { caption: "Noise.".into(), exposure: 0.0, pictures: pictures.into(), has_reference: false };
+        Section { item: "fig8".into(), galleries: vec![gallery], ..Section::default() }
+    }
 
     #[test]
-    fn small_pictures_are_means() {
-        let (width, height) = (2 * SIDE, SIDE);
-        let plane = |scale: f32| (0..width * height).map(|i| scale * (i % 2) as f32).collect::<Vec<_>>();
-        let channels = [("R", 2.0), ("G", 1.0), ("B", 0.0)].map(|(name, scale)| (name.to_string(), plane(scale)));
-        let small = Small::of(&Image { width, height, channels: channels.into(), header: vec![] }, Exposure(0.0));
-        assert_eq!(small.size, [SIDE, SIDE / 2]);
-        assert!(small.pixels.iter().all(|pixel| *pixel == Exposure(0.0).encode([1.0, 0.5, 0.0])));
+    fn pictures_shrink_until_all_of_them_fit() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = Folder::open(root.path()).expect("a folder");
+        let sections = [noise(&folder)];
+        let bytes =
+            |most| strips(&folder, &sections, most).expect("strips").iter().map(|one| one.1.len()).sum::<usize>();
+        let all = bytes(usize::MAX);
+        assert!(all > 10_000 && (all / 4..all / 2).contains(&bytes(all / 2)), "{all} {}", bytes(all / 2));
     }
 
     #[test]

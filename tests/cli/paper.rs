@@ -327,6 +327,8 @@ fn what_cannot_be_made_is_refused() {
     folder.refused(&none, 2, "--budget 0s: is no time to render anything\n");
     folder.write("file", "in the way");
     folder.refused(&["paper", "table1", "-o", "file/out"], 1, "file/out/references: cannot be made: ");
+    let late = folder.refused(&["paper", "table1", "-o", "out", "--summary", "file/docs"], 1, "--summary file/docs: ");
+    assert!(!folder.path("out/table1").exists(), "before anything is made: {late}");
     let run = folder.run(&["paper", "fig7", "--scenes", "nowhere", "-o", "out"]);
     assert_eq!(run.code, Some(1), "{run}");
     assert!(
