@@ -6,7 +6,8 @@
 //! Short paths are found by bridges from the first vertices. Few long bridges have nearly all the weight, as they are
 //! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
 //! connect to a light from every vertex by short bridges. Straight lines would be cheaper, but where light goes on as it
-//! came a few of them decide the estimate. To walks, small lights in open fog are as wide as half a mean free path:
+//! came a few of them decide the estimate; they serve where bridges may be cut short, by the bounds of volumes, and where
+//! there is nothing to build one to. To walks, small lights in open fog are as wide as half a mean free path:
 //! after so many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
 //!
 //! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than
@@ -40,7 +41,7 @@ pub const TOLERATED: f64 = 0.01;
 /// Longest side of the small image in pixels, for bridges and for walks.
 const SIDES: [u32; 2] = [32, 16];
 /// Looks whose spread tells how well light is known.
-const LOOKS: u32 = 16;
+const LOOKS: u32 = 8;
 /// Longest paths, in segments, that bridges look for.
 const SHORT: u32 = 32;
 /// Most edges of bridges from the vertices of walks.
@@ -50,10 +51,15 @@ const BRIDGES: [Way; 2] = [
     Way { starts: 1, survival: Survival::CERTAIN, samples: 8 << 10 },
     Way { starts: 2, survival: Survival::Constant(0.9), samples: 4 << 10 },
 ];
-/// How walks look where nothing is solid, and where something is.
-const WALKS: [Way; 2] = [
+/// How walks that connect by bridges look where nothing is solid, and where something is.
+const BRIDGED_WALKS: [Way; 2] = [
     Way { starts: u32::MAX, survival: Survival::CERTAIN, samples: 256 },
     Way { starts: u32::MAX, survival: Survival::Constant(0.99), samples: 256 },
+];
+/// How walks that connect by straight lines look.
+const STRAIGHT_WALKS: [Way; 2] = [
+    Way { starts: u32::MAX, survival: Survival::CERTAIN, samples: 8 << 10 },
+    Way { starts: u32::MAX, survival: Survival::Constant(0.99), samples: 2 << 10 },
 ];
 /// Least probability that a walk goes on where absorption decides it.
 const LEAST_SURVIVAL: f32 = 0.5;
@@ -186,6 +192,7 @@ pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
 }
 
 /// Looks at the light of a frame.
+#[derive(Clone, Copy)]
 struct Looker<'a> {
     frame: &'a Frame,
     size: [u32; 2],
@@ -196,18 +203,24 @@ struct Looker<'a> {
 impl Looker<'_> {
     /// Light by length, with walks as long as they must be; none if it was stopped.
     fn look(&self) -> Option<Light> {
-        let solid = usize::from(!self.frame.surfaces.is_empty());
-        let dark = self.frame.lights.emitters().is_empty();
-        let nee = Techniques { nee: !dark, ..Techniques::default() };
-        let is_straight = dark || self.frame.medium.never_scatters();
-        let connections = |frame: &Frame, edges: u32| if is_straight { nee.clone() } else { bridges(frame, edges) };
-        let short = self.take(connections(self.frame, SHORT - 1), &BRIDGES[solid], SHORT)?;
+        let Frame { surfaces, lights, medium, .. } = self.frame;
+        let solid = usize::from(!surfaces.is_empty());
+        let dark = lights.emitters().is_empty();
+        let straight = Techniques { nee: !dark, ..Techniques::default() };
+        let is_straight = dark || medium.never_scatters();
+        let short = if is_straight { straight.clone() } else { bridges(self.frame, SHORT - 1) };
+        let short = self.take(short, &BRIDGES[solid], SHORT)?;
         let [near, far, farthest] = LONGEST;
-        let walks = self.walks();
         let wide = Frame { lights: lights::widened(self.frame), ..self.frame.clone() };
-        let walker = Looker { frame: &wide, size: self.size, renderer: self.renderer, monitor: self.monitor };
+        let (connections, ways) = if is_straight || self.frame.varies() || lights.has_distant() {
+            (straight, STRAIGHT_WALKS)
+        } else {
+            (bridges(&wide, NEAR), BRIDGED_WALKS)
+        };
+        let walks = self.absorbed(ways[solid]);
+        let walker = Looker { frame: &wide, ..*self };
         let with_walks =
-            |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(connections(&wide, NEAR), way, longest)?));
+            |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(connections.clone(), way, longest)?));
         // As many segments, so fewer walks.
         let fewer = Way { samples: walks.samples * near / far, ..walks };
         let fading = Way { survival: Survival::fading(FADING), ..fewer };
@@ -222,11 +235,10 @@ impl Looker<'_> {
     }
 
     /// Walks that end about where the medium absorbs them.
-    fn walks(&self) -> Way {
-        let (medium, surfaces) = (&self.frame.medium, &self.frame.surfaces);
-        let way = WALKS[usize::from(!surfaces.is_empty())];
+    fn absorbed(&self, walks: Way) -> Way {
+        let medium = &self.frame.medium;
         let albedo = if medium.never_scatters() { 1.0 } else { medium.albedo.into_iter().fold(0.0, f32::max) };
-        Way { survival: (way.survival.at(1) * albedo.clamp(LEAST_SURVIVAL, 1.0)).into(), ..way }
+        Way { survival: (walks.survival.at(1) * albedo.clamp(LEAST_SURVIVAL, 1.0)).into(), ..walks }
     }
 
     /// Light of a sample at each length up to `longest`, look by look; none if they were stopped.
