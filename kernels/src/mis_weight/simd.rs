@@ -12,14 +12,15 @@
 //! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase
 //!    functions only for the techniques that ask for them: bridges do not.
 //! 4. Batches that end at infinity skip what others need. In mixed ones, the rows that do take another sum in the end.
-//! 5. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
+//! 5. Where next event estimation alone competes there is a [shorter way](super::straight).
+//! 6. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
 use wide::{f32x8, u32x8};
 
 use super::colours::Colours;
 use super::passages::Passages;
 use super::starts::Starts;
-use super::{Columns, albedos};
+use super::{Columns, albedos, straight};
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
@@ -34,7 +35,7 @@ use crate::survival::LogSurvival;
 use crate::tables::lights::Lights;
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
-use crate::{Step, WalkLimits, lanes, with_medium, with_phase};
+use crate::{Step, lanes, with_medium, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
@@ -44,6 +45,9 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 
 #[inline(always)]
 fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media: M, phase: P) {
+    if straight::suffices::<M>(&columns) {
+        return straight::weigh(step, columns, media, phase);
+    }
     let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
     let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
         columns;
@@ -95,7 +99,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
             vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
         }
-        let mut sum = batch.reach_of_walk(&starts, walk);
+        let mut sum = starts.reach_of_walk(batch.survival, walk);
         if let Some(colours) = &colours {
             sum *= colours.walked_to_the_light();
             colours.share(fewest_edges..=needed, suffix);
@@ -244,13 +248,6 @@ impl<P: PhaseX8> Batch<'_, P> {
     #[inline(always)]
     fn reach(&self, starts: &Starts, a: usize) -> f32x8 {
         self.survival.reach(starts.depth(a))
-    }
-
-    /// Probability that a walk gets to the light by itself: 0 where it ends before.
-    #[inline(always)]
-    fn reach_of_walk(&self, starts: &Starts, walk: &WalkLimits) -> f32x8 {
-        let walks = lanes::as_mask(starts.segments.simd_le(u32x8::splat(walk.segments)));
-        walks.select(self.survival.reach(starts.segments), f32x8::ZERO)
     }
 
     /// Extends the suffix beyond the start, along the history, to `most_edges` segments, and notes how the path arrives

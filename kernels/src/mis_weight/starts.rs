@@ -4,6 +4,7 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::paths::{LastSurfaceColumns, PathColumns};
 use crate::lanes::LANES;
+use crate::survival::LogSurvival;
 use crate::{Step, WalkLimits, lanes};
 
 /// Which vertices of eight candidates may start a connection. Starts are counted from the light: the vertex at depth
@@ -62,6 +63,13 @@ impl Starts {
     pub fn eligible(&self, a: usize) -> f32x8 {
         let a = u32x8::splat(a as u32);
         lanes::as_mask(self.most_edges.simd_ge(a) & self.fewest_edges.simd_le(a))
+    }
+
+    /// Probability that a walk gets to the light by itself: 0 where it ends before.
+    #[inline(always)]
+    pub fn reach_of_walk(&self, survival: LogSurvival<'_>, walk: &WalkLimits) -> f32x8 {
+        let walks = lanes::as_mask(self.segments.simd_le(u32x8::splat(walk.segments)));
+        walks.select(survival.reach(self.segments), f32x8::ZERO)
     }
 
     /// Depth of vertex `a`.
