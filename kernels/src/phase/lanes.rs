@@ -33,6 +33,24 @@ impl Deflection {
         let across = bitangent.mul_add(self.sine * sin, axis * self.cosine);
         tangent.mul_add(self.sine * cos, across)
     }
+
+    /// A right-handed frame of unit vectors, the last of which is a direction, turned by the deflection at azimuth
+    /// `2 pi turn`: the others go along, so that walks need not find new ones at every turn.
+    ///
+    /// ```text
+    /// e = cos(phi) t + sin(phi) b
+    /// t' = cos(theta) e - sin(theta) d,   b' = cos(phi) b - sin(phi) t,   d' = cos(theta) d + sin(theta) e
+    /// ```
+    #[inline(always)]
+    pub fn carry(&self, [tangent, bitangent, direction]: [Vec3x8; 3], turn: f32x8) -> [Vec3x8; 3] {
+        let (sin, cos) = sin_cos_turn(turn);
+        let towards = bitangent.mul_add(sin, tangent * cos);
+        [
+            direction.mul_add(-self.sine, towards * self.cosine),
+            tangent.mul_add(-sin, bitangent * cos),
+            towards.mul_add(self.sine, direction * self.cosine),
+        ]
+    }
 }
 
 /// A phase function, prepared for eight lanes.

@@ -21,7 +21,7 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 /// The free walk starts at its own origin along z. Edge `k` (0 .. N) takes block k of `BRIDGE_WALK` at the depth of the
 /// start: its length is `-ln(1 - u)` of the first word; unless it is the last, the next two words are cosine (the
 /// inverse of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted
-/// in the [frame](crate::vec3x8::Vec3x8::frame) of its direction.
+/// in a frame that is that of the axes in the beginning and is [carried](crate::phase::Deflection::carry) along.
 ///
 /// With e the unit vector to the end of the walk, p the unit part of z perpendicular to e, and q = e x p, a walk vertex
 /// v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit

@@ -14,7 +14,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::columns::paths::LastSurfaceColumns;
 use crate::connect::bridge::reference::{Start, cell, roll_coefficients, room};
@@ -22,7 +22,7 @@ use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::media::reference::Medium;
-use crate::phase::reference::{Phase, frame, turn};
+use crate::phase::reference::{Phase, frame};
 use crate::{PathLengths, Step, random};
 
 /// The twin; see [`CountKernel`](super::CountKernel).
@@ -142,15 +142,16 @@ pub fn place(bridge: &Bridge, phase: &dyn Phase, from: &Start, point: DVec3, dra
     }
 }
 
-/// The ends of `edges` edges of a walk that starts at the origin along z, with flights of unit rate.
+/// The ends of `edges` edges of a walk that starts at the origin along z, with flights of unit rate. Azimuths are those
+/// of a frame that turns with the walk, and is that of the axes in the beginning.
 fn free_walk(phase: &dyn Phase, edges: usize, draws: &Draws) -> Vec<DVec3> {
-    let (mut position, mut direction) = (DVec3::ZERO, DVec3::Z);
+    let (mut position, mut frame) = (DVec3::ZERO, DMat3::IDENTITY);
     let mut ends = Vec::with_capacity(edges);
     for k in 0..edges {
         let [length, cosine, azimuth] = draws.edge(k);
-        position -= (1.0 - length).ln() * direction;
+        position -= (1.0 - length).ln() * frame.z_axis;
         ends.push(position);
-        direction = turn(direction, phase.sample_cosine(cosine), azimuth);
+        frame *= DMat3::from_rotation_z(TAU * azimuth) * DMat3::from_rotation_y(phase.sample_cosine(cosine).acos());
     }
     ends
 }

@@ -1,6 +1,6 @@
 //! ```text
 //! count: u < eps ? floor(v room) : drawn from the table at tau(s) and gamma
-//! build: x = 0, d = z; per edge: x += -ln(1 - u) d, d = d turned by the phase function
+//! build: x = 0, (t, b, d) = unit vectors; per edge: x += -ln(1 - u) d, (t, b, d) turned by the phase function
 //!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
 //! roll:  psi as the phase function has it,  or tan(psi / 2) = tan(pi (u - 1/2)) at a surface
@@ -97,16 +97,17 @@ fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl Ph
 /// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
 #[inline(always)]
 fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
-    let (mut position, mut direction) = (Vec3x8::ZERO, Vec3x8::splat([0.0, 0.0, 1.0]));
+    let mut frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3x8::splat);
+    let mut position = Vec3x8::ZERO;
     let edges = chain.len() as u32;
     for (k, vertex) in (0..).zip(chain) {
         let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
-        position = direction.mul_add(neg_ln(f32x8::ONE - length), position);
+        position = frame[2].mul_add(neg_ln(f32x8::ONE - length), position);
         vertex.set_batch(b, position);
-        direction = phase.sample(cosine).apply(direction, azimuth);
+        frame = phase.sample(cosine).carry(frame, azimuth);
     }
     let [length, ..] = sequence.uniforms(random::BRIDGE_WALK.nth(edges));
-    direction.mul_add(neg_ln(f32x8::ONE - length), position)
+    frame[2].mul_add(neg_ln(f32x8::ONE - length), position)
 }
 
 /// Moves the vertices of a walk to their places.
