@@ -1,7 +1,5 @@
 //! Figures as people read them, and as programs do.
 
-use std::time::Duration;
-
 use fogbow_kernels::LONGEST_PATH;
 use fogbow_kernels::survival::Survival;
 
@@ -86,9 +84,30 @@ pub fn rate(samples_per_second: f64) -> String {
 pub fn duration(seconds: f64) -> String {
     match seconds {
         ..0.001 => "less than 1 ms".into(),
-        ..0.1 => format!("{:.0} ms", 1e3 * seconds),
-        ..10.0 => format!("{seconds:.1} s"),
-        _ => humantime::format_duration(Duration::from_secs(seconds.round().min(1e10) as u64)).to_string(),
+        ..0.0995 => format!("{:.0} ms", 1e3 * seconds),
+        ..9.95 => format!("{seconds:.1} s"),
+        _ => long_duration(seconds.round().min(LONGEST_DURATION) as u64),
+    }
+}
+
+/// The longest duration that is told `[s]`, and one from which on days are not counted.
+const LONGEST_DURATION: f64 = 1e10;
+const YEAR: u64 = 365 * 24 * 60 * 60;
+
+/// The same of whole seconds.
+fn long_duration(seconds: u64) -> String {
+    let pair = |number: u64, [large, small]: [&str; 2], size: u64| match (number / size, number % size) {
+        (0, rest) => format!("{rest} {small}"),
+        (whole, 0) => format!("{whole} {large}"),
+        (whole, rest) => format!("{whole} {large} {rest} {small}"),
+    };
+    // Of the rounded number: a second less than a day is a day.
+    let rounded = |unit: u64| (seconds + unit / 2) / unit;
+    match (rounded(60), rounded(60 * 60)) {
+        _ if seconds < 60 * 60 => pair(seconds, ["min", "s"], 60),
+        (minutes, _) if minutes < 24 * 60 => pair(minutes, ["h", "min"], 60),
+        (_, hours) if seconds < YEAR => pair(hours, ["d", "h"], 24),
+        _ => format!("{} years", number(seconds as f64 / YEAR as f64, 3)),
     }
 }
 
@@ -138,6 +157,10 @@ mod tests {
         assert_eq!(rate(1_500.0), "1.5 k samples/s");
         assert_eq!(duration(0.0123), "12 ms");
         assert_eq!(duration(3.21), "3.2 s");
-        assert_eq!(duration(75.2), "1m 15s");
+        assert_eq!(duration(9.96), "10 s");
+        assert_eq!(duration(41.4), "41 s");
+        assert_eq!([59.6, 75.2].map(duration), ["1 min", "1 min 15 s"]);
+        assert_eq!([7500.0, 86_399.0, 8_000_113.0].map(duration), ["2 h 5 min", "1 d", "92 d 14 h"]);
+        assert_eq!([1e8, f64::INFINITY].map(duration), ["3.17 years", "317 years"]);
     }
 }

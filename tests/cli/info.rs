@@ -99,7 +99,7 @@ fn a_checkpoint_says_what_it_is_of() {
     }
     assert!(text.contains(" per pixel, ") && text.contains(" in 64 tiles; "), "{text}");
     assert!(text.contains(" of 1000000 samples per pixel, or "), "{text}");
-    assert!(text.contains(" % of 9h, or about ") && text.contains(" of the way to a noise of 0.000100 %\n"), "{text}");
+    assert!(text.contains(" % of 9 h, or about ") && text.contains(" of the way to a noise of 0.000100 %\n"), "{text}");
     assert!(text.contains("Z, ") && text.ends_with(" ago\n"), "{text}");
     // The hash is that of the image.
     folder.done(&["render", "scene.toml", "-o", "b.exr", "--size", "64x64", "--seed", "7"]);
