@@ -113,7 +113,7 @@ for _ in $(seq 300); do
 done
 kill -TERM "$(cat pid)"
 wait $!
-says f.log 'openjd_status: stopped after .* samples; --resume goes on from'
+says f.log 'openjd_status: stopped after .* per pixel.*; --resume goes on from'
 says f.log 'exited with code: 75'
 run f 300 300 -p Checkpoint=1s --step Merge --run-dependencies >g.log
 says g.log 'openjd_status: going on after'

@@ -47,16 +47,16 @@ pub fn finish(
     noisy: &mut Option<Error>,
 ) -> Result<ExitCode> {
     let Ending { session, outcome, signals, plan, denoising, kept, .. } = *ending;
-    let (stopped, samples) = (signals.exit_code(), session.film.samples());
-    if stopped.is_some() && samples == 0 {
+    let stopped = signals.exit_code();
+    if stopped.is_some() && session.film.samples() == 0 {
         return Ok(nothing(signals, plan.is_asked_for(), reporter));
     }
     if kept.is_all() && signals.ended_by_others() {
-        reporter.line(format!("stopped after {samples} samples; --resume goes on from {}", checkpoint(plan)));
+        reporter.line(format!("stopped after {}; --resume goes on from {}", per_pixel(session), checkpoint(plan)));
         return Ok(ExitCode::from(TO_BE_RESUMED));
     }
     if stopped.is_some() {
-        reporter.line(format!("stopped after {samples} samples; writing the results so far"));
+        reporter.line(format!("stopped after {}; writing the results so far", per_pixel(session)));
     }
     let errors = write(ending, outputs, stats, reporter);
     if !errors.is_empty() {
@@ -139,18 +139,24 @@ fn tell_all(errors: &[Error], signals: &Signals, reporter: &Reporter) -> ExitCod
     signals.exit_code().filter(|_| only_waits).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
-/// What was rendered, in one line.
-fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> String {
-    let (samples, seconds) = (session.film.samples() as f64, outcome.elapsed.as_secs_f64());
-    let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
-    let per_pixel = match samples / session.film.region().pixels() as f64 {
+/// How many samples there are, as people ask for them.
+pub fn per_pixel(session: &Session) -> String {
+    let film = &session.film;
+    match film.samples() as f64 / film.region().pixels() as f64 {
         1.0 => "1 sample per pixel".into(),
         count if session.is_adaptive() => {
-            let (least, most) = (session.film.fewest_samples(), session.film.most_samples());
+            let (least, most) = (film.fewest_samples(), film.most_samples());
             format!("{} samples per pixel ({least} to {most})", number(count, 4))
         }
         count => format!("{} samples per pixel", number(count, 4)),
-    };
+    }
+}
+
+/// What was rendered, in one line.
+fn summary(session: &Session, outcome: &Outcome, outputs: &[ImageOutput]) -> String {
+    let seconds = outcome.elapsed.as_secs_f64();
+    let names: Vec<_> = outputs.iter().map(|image| image.path.display().to_string()).collect();
+    let per_pixel = per_pixel(session);
     // There is none with one sample per pixel, or in a black image.
     let noise = Some(session.film.relative_noise()).filter(|noise| noise.is_finite());
     let (mean, error) = session.film.mean();

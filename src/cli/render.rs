@@ -10,7 +10,7 @@ use super::checkpoints::Plan;
 use super::denoising::{DENOISE, Denoising};
 use super::destinations::{self, Destination};
 use super::done;
-use super::finish::{Ending, finish, nothing};
+use super::finish::{Ending, finish, nothing, per_pixel};
 use super::frames::{self, Sequence};
 use super::keeper::{Keeper, Kept};
 use super::loading;
@@ -126,7 +126,7 @@ impl Run<'_> {
         if let Some(mut checkpoint) = checkpoint.filter(|_| !self.signals.came()) {
             session.resume(&mut checkpoint)?;
             request.plan.check_limits(&session, checkpoint.limits(), &self.reporter)?;
-            self.reporter.line(format!("going on after {} samples", session.film.samples()));
+            self.reporter.line(format!("going on after {}", per_pixel(&session)));
         }
         let session = Arc::new(session);
         self.onlookers.show(&session, &self.reporter);
