@@ -123,7 +123,11 @@ impl Plan {
             ),
             Some(difference) => (
                 format!("is the checkpoint of another render: {difference}"),
-                "go on with that render, by its flags and --resume, or replace it with --overwrite-checkpoint",
+                if difference.is_in_files {
+                    "go on with that render, by its files and --resume, or replace it with --overwrite-checkpoint"
+                } else {
+                    "go on with that render, by its flags and --resume, or replace it with --overwrite-checkpoint"
+                },
             ),
         };
         Err(Error::failure(path.display(), finding, remedy))

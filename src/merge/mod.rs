@@ -11,12 +11,14 @@ use crate::film::{Coverage, Film, Part, Pixel, Region, tile_size};
 use crate::image::exr::{self, exact::About};
 use crate::image::tone::Exposure;
 use crate::output;
-use crate::session::identity::{self, Entry};
+use crate::session::identity::{self, Entry, FILES};
 use crate::session::report::LEVELS;
 use missing::Unit;
 pub use weighted::weighted;
 
 /// Ranges of samples that are missing and named.
+/// Entries of headers that may be long.
+const LONG: [&str; 3] = ["settings", "coverage", FILES];
 const MOST_NAMED: usize = 4;
 
 /// An image that was merged from parts.
@@ -102,7 +104,7 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
 }
 
 /// What the files at `paths` say, which are parts of one render. Of thousands there is no room for what may be long, the
-/// settings and the text of the coverage, but for those of the first and of the part whose header the image gets.
+/// settings, the text of the coverage and hashes of files, but for those of the first and of the part whose header the image gets.
 fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
     let mut parts: Vec<About> = Vec::with_capacity(paths.len());
     let mut last = 0;
@@ -118,7 +120,7 @@ fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
         let is_last = rank(&parts[index]) >= rank(&parts[last]);
         let earlier = if is_last { core::mem::replace(&mut last, index) } else { index };
         if earlier != 0 {
-            parts[earlier].header.retain(|(name, _)| name != "settings" && name != "coverage");
+            parts[earlier].header.retain(|(name, _)| !LONG.contains(&name.as_str()));
         }
     }
     Ok(parts)
@@ -138,12 +140,18 @@ fn again(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<
 
 /// Fails unless the samples of `part` belong to the render of `first`.
 fn check_same(first_path: &Path, first: &About, path: &Path, part: &About) -> Result<()> {
-    let difference = identity::difference(&first.header, &part.header, &[]).map(|difference| difference.to_string());
+    let difference = identity::difference(&first.header, &part.header, &[]);
+    let is_in_files = difference.as_ref().is_some_and(|difference| difference.is_in_files);
+    let difference = difference.map(|difference| difference.to_string());
     let same_film = first.size == part.size && first.layers == part.layers;
     let other_film = || (!same_film).then(|| "size or layers differ".to_string());
     let Some(difference) = difference.or_else(other_film) else { return Ok(()) };
     let finding = format!("does not belong to the same render as {}: {difference}", first_path.display());
-    let remedy = "merge parts of one render, which differ in --sample-range or --crop alone";
+    let remedy = if is_in_files {
+        "render all parts with the same files, and merge these"
+    } else {
+        "merge parts of one render, which differ in --sample-range or --crop alone"
+    };
     Err(Error::failure(path.display(), finding, remedy))
 }
 

@@ -18,6 +18,9 @@ pub struct LoadedScene {
     /// The files that it was read from: its own, that of its phase function's table, that of its geometry, and those
     /// that the geometry refers to.
     pub files: Vec<PathBuf>,
+    /// What they contain, but for what the keys say: a line for every file, the hash of its content and its name. Empty
+    /// for scenes from memory.
+    pub file_hashes: String,
     /// All keys, overrides and defaults included.
     pub scene: Scene,
     /// Its camera, wherever that comes from.

@@ -4,6 +4,7 @@ mod backs;
 mod boundaries;
 mod cameras;
 mod check;
+pub(crate) mod contents;
 pub mod document;
 mod environment;
 mod extras;
@@ -57,7 +58,8 @@ pub fn load(path: &Path, overrides: Vec<Override>) -> Result<LoadedScene> {
 /// As [`load`].
 pub fn load_at(path: &Path, overrides: Vec<Override>, time: Option<f64>, look: Look<'_>) -> Result<LoadedScene> {
     let file = file(path)?;
-    let asset = model::is_model(&file).then(|| Asset::open(&file, time)).transpose()?;
+    let is_model = model::is_model(&file);
+    let asset = is_model.then(|| Asset::open(&file, time)).transpose()?;
     let mut document = match &asset {
         Some(asset) => extras::document(&file, asset)?,
         None => Document::read(&file)?,
@@ -65,6 +67,7 @@ pub fn load_at(path: &Path, overrides: Vec<Override>, time: Option<f64>, look: L
     document.apply_all(overrides)?;
     let mut scene = load_document(name(path), &document, (asset, time), look)?;
     scene.files.insert(0, file);
+    scene.file_hashes = contents::of(&scene.files, is_model);
     Ok(scene)
 }
 
@@ -123,8 +126,8 @@ fn load_document(
     warnings.extend(told.take());
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));
     let lights = placed.into_iter().map(|placed| Light { name: placed.name, values: placed.light }).collect();
-    let origin = origin.to_array();
-    Ok(LoadedScene { name, files, scene, camera: chosen.camera, lights, contents, fillings, frame, warnings, origin })
+    let (camera, origin, file_hashes) = (chosen.camera, origin.to_array(), String::new());
+    Ok(LoadedScene { name, files, file_hashes, scene, camera, lights, contents, fillings, frame, warnings, origin })
 }
 
 /// The lights of `scene`: those of its file first, then those that stand for the punctual ones of its model.

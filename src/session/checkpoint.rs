@@ -240,7 +240,11 @@ impl Checkpoint {
 
     fn foreign(&self, difference: &Difference) -> Error {
         let finding = format!("is the checkpoint of another render: {difference}");
-        let remedy = "give the flags that it was made with, or start anew with --overwrite-checkpoint";
+        let remedy = if difference.is_in_files {
+            "put the files back that it was made with, or start anew with --overwrite-checkpoint"
+        } else {
+            "give the flags that it was made with, or start anew with --overwrite-checkpoint"
+        };
         Error::failure(self.path.display(), finding, remedy)
     }
 }

@@ -4,6 +4,8 @@ use core::fmt;
 
 use toml::Value;
 
+use crate::scene::contents;
+
 /// An entry of a header: name and text.
 pub type Entry = (String, String);
 
@@ -14,19 +16,32 @@ pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
 const DECISIVE: [&str; 10] =
     ["version", FRAME, "reference", "technique", "starts", "survival", "aimed", "roulette", "aov", "scene_hash"];
 
+/// The entry with hashes of the scene's files: they may differ where no sample does, and say why samples do.
+pub const FILES: &str = "files";
+
 /// The number of a frame, which only frames of animations have.
 const FRAME: &str = "frame";
 
 /// Keys of a scene on which no sample depends.
 const IRRELEVANT: [&str; 2] = ["render.samples", "film.exposure"];
 
+/// Entries that are called by the flags that they come from.
+const FLAGS: [(&str, &str); 4] = [
+    ("first_sample", "the first sample of --sample-range"),
+    ("region", "the region of --crop"),
+    ("adaptive", "--adaptive"),
+    ("reference", "--reference"),
+];
+
 /// Something that is not the same in two renders.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What it is: a key of the scene, or an entry of the header.
+    /// What it is: a key of the scene, a flag, or an entry of the header.
     pub what: String,
     /// What it is in the one and in the other, if that can be told in a few words.
     pub values: Option<[String; 2]>,
+    /// Whether it is what files of the scene contain, so that no flag makes up for it.
+    pub is_in_files: bool,
 }
 
 /// `medium.phase.g is 0.5 there, 0.6 here`, of the other and of this one.
@@ -57,10 +72,23 @@ pub fn difference(there: &[Entry], here: &[Entry], more: &[&str]) -> Option<Diff
     let differs = |name: &&str| is_known(name) && text(there, name) != text(here, name);
     let what = DECISIVE.iter().chain(more).copied().find(differs)?;
     if what == "scene_hash" {
-        return Some(Difference { what: "the content of a file of the scene is another one".into(), values: None });
+        return Some(in_files(there, here));
     }
     let value = |entries| quoted(text(entries, what).unwrap_or(if what == FRAME { "none" } else { "unknown" }));
-    Some(Difference { what: what.into(), values: Some([value(there), value(here)]) })
+    let name = FLAGS.iter().find(|(entry, _)| *entry == what).map_or(what, |(_, name)| name);
+    Some(Difference { what: name.into(), values: Some([value(there), value(here)]), is_in_files: false })
+}
+
+/// The difference that files of the scene have other contents: which, if both headers say.
+fn in_files(there: &[Entry], here: &[Entry]) -> Difference {
+    let hashes = text(there, FILES).zip(text(here, FILES));
+    let names = hashes.map_or_else(Vec::new, |(there, here)| contents::changed(there, here));
+    let what = match names.as_slice() {
+        [] => "the content of a file of the scene is another one".into(),
+        [name] => format!("the content of {name} is another one"),
+        names => format!("the contents of {} are others", quoted(&names.join(", "))),
+    };
+    Difference { what, values: None, is_in_files: true }
 }
 
 /// The first key of the scene that differs.
@@ -75,7 +103,8 @@ fn key(there: &[Entry], here: &[Entry]) -> Option<Difference> {
     let value = |keys: &[Entry], name: &str| quoted(text(keys, name).unwrap_or("not set"));
     let differs = |name: &&String| !IRRELEVANT.contains(&name.as_str()) && text(&there, name) != text(&here, name);
     let name = names.filter(|name| differs(name)).min()?;
-    Some(Difference { what: name.clone(), values: Some([value(&there, name), value(&here, name)]) })
+    let values = Some([value(&there, name), value(&here, name)]);
+    Some(Difference { what: name.clone(), values, is_in_files: false })
 }
 
 /// All values of a tree by their keys, as `--set` has them.
@@ -123,10 +152,17 @@ mod tests {
         assert_eq!(found(&a, &other).as_deref(), Some("render.seed is not set there, 2 here"));
         let other = entries("2", &a[1].1, "1");
         assert_eq!(found(&a, &other).as_deref(), Some("the content of a file of the scene is another one"));
+        let with = |entries: &[Entry], files: &str| [entries, &[(FILES.to_string(), files.to_string())]].concat();
+        let found_files = found(&with(&a, "1 a.glb\n1 b.bin"), &with(&other, "1 b.bin\n2 a.glb"));
+        assert_eq!(found_files.as_deref(), Some("the content of a.glb is another one"));
+        assert_eq!(found(&with(&a, "1 a.glb"), &with(&a, "2 a.glb")), None, "nothing that samples depend on");
         assert_eq!(found(&a, &entries("1", &a[1].1, "2")).as_deref(), Some("starts is 1 there, 2 here"));
         let frame = |number: &str| [&a[..], &[("frame".to_string(), number.to_string())]].concat();
         assert_eq!(found(&frame("1"), &frame("2")).as_deref(), Some("frame is 1 there, 2 here"));
         assert_eq!(found(&frame("1"), &a).as_deref(), Some("frame is 1 there, none here"));
+        let region = |region: &str| [&a[..], &[("region".to_string(), region.to_string())]].concat();
+        let found_more = difference(&region("0,0,8,8"), &region("0,0,4,8"), &["region"]).map(|found| found.to_string());
+        assert_eq!(found_more.as_deref(), Some("the region of --crop is 0,0,8,8 there, 0,0,4,8 here"));
         assert_eq!(found(&a, &a[..2]), None, "what is not known yet is not compared");
     }
 }

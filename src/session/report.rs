@@ -8,7 +8,7 @@ use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::survival::Survival;
 use serde_json::{Value, json};
 
-use super::identity::Entry;
+use super::identity::{Entry, FILES};
 use super::{Outcome, Session};
 use crate::error::Result;
 use crate::figures::{starts, survival};
@@ -43,7 +43,8 @@ impl Session {
             ("cpu_features", crate::cpu::built_for().join(" ")),
         ];
         let frame = settings.frame.map(|frame| ("frame", frame.to_string()));
-        entries.into_iter().chain(frame).map(|(name, text)| (name.to_string(), text)).collect()
+        let files = Some((FILES, scene.file_hashes.clone())).filter(|(_, hashes)| !hashes.is_empty());
+        entries.into_iter().chain(files).chain(frame).map(|(name, text)| (name.to_string(), text)).collect()
     }
 
     /// Names of the active techniques, `path` if there is no other.

@@ -102,6 +102,32 @@ fn what_is_known_of_the_time_that_a_noise_takes_is_known_after_a_resume() {
 }
 
 #[test]
+fn a_file_that_was_changed_is_named() {
+    let tabulated = "phase = { type = \"tabulated\", file = \"phase.csv\" }";
+    let folder = Folder::with_edited_scene("phase = { type = \"henyey_greenstein\", g = 0.5 }", tabulated);
+    folder.write("phase.csv", "-1,1\n1,1\n");
+    let session = || {
+        let scene = Scene::load(folder.path("scene.toml")).expect("a scene");
+        let mut session = Session::new(scene.loaded().clone(), Settings::default()).expect("memory");
+        session.prepare(false, Limits::default(), |_| {});
+        session
+    };
+    session().write_checkpoint(&folder.path("a.exr.checkpoint")).expect("written");
+    let render = |name: &str, more: &[&str]| folder.run(&[&["render", "scene.toml", "-o", name], more].concat());
+    assert_eq!(render("b.exr", &["--sample-range", "0..1"]).code, Some(0));
+    folder.write("phase.csv", "-1,1\n1,2\n");
+    let finding = "is the checkpoint of another render: the content of phase.csv is another one\n";
+    for (more, help) in [(&["--resume"][..], "put the files back"), (&[], "go on with that render, by its files")] {
+        let run = render("a.exr", more);
+        assert!(run.code == Some(1) && run.stderr.contains(finding) && run.stderr.contains(help), "{run}");
+    }
+    assert_eq!(render("c.exr", &["--sample-range", "1..2"]).code, Some(0));
+    let finding = "c.exr: does not belong to the same render as b.exr: the content of phase.csv is another one\n";
+    let run = folder.refused(&["merge", "b.exr", "c.exr", "-o", "x.exr"], 1, finding);
+    assert!(run.stderr.contains("help: render all parts with the same files"), "{run}");
+}
+
+#[test]
 fn no_torn_or_damaged_checkpoint_is_taken_for_a_whole_one() {
     let (folder, _) = session(2);
     let (whole, path) = (fs::read(folder.path("c")).expect("a file"), folder.path("d"));
@@ -197,7 +223,7 @@ mod on_signals {
         }
         let child = started(&folder, "a.exr", &["--samples", "100000", "--adaptive", "--checkpoint", "20ms"]);
         assert_eq!(ended_by("-TERM", child).0, Some(75));
-        let foreign = "a.exr.checkpoint: is the checkpoint of another render: adaptive is true there, false here";
+        let foreign = "a.exr.checkpoint: is the checkpoint of another render: --adaptive is true there, false here";
         folder.refused(&flags("a.exr", &["--samples", "100000", "--resume"]), 1, foreign);
         let run = folder.run(&flags("a.exr", &["--samples", "1", "--adaptive", "--resume"]));
         assert!(run.code == Some(1) && run.stderr.contains("already, more than the 1 that are asked for"), "{run}");
@@ -252,9 +278,9 @@ mod on_signals {
         for (more, difference) in [
             (&["--seed", "2"][..], "render.seed is 1 there, 2 here"),
             (&["--set", "light[0].radius=1"], "light[0].radius is 1.5 there, 1.0 here"),
-            (&["--crop", "0,0,32,64"], "region is 0,0,64,64 there, 0,0,32,64 here"),
-            (&["--sample-range", "1..9"], "first_sample is 0 there, 1 here"),
-            (&["--reference", "scatter"], "reference is none there, scatter here"),
+            (&["--crop", "0,0,32,64"], "the region of --crop is 0,0,64,64 there, 0,0,32,64 here"),
+            (&["--sample-range", "1..9"], "the first sample of --sample-range is 0 there, 1 here"),
+            (&["--reference", "scatter"], "--reference is none there, scatter here"),
         ] {
             for resume in [&["--resume"][..], &[]] {
                 let args = flags("a.exr", &[resume, more].concat());

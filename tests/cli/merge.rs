@@ -131,7 +131,7 @@ fn other_renders_are_refused_with_what_differs() {
         (&["--size", "36x40"], "film.size is [40, 36] there, [36, 40] here"),
         (&["--technique", "nee"], "render.technique is [\"mvnee\"] there, [\"nee\"] here"),
         (&["--set", "light[0].radius=1.25"], "light[0].radius is 1.5 there, 1.25 here"),
-        (&["--reference", "scatter"], "reference is none there, scatter here"),
+        (&["--reference", "scatter"], "--reference is none there, scatter here"),
     ] {
         let base = ["render", "scene.toml", "-o", "other.exr", "--sample-range", "12..13", "--progress", "none"];
         let size = if flags[0] == "--size" { &[][..] } else { &["--size", "40x36"] };
