@@ -14,6 +14,9 @@ use crate::session::{Session, State};
 /// How long a browser may take to fetch the last picture.
 const PATIENCE: Duration = Duration::from_secs(4);
 
+/// What comes of a tev that shows nothing while the render runs.
+const GOES_ON: &str = "the render goes on without it";
+
 /// What they see, and how; of all of it nothing if nobody is to look on.
 pub struct Onlookers {
     board: Option<Arc<Board>>,
@@ -48,7 +51,7 @@ impl Onlookers {
         let Some((address, preview @ None)) = &mut self.tev else { return };
         match Preview::start(address, session.scene.name.clone(), board) {
             Ok(started) => *preview = Some(started),
-            Err(error) => self.warn(&format!("a thread cannot be started: {error}"), reporter),
+            Err(error) => self.warn(&format!("a thread cannot be started: {error}"), GOES_ON, reporter),
         }
     }
 
@@ -57,7 +60,7 @@ impl Onlookers {
         let Some(board) = &self.board else { return };
         board.note(state);
         let failure = self.tev.iter().find_map(|(_, preview)| preview.as_ref()?.failure());
-        failure.iter().for_each(|failure| self.warn(failure, reporter));
+        failure.iter().for_each(|failure| self.warn(failure, GOES_ON, reporter));
     }
 
     /// The render has all its samples, in this state, and its results are written.
@@ -72,15 +75,15 @@ impl Onlookers {
         self.board.iter().for_each(|board| board.enter(end));
         let preview = self.tev.as_mut().and_then(|(_, preview)| preview.take());
         let failure = preview.and_then(|mut preview| preview.finish());
-        failure.iter().for_each(|failure| self.warn(failure, reporter));
+        failure.iter().for_each(|failure| self.warn(failure, "the last image is not shown there", reporter));
         let board = self.board.as_ref().filter(|_| self.page.is_some());
         board.iter().for_each(|board| board.farewell(PATIENCE));
     }
 
-    /// Why tev does not show the image, or not any more.
-    fn warn(&self, failure: &str, reporter: &Reporter) {
+    /// Why tev does not show the image, or not any more, and what comes of that.
+    fn warn(&self, failure: &str, consequence: &str, reporter: &Reporter) {
         let address = self.tev.as_ref().map_or("", |(address, _)| address);
-        reporter.warn(format!("--preview {address}: {failure}; the render goes on without it"));
+        reporter.warn(format!("--preview {address}: {failure}; {consequence}"));
     }
 }
 

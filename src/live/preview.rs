@@ -4,11 +4,12 @@
 //! it.
 
 use std::io;
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
@@ -18,10 +19,15 @@ use super::{Board, Picture};
 const INTERVAL: Duration = Duration::from_secs(1);
 /// How long tev may take to answer the call, and to take a packet.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// The same of one packet at the end of the render, which waits for it, and of all packets then.
+const LAST_PATIENCE: Duration = Duration::from_secs(1);
+const LONGEST_END: Duration = Duration::from_secs(10);
 /// About how many pixels a packet has.
-const PIXELS_PER_PACKET: usize = 1 << 18;
+const PIXELS_PER_PACKET: usize = 1 << 15;
 /// What is said of a tev that does not read.
 const SLOW: &str = "tev takes too long to read what it is sent";
+/// What is said of one that has not answered by the end.
+const SILENT: &str = "nobody has answered there so far";
 /// Names of the channels, as they are in EXR images.
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
@@ -31,6 +37,8 @@ pub struct Preview {
     end: Option<Sender<()>>,
     /// Why nothing is shown any more, if so; closed when the thread ends.
     failure: Receiver<String>,
+    /// How many things tev has done: it has answered, and taken packets.
+    steps: Arc<AtomicU64>,
 }
 
 impl Preview {
@@ -42,13 +50,15 @@ impl Preview {
         let (end, ended) = mpsc::channel();
         let (tell, failure) = mpsc::channel();
         let (address, board) = (address.to_string(), Arc::clone(board));
+        let steps = Arc::<AtomicU64>::default();
+        let told = Arc::clone(&steps);
         thread::Builder::new().spawn(move || {
-            if let Err(error) = send_all(&address, &name, &board, &ended) {
+            if let Err(error) = send_all(&address, &name, &board, &ended, &told) {
                 // Nobody listens once the render has ended.
                 let _ = tell.send(error);
             }
         })?;
-        Ok(Self { end: Some(end), failure })
+        Ok(Self { end: Some(end), failure, steps })
     }
 
     /// Why nothing is shown any more, told once.
@@ -56,21 +66,32 @@ impl Preview {
         self.failure.try_recv().ok()
     }
 
-    /// Sends the last picture, but waits no longer for that than tev may take for a packet; why it was not sent, unless
-    /// that was told before.
+    /// Sends the last picture, and waits for that as long as tev reads on; why it was not sent, unless that was told
+    /// before.
     pub fn finish(&mut self) -> Option<String> {
         self.end = None;
-        match self.failure.recv_timeout(PATIENCE) {
-            Ok(failure) => Some(failure),
-            Err(RecvTimeoutError::Disconnected) => None,
-            Err(RecvTimeoutError::Timeout) => Some(SLOW.into()),
+        let start = Instant::now();
+        loop {
+            let steps = self.steps.load(Ordering::Relaxed);
+            match self.failure.recv_timeout(LAST_PATIENCE) {
+                Ok(failure) => return Some(failure),
+                Err(RecvTimeoutError::Disconnected) => return None,
+                Err(RecvTimeoutError::Timeout) if steps == 0 => return Some(SILENT.into()),
+                Err(RecvTimeoutError::Timeout) => {
+                    let is_read = self.steps.load(Ordering::Relaxed) > steps && start.elapsed() < LONGEST_END;
+                    if !is_read {
+                        return Some(SLOW.into());
+                    }
+                }
+            }
         }
     }
 }
 
 /// Sends a picture now and then, and a last one when `ended` is closed.
-fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>) -> Result<(), String> {
-    let mut tev = TevClient::wrap(connect(address).map_err(|error| format!("nobody answers there: {error}"))?);
+fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>, steps: &AtomicU64) -> Result<(), String> {
+    let mut tev = TevClient::wrap(connect(address)?);
+    steps.fetch_add(1, Ordering::Relaxed);
     let lost = |error: io::Error| match error.kind() {
         io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => SLOW.to_string(),
         _ => format!("the connection was lost: {error}"),
@@ -87,7 +108,7 @@ fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>) -> R
             }
             let own = Some((picture.frame(), picture.samples()));
             if shown != own {
-                update(&mut tev, name, &picture).map_err(lost)?;
+                update(&mut tev, name, &picture, steps).map_err(lost)?;
                 shown = own;
             }
         }
@@ -97,20 +118,24 @@ fn send_all(address: &str, name: &str, board: &Board, ended: &Receiver<()>) -> R
     }
 }
 
-/// A connection to one of the addresses that `address` stands for.
-fn connect(address: &str) -> io::Result<TcpStream> {
-    let mut last = io::Error::new(io::ErrorKind::NotFound, "the name is unknown");
-    for address in address.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&address, PATIENCE) {
-            Ok(stream) => {
-                stream.set_write_timeout(Some(PATIENCE))?;
-                stream.set_nodelay(true)?;
-                return Ok(stream);
-            }
-            Err(error) => last = error,
+/// A connection to one of the addresses that `address` stands for, or why there is none.
+fn connect(address: &str) -> Result<TcpStream, String> {
+    let unknown = |error: io::Error| format!("the host cannot be found: {error}");
+    let mut last = "the host has no address".to_string();
+    for address in address.to_socket_addrs().map_err(unknown)? {
+        match connect_to(&address) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => last = format!("nobody answers there: {error}"),
         }
     }
     Err(last)
+}
+
+fn connect_to(address: &SocketAddr) -> io::Result<TcpStream> {
+    let stream = TcpStream::connect_timeout(address, PATIENCE)?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    stream.set_nodelay(true)?;
+    Ok(stream)
 }
 
 fn create(tev: &mut TevClient, name: &str, [width, height]: [u32; 2]) -> io::Result<()> {
@@ -118,8 +143,8 @@ fn create(tev: &mut TevClient, name: &str, [width, height]: [u32; 2]) -> io::Res
     tev.send(PacketCreateImage { image_name: name, grab_focus: true, width, height, channel_names })
 }
 
-/// Sends all of a picture, a few rows at a time.
-fn update(tev: &mut TevClient, name: &str, picture: &Picture) -> io::Result<()> {
+/// Sends all of a picture, a few rows at a time, and counts them.
+fn update(tev: &mut TevClient, name: &str, picture: &Picture, steps: &AtomicU64) -> io::Result<()> {
     let (region, values) = (picture.region(), picture.radiance().collect::<Vec<_>>());
     let width = region.width() as usize;
     let rows = (PIXELS_PER_PACKET / width).max(1);
@@ -136,6 +161,21 @@ fn update(tev: &mut TevClient, name: &str, picture: &Picture) -> io::Result<()> 
             height: (data.len() / width) as u32,
             data: data.as_flattened(),
         })?;
+        steps.fetch_add(1, Ordering::Relaxed);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_host_that_is_unknown_is_told_from_one_that_does_not_answer() {
+        // No name is that long, so that nobody is asked.
+        let unknown = connect(&format!("{}:14158", "x".repeat(64))).expect_err("no name");
+        assert!(unknown.starts_with("the host cannot be found: "), "{unknown}");
+        let silent = connect("127.0.0.1:1").expect_err("nobody there");
+        assert!(silent.starts_with("nobody answers there: "), "{silent}");
+    }
 }
