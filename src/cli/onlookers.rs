@@ -9,7 +9,7 @@ use super::RenderArgs;
 use super::progress::Reporter;
 use crate::error::{Error, Result};
 use crate::live::{Board, Page, Phase, Preview, Turn};
-use crate::session::{Session, State};
+use crate::session::{End, Session, State};
 
 /// How long a browser may take to fetch the last picture.
 const PATIENCE: Duration = Duration::from_secs(4);
@@ -63,10 +63,11 @@ impl Onlookers {
         failure.iter().for_each(|failure| self.warn(failure, GOES_ON, reporter));
     }
 
-    /// The render has all its samples, in this state, and its results are written.
-    pub fn write(&self, state: State) {
+    /// The render has all its samples, in this state, because of this `end`, and its results are written.
+    pub fn write(&self, state: State, end: End) {
         let Some(board) = &self.board else { return };
         board.note(state);
+        board.note_end(end);
         board.enter(Phase::Writing);
     }
 

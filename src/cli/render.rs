@@ -264,7 +264,7 @@ impl Run<'_> {
             let outcome = session.run(*limits, || signals.came(), look);
             let end = if signals.came() { last } else { last.done() };
             reporter.finish(end);
-            onlookers.write(end);
+            onlookers.write(end, outcome.end);
             (outcome, keeper.end(session, &last, signals.came(), patience, reporter))
         })
     }

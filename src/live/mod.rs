@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 
-use crate::session::{Session, State, report};
+use crate::session::{End, Session, State, report};
 pub use page::Page;
 pub use picture::Picture;
 pub use preview::Preview;
@@ -95,6 +95,8 @@ struct Shown {
     state: State,
     /// What it is at, once it has all its samples.
     phase: Option<Phase>,
+    /// What ended it.
+    end: Option<End>,
     /// When somebody last asked.
     asked: Option<Instant>,
     /// Whether somebody was told of the end, was sent the last picture, and has asked again since.
@@ -152,6 +154,11 @@ impl Board {
         self.shown().state = state;
     }
 
+    /// Notes what ended the render.
+    pub fn note_end(&self, end: End) {
+        self.shown().end = Some(end);
+    }
+
     /// There will be no more samples, and this comes next.
     pub fn enter(&self, phase: Phase) {
         self.shown().phase = Some(phase);
@@ -181,6 +188,7 @@ impl Board {
         if let Some(phase) = shown.phase {
             status.insert("phase".into(), phase.name().into());
         }
+        status.insert("ended_by".into(), json!(shown.end.map(|end| end.to_string())));
         let session = shown.session.clone();
         drop(shown);
         if let Some(session) = session {

@@ -148,9 +148,11 @@ fn the_page_shows_a_render_from_its_first_samples_to_its_image() {
         assert!(running["connections"][technique]["tried"].as_u64() > Some(0), "{running:#}");
     }
     assert_eq!((&running["pixels"], &running["until"]), (&(16 * 12).into(), &"time".into()));
+    assert!(running["ended_by"].is_null(), "{running:#}");
 
     let end = served.wait("the end", |status| status["phase"] == "finished");
     assert_eq!((&end["phase"], &end["fraction"]), (&"finished".into(), &1.0.into()), "{end:#}");
+    assert_eq!(end["ended_by"], "time", "{end:#}");
     let (region, samples, exposure, pixels) = picture(&served.get("/picture").body);
     served.confirm();
     let (code, _) = served.end();

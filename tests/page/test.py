@@ -170,6 +170,7 @@ def watch(browser, work):
     assert render.returncode == 0
     wait_for("the end", lambda: browser.text("phase") == "finished")
     wait_for("the last picture", lambda: browser.run("return picture.samples === last.samples"))
+    assert dict(browser.rows("progress"))["ended by"] == "the time", browser.rows("progress")
     time.sleep(2)
     assert browser.text("phase") == "finished"
     width, height, shown = browser.canvas()
@@ -242,11 +243,21 @@ def crop(browser, work):
     assert browser.text("pixel") == "50, 60"
     browser.click("show-noise")
     assert browser.run("return document.querySelectorAll('#legend i').length") == 1, "the target is marked"
+    wait_for("the noise", lambda: "noise" in dict(browser.rows("progress")))
+    assert dict(browser.rows("progress"))["noise"].endswith(" %, target 0.1 %"), browser.rows("progress")
+    # In one go: the next picture may come at any time.
+    known = "picture.values.forEach((value, i, all) => { if (i % 4 === 3) all[i] = 0.1; }); draw(); "
+    hidden = "[true, false].map(known => { if (!known) picture.values[3] = NaN; draw(); return unknown.hidden; })"
+    assert browser.run(f"{known} return {hidden}") == [True, False], "black is explained where it is"
+    assert browser.run("return unknown.textContent.includes('noise unknown')")
+    assert browser.run("show('image'); return unknown.hidden"), "it is about noise alone"
+    browser.click("show-noise")
     browser.screenshot("5-crop")
     render.send_signal(2)
     render.wait(PATIENCE)
     assert render.returncode == 130
     wait_for("the end", lambda: browser.text("phase") == "stopped")
+    assert dict(browser.rows("progress"))["ended by"] == "a signal", browser.rows("progress")
 
 
 def unfinished(browser, work):
@@ -263,7 +274,9 @@ def unfinished(browser, work):
     assert browser.run("return !nothing.hidden && nothing.textContent.includes('nothing yet')")
     browser.point_at(place % 200, place // 200)
     assert browser.text("radiance") == "nothing yet" and browser.text("exposed") == "-"
-    wait_for("numbers of another moment", lambda: "samples in the image" in dict(browser.rows("progress")))
+    wait_for("numbers of a later moment", lambda: "samples in the image" in dict(browser.rows("progress")))
+    browser.run("tell({ ...last, samples: picture.samples - 1 })")
+    assert "samples in the image" not in dict(browser.rows("progress")), "never more than there are"
     browser.screenshot("9-unfinished")
     render.send_signal(2)
     render.wait(PATIENCE)

@@ -35,7 +35,7 @@ const PAUSE: Duration = Duration::from_millis(200);
 /// | path | |
 /// |---|---|
 /// | `/` | the page |
-/// | `/status` | JSON: scene, `frame` of an animation, `phase` (preparing, rendering, writing; in the end finished, stopped or failed), `step` of the preparation, progress, and statistics per stage and technique, of the `share_counted` of the samples |
+/// | `/status` | JSON: scene, `frame` of an animation, `phase` (preparing, rendering, writing; in the end finished, stopped or failed), `step` of the preparation, progress, what `ended_by` once it has all its samples, and statistics per stage and technique, of the `share_counted` of the samples |
 /// | `/picture` | the image so far, little-endian: u32 first column, first row, width, height; f64 samples of all pixels together, exposure in stops; then for every pixel, row by row from the top, f32 red, green, blue `[W/(m^2 sr)]`, NaN where there is no sample yet, and standard error over mean, NaN where that is unknown. 503 before the first sample |
 ///
 /// On the loopback interface it answers only those who call it by an address or `localhost`: a page from elsewhere whose
