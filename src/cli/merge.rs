@@ -74,7 +74,9 @@ fn exact(args: &MergeArgs, parts: &[PathBuf], denoising: Option<&Denoising>, mut
     let samples = if per_pixel == 1.0 { "1 sample".into() } else { format!("{} samples", number(per_pixel, 4)) };
     reporter.line(format!("{}: {}, {samples} per pixel{noise}", names(args), images(parts)));
     let noisy = Noisy { film, size: *size, header, exposure, threads: 0 };
-    denoising.map_or(Ok(()), |denoising| denoising.finish(&noisy, || false, &reporter))
+    denoising.map_or(Ok(()), |denoising| denoising.finish(&noisy, || false, &reporter))?;
+    reporter.written();
+    Ok(())
 }
 
 fn weighted(args: &MergeArgs, parts: &[PathBuf], reporter: &Reporter) -> Result<()> {
@@ -93,6 +95,7 @@ fn weighted(args: &MergeArgs, parts: &[PathBuf], reporter: &Reporter) -> Result<
     }
     reporter.line(format!("{}: weighted mean of {}, without exact sums", names(args), images(parts)));
     Ok(())
+    reporter.written();
 }
 
 /// The pixels of an image, red, green and blue.

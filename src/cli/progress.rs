@@ -170,8 +170,8 @@ impl Reporter {
                 "parts": done,
                 "seconds": elapsed.as_secs_f64(),
             })),
-            Progress::Openjd | Progress::Alf => self.percent(percent),
-            Progress::Plain | Progress::Auto | Progress::Bar | Progress::None => {}
+            Progress::Openjd | Progress::Alf if done < all => self.percent(percent),
+            Progress::Openjd | Progress::Alf | Progress::Plain | Progress::Auto | Progress::Bar | Progress::None => {}
         }
     }
 
@@ -185,12 +185,20 @@ impl Reporter {
         }
     }
 
-    /// Removes the bar; for other programs, says how the render ended.
+    /// Removes the bar; for other programs, says how far the render is now that there will be no more samples. Where
+    /// all is told in percent, 100 of them are told by [`written()`](Self::written).
     pub fn finish(&mut self, state: State) {
         self.bar.finish();
-        if matches!(self.style, Progress::Json | Progress::Openjd | Progress::Alf) {
-            self.message(state);
+        match self.style {
+            Progress::Json => self.message(state),
+            Progress::Openjd | Progress::Alf if state.fraction < 1.0 => self.message(state),
+            _ => {}
         }
+    }
+
+    /// All results are there.
+    pub fn written(&self) {
+        self.percent(100.0 * self.of_all(1.0));
     }
 
     /// A line for people, unless they asked for none; wrapped up for other programs.

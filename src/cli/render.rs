@@ -119,6 +119,7 @@ impl Run<'_> {
             let obstacle = request.denoising.as_ref().and_then(Denoising::obstacle);
             self.noisy = self.noisy.take().or(obstacle.cloned());
             self.reporter.finish(State::default().done());
+            self.reporter.written();
             return Ok(ExitCode::SUCCESS);
         }
         let checkpoint = request.plan.existing(&session, &self.reporter)?;
@@ -137,7 +138,11 @@ impl Run<'_> {
         let denoising = denoising.as_ref();
         let ending =
             Ending { session: &session, outcome: &outcome, signals, plan, denoising, kept: &kept, patience: &patience };
-        finish(&ending, &request.outputs, request.statistics.as_deref(), reporter, noisy)
+        let code = finish(&ending, &request.outputs, request.statistics.as_deref(), reporter, noisy)?;
+        if code == ExitCode::SUCCESS && noisy.is_none() {
+            reporter.written();
+        }
+        Ok(code)
     }
 
     /// The scene; none if a signal came meanwhile.

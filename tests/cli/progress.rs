@@ -60,9 +60,9 @@ fn openjd_progress_is_on_standard_output() {
     let run = long_render("openjd");
     let lines: Vec<_> = run.stdout.lines().collect();
     assert_eq!((lines.len(), run.stderr.as_str()), (3, ""), "{run}");
-    let percents = [lines[0], lines[1]].map(|line| line.strip_prefix("openjd_progress: ").and_then(|n| n.parse().ok()));
+    let percents = [lines[0], lines[2]].map(|line| line.strip_prefix("openjd_progress: ").and_then(|n| n.parse().ok()));
     assert!(percents[0].is_some_and(|percent: f64| percent > 80.0) && percents[1] == Some(100.0), "{run}");
-    assert!(lines[2].starts_with("openjd_status: a.exr: mvnee, "), "{run}");
+    assert!(lines[1].starts_with("openjd_status: a.exr: mvnee, "), "{run}");
 }
 
 #[test]
@@ -74,6 +74,21 @@ fn alf_progress_is_whole_percents_on_standard_output() {
         [lines[0], lines[1]].map(|line| line.strip_prefix("ALF_PROGRESS ")?.strip_suffix('%')?.parse::<u32>().ok());
     assert!(percents[0].is_some_and(|percent| (80..100).contains(&percent)) && percents[1] == Some(100), "{run}");
     assert!(run.stderr.starts_with("a.exr: mvnee, "), "{run}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_is_done_before_its_results_are_there() {
+    let folder = Folder::with_scene();
+    for (style, done) in [("openjd", "openjd_progress: 100"), ("alf", "ALF_PROGRESS 100%")] {
+        let render = |output: &str| folder.run(&["render", "scene.toml", "-o", output, "--progress", style]);
+        assert!(render("a.exr").stdout.contains(done));
+        let merge = folder.run(&["merge", "a.exr", "-o", "b.exr", "--weighted", "--progress", style]);
+        assert!(merge.stdout.contains(done), "{merge}");
+        // What cannot be written is found out when it is.
+        let run = folder.run(&["merge", "a.exr", "-o", "png:/dev/full", "--progress", style]);
+        assert!(run.code == Some(1) && !run.stdout.contains(done), "{run}");
+    }
 }
 
 /// Commands that fail in two ways: before anything is rendered or read, and because a scene or a part is wrong.
@@ -115,7 +130,8 @@ fn a_merge_tells_its_progress_too() {
     let merge = |style| folder.done(&["merge", "a.exr", "b.exr", "-o", "c.exr", "--progress", style]);
     let summary = "c.exr: 2 images, 3 samples per pixel";
     let run = merge("openjd");
-    assert!(run.stdout.starts_with(&format!("openjd_progress: 100.00\nopenjd_status: {summary}")), "{run}");
+    assert!(run.stdout.starts_with(&format!("openjd_status: {summary}")), "{run}");
+    assert!(run.stdout.ends_with("\nopenjd_progress: 100.00\n"), "{run}");
     assert_eq!((run.stdout.lines().count(), run.stderr.as_str()), (2, ""), "{run}");
     let run = merge("alf");
     assert_eq!(run.stdout, "ALF_PROGRESS 100%\n", "{run}");
