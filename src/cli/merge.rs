@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::figures::number;
 use crate::image::tone::Exposure;
 use crate::image::{self, Format, Image};
-use crate::merge::{self, Merged, Request};
+use crate::merge::{self, Merged, Request, Weighted};
 use crate::output;
 
 pub fn run(args: &MergeArgs) -> Result<()> {
@@ -80,7 +80,8 @@ fn exact(args: &MergeArgs, parts: &[PathBuf], denoising: Option<&Denoising>, mut
 }
 
 fn weighted(args: &MergeArgs, parts: &[PathBuf], reporter: &Reporter) -> Result<()> {
-    let merged = merge::weighted(parts)?;
+    let Weighted { image: merged, warnings } = merge::weighted(parts)?;
+    warnings.iter().for_each(|warning| reporter.warn(warning));
     for image in &args.output {
         match image.format {
             Format::Exr => output::write(&image.path, || false, |file| image::exr::write_image(file, &merged))?,
@@ -94,8 +95,8 @@ fn weighted(args: &MergeArgs, parts: &[PathBuf], reporter: &Reporter) -> Result<
         }
     }
     reporter.line(format!("{}: weighted mean of {}, without exact sums", names(args), images(parts)));
-    Ok(())
     reporter.written();
+    Ok(())
 }
 
 /// The pixels of an image, red, green and blue.

@@ -274,7 +274,7 @@ struct MergeArgs {
     #[arg(long, value_enum, default_value = "auto")]
     progress: Progress,
     /// Merge images without exact sums, of equal size, by the mean of their pixels: weighted by the number of samples
-    /// (channel N) if there is such a channel, alike otherwise. Nothing else is checked.
+    /// (channel N) if all have such a channel, alike otherwise. Nothing else is checked.
     #[arg(long)]
     weighted: bool,
 }

@@ -6,6 +6,7 @@ mod weighted;
 use core::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::denoise;
 use crate::error::{Error, Result};
 use crate::film::{Coverage, Film, Part, Pixel, Region, tile_size};
 use crate::image::exr::{self, exact::About};
@@ -14,11 +15,11 @@ use crate::output;
 use crate::session::identity::{self, Entry, FILES};
 use crate::session::report::LEVELS;
 use missing::Unit;
-pub use weighted::weighted;
+pub use weighted::{Weighted, weighted};
 
-/// Ranges of samples that are missing and named.
 /// Entries of headers that may be long.
 const LONG: [&str; 3] = ["settings", "coverage", FILES];
+/// Ranges of samples that are missing and named.
 const MOST_NAMED: usize = 4;
 
 /// An image that was merged from parts.
@@ -109,7 +110,7 @@ fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
     let mut parts: Vec<About> = Vec::with_capacity(paths.len());
     let mut last = 0;
     for (index, path) in paths.iter().enumerate() {
-        let part = exr::exact::about(path)?;
+        let part = exr::exact::about(path).map_err(|error| superfluous(path, paths).unwrap_or(error))?;
         if index > 0 {
             check_same(&paths[0], &parts[0], path, &part)?;
         }
@@ -124,6 +125,15 @@ fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
         }
     }
     Ok(parts)
+}
+
+/// The error that the image at `path` is left out better, if it is called like the denoised one of another part, as it is
+/// in the folder of them.
+fn superfluous(path: &Path, paths: &[PathBuf]) -> Option<Error> {
+    let noisy = denoise::noisy(path).filter(|noisy| paths.iter().any(|other| output::are_same(other, noisy)))?;
+    let finding = format!("is the denoised image of {}, which is merged, too", noisy.display());
+    let remedy = "leave it out: move it elsewhere, or name the parts one by one or in a list, @LIST";
+    Some(Error::failure(path.display(), finding, remedy))
 }
 
 /// What the file at `path` says, which said `part` when it was looked at first. What a repeated render has written

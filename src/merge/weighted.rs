@@ -15,15 +15,25 @@ const DEPTH: &str = "depth.Z";
 /// The channel with their share of all samples.
 const HITS: &str = "depth.A";
 
+/// A weighted mean.
+#[derive(Clone, Debug)]
+pub struct Weighted {
+    /// The mean.
+    pub image: Image,
+    /// What a person should know: that numbers of samples do not count.
+    pub warnings: Vec<String>,
+}
+
 /// The mean of the EXR images at `paths`, pixel by pixel, weighted by their numbers of samples where all have such a
 /// channel, `N`, and alike otherwise. Channels that not all of them have are left out. One image at a time is in memory.
 ///
 /// # Errors
-/// If one cannot be read, or they differ in size or have no channel in common.
+/// If one cannot be read, its numbers of samples are no such numbers, or they differ in size or have no channel in
+/// common.
 ///
 /// # Panics
 /// If there are no paths.
-pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
+pub fn weighted(paths: &[PathBuf]) -> Result<Weighted> {
     let abouts = paths.iter().map(|path| exr::about_image(path)).collect::<Result<Vec<_>>>()?;
     let first = &abouts[0];
     for (path, about) in paths.iter().zip(&abouts).skip(1) {
@@ -47,6 +57,7 @@ pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
             return Err(Error::failure(path.display(), finding, "merge once nobody writes images any more"));
         };
         let weights = plane(COUNT).filter(|_| counted);
+        weights.map_or(Ok(()), |weights| check_counts(path, weights, about.width))?;
         let weight = |place: usize| weights.map_or(1.0, |weights| f64::from(weights[place]));
         // Depth is the mean over samples that hit something.
         let hits = plane(HITS);
@@ -66,7 +77,27 @@ pub fn weighted(paths: &[PathBuf]) -> Result<Image> {
     };
     let channels = names.iter().zip(&sums).map(|(name, sums)| (name.clone(), mean(name, sums))).collect();
     let header = vec![(format!("{}merged", exr::PREFIX), format!("weighted mean of {} images", paths.len()))];
-    Ok(Image { width: first.width, height: first.height, channels, header })
+    let image = Image { width: first.width, height: first.height, channels, header };
+    Ok(Weighted { image, warnings: uncounted(paths, &abouts).into_iter().collect() })
+}
+
+/// The warning that some images say how many samples they have and others do not, if so.
+fn uncounted(paths: &[PathBuf], abouts: &[AboutImage]) -> Option<String> {
+    let has_counts = |about: &AboutImage| about.names.iter().any(|name| name == COUNT);
+    let (silent, _) = paths.iter().zip(abouts).find(|(_, about)| !has_counts(about))?;
+    let finding = "has no numbers of samples (channel N), but others have: all images count alike";
+    abouts.iter().any(has_counts).then(|| format!("{}: {finding}", silent.display()))
+}
+
+/// Fails unless all of `counts` are numbers of samples.
+fn check_counts(path: &Path, counts: &[f32], width: usize) -> Result<()> {
+    let is_wrong = |count: &f32| !count.is_finite() || *count < 0.0;
+    let Some(place) = counts.iter().position(is_wrong) else { return Ok(()) };
+    let (x, y) = (place % width, place / width);
+    let finding = format!("has {} samples in pixel ({x}, {y}), by its channel N", counts[place]);
+    let remedy =
+        "give images whose channel N is finite and not negative, or remove it from one to have all count alike";
+    Err(Error::failure(path.display(), finding, remedy))
 }
 
 /// What an image of this weight adds to the sum of the channel called `name`, where its value is `value`.

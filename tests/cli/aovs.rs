@@ -185,7 +185,7 @@ fn a_denoised_image_is_no_part_and_the_noisy_one_is_named() {
             "{name}: is a denoised image, which has no samples to merge\n  help: give the noisy one{noisy}; merge \
              --denoise denoises what is merged\n"
         );
-        folder.refused(&["merge", "a.exr", name, "-o", "b.exr"], 1, &finding);
+        folder.refused(&["merge", name, "-o", "b.exr"], 1, &finding);
     }
 }
 

@@ -158,6 +158,47 @@ fn images_without_sums_merge_by_weights_if_asked_to() {
     folder.refused(&["merge", "a.exr", "small.exr", "--weighted", "-o", "x.exr"], 1, "small.exr: cannot be averaged");
 }
 
+/// Writes the image called `from` as `to`, with the channel N changed: left out if `count` is.
+fn recounted(folder: &Folder, from: &str, to: &str, count: Option<f32>) {
+    let mut image = Image { header: Vec::new(), ..folder.image(from) };
+    match count {
+        Some(count) => image.channels.iter_mut().filter(|(name, _)| name == "N").for_each(|(_, n)| n[41] = count),
+        None => image.channels.retain(|(name, _)| name != "N"),
+    }
+    let mut file = std::io::Cursor::new(Vec::new());
+    fogbow::image::exr::write_image(&mut file, &image).expect("an image");
+    folder.write(to, file.into_inner());
+}
+
+#[test]
+fn numbers_of_samples_that_do_not_count_are_told() {
+    let folder = parts();
+    recounted(&folder, "b.exr", "silent.exr", None);
+    let run = folder.done(&["merge", "a.exr", "silent.exr", "--weighted", "-o", "x.exr"]);
+    let warning =
+        "warning: silent.exr: has no numbers of samples (channel N), but others have: all images count alike\n";
+    assert!(run.stderr.contains(warning), "{run}");
+    let run = folder.done(&["merge", "silent.exr", "--weighted", "-o", "x.exr"]);
+    assert!(!run.stderr.contains("warning"), "nobody counts: {run}");
+    for count in [-3.0, f32::NAN, f32::INFINITY] {
+        recounted(&folder, "b.exr", "wrong.exr", Some(count));
+        let beginning = format!("wrong.exr: has {count} samples in pixel (1, 1), by its channel N");
+        folder.refused(&["merge", "a.exr", "wrong.exr", "--weighted", "-o", "y.exr"], 1, &beginning);
+    }
+    assert!(!folder.path("y.exr").exists());
+}
+
+#[test]
+fn a_denoised_image_in_the_folder_of_the_parts_is_told_to_be_left_out() {
+    let folder = parts();
+    std::fs::create_dir(folder.path("parts")).expect("a folder");
+    std::fs::rename(folder.path("a.exr"), folder.path("parts/a.exr")).expect("a part");
+    recounted(&folder, "b.exr", "parts/a.denoised.exr", None);
+    let finding = "parts/a.denoised.exr: is the denoised image of parts/a.exr, which is merged, too\n";
+    let run = folder.refused(&["merge", "parts", "-o", "x.exr"], 1, finding);
+    assert!(run.stderr.contains("help: leave it out: move it elsewhere, or name the parts"), "{run}");
+}
+
 #[test]
 fn no_part_is_overwritten() {
     let folder = parts();
