@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, about 0.01 beyond 320");
         let (text, entry) = told(Share::AtLeast(0.9999), None, None);
         assert!(text.contains("at least 99.9 % of the light: most of it may need more than 65536"), "{text}");
-        assert_eq!(entry, "at least 1.00 beyond 15 segments, no sufficient limit known");
+        assert_eq!(entry, "at least 1.0 beyond 15 segments, no sufficient limit known");
         let (text, entry) = told(Share::Unknown, None, None);
         assert!(text.contains("with them an unknown share of the light, perhaps nearly all of it: "), "{text}");
         assert!(entry.starts_with("unknown beyond 15 segments"), "{entry}");
