@@ -12,7 +12,7 @@
 //! 3. Nothing is computed before the first or beyond the last start that an active technique can use, and phase
 //!    functions only for the techniques that ask for them: bridges do not.
 //! 4. Batches that end at infinity skip what others need. In mixed ones, the rows that do take another sum in the end.
-//! 5. Where next event estimation alone competes there is a [shorter way](super::straight).
+//! 5. Where next event estimation alone competes a shorter way does (`straight`).
 //! 6. Zero-length segments get a zero direction instead of NaN; their ratios vanish with their squared length.
 
 use wide::{f32x8, u32x8};
