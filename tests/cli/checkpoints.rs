@@ -159,8 +159,8 @@ mod on_signals {
 
     /// Kills that a render survives.
     const KILLS: u32 = if cfg!(feature = "long") { 20 } else { 5 };
-    /// Samples of a render of seconds.
-    const SAMPLES: &str = "400";
+    /// Samples of a render that is not done before the last of them.
+    const SAMPLES: &str = if cfg!(feature = "long") { "2400" } else { "600" };
 
     /// What a render in one go leaves.
     fn whole(folder: &Folder, more: &[&str]) {
