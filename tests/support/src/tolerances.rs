@@ -33,9 +33,12 @@ pub const TRACKED: Tolerance = tolerance(1e-5, 1e-4);
 /// Optical depths of a coarse field, and logarithms of extinctions.
 pub const PASSAGE: Tolerance = tolerance(1e-4, 1e-4);
 
-/// Transmittances of known shapes, and quotients of theirs: `exp` of optical depths that are as good as a coarse field's,
-/// since a ray that grazes a ball magnifies the rounding of its place.
-pub const KNOWN_SHAPE: Tolerance = tolerance(1e-12, 1e-4);
+/// Optical depths through known shapes. A ray that grazes a ball by a chord of c diameters magnifies the rounding of its
+/// place, 1e-7 diameters, by 1 / c: one ray in ten thousand has c = 0.01.
+pub const KNOWN_DEPTH: Tolerance = tolerance(2e-5, 1e-6);
+
+/// Transmittances of known shapes, and quotients of theirs: `exp` of these depths.
+pub const KNOWN_SHAPE: Tolerance = tolerance(1e-12, 2e-5);
 
 /// `known` where a medium has a field of which everything is known, otherwise `plain`.
 pub fn through(medium: &Medium, known: Tolerance, plain: Tolerance) -> Tolerance {

@@ -293,7 +293,7 @@ pub(super) fn check_spectral_weight(step: Step, columns: spectral_weight::Column
             throughput: &mut *throughput,
         }
     );
-    let log_posterior = tolerances::through(medium, tolerances::PASSAGE, tolerances::LOG_POSTERIOR);
+    let log_posterior = tolerances::through(medium, tolerances::KNOWN_DEPTH, tolerances::LOG_POSTERIOR);
     let quotient = tolerances::through(medium, tolerances::KNOWN_SHAPE, tolerances::QUOTIENT);
     for lane in lanes(live) {
         let weighed = live.contains(lane) || on_surface.contains(lane);
