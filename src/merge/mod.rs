@@ -105,7 +105,8 @@ pub fn exact_as(paths: &[PathBuf], request: Request<'_>) -> Result<Merged> {
 }
 
 /// What the files at `paths` say, which are parts of one render. Of thousands there is no room for what may be long, the
-/// settings, the text of the coverage and hashes of files, but for those of the first and of the part whose header the image gets.
+/// settings, the text of the coverage and hashes of files, but for those of the first and of the part whose header the
+/// image gets.
 fn survey(paths: &[PathBuf]) -> Result<Vec<About>> {
     let mut parts: Vec<About> = Vec::with_capacity(paths.len());
     let mut last = 0;

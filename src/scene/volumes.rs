@@ -1,34 +1,28 @@
 //! Media with bounds: from shapes and files of voxels, and what is around them, to what stages read.
 
+mod grids;
+mod shapes;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
-use fogbow_kernels::media::field::{Field, Interpolation, MOST_VOLUMES, Shape, ToIndex, Volume as Placed, Voxels};
+use fogbow_kernels::media::field::{Field, MOST_VOLUMES, Shape, Volume as Placed, Voxels};
 use fogbow_kernels::media::glow::Source;
 use fogbow_kernels::media::{Glow, Medium};
 use fogbow_kernels::phase::PhaseFunction;
-use glam::{DAffine3, DQuat, DVec3, EulerRot};
+use glam::DVec3;
 
 use super::boundaries::{self, Wanted};
 use super::document::Document;
 use super::filling::{Densities, Filling};
-use super::loading::{Loading, Look};
+use super::loading::Look;
 use super::model::Loaded;
-use super::ranges::{LARGEST, LARGEST_EMISSION, Owner};
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
-use crate::figures::point;
-use crate::gltf::quoted;
-use crate::volume::{self, Leaf, VoxelGrid};
 use crate::warning::Warning;
+use grids::Quantity;
 
-/// Largest factor of densities or sizes.
-const LARGEST_SCALE: f64 = 1e9;
-/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 1.5 GiB.
-const MOST_BRICKS: u64 = 1 << 27;
-/// Shortest edge of a box, and smallest radius of a sphere `[m]`.
-const SMALLEST_EDGE: f64 = 1e-6;
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;
 
@@ -127,31 +121,6 @@ pub fn medium(
     Ok((if let Some(glow) = glow { medium.with_glow(glow) } else { medium }, fillings))
 }
 
-/// What the densities of a grid multiply.
-struct Quantity {
-    /// What it is called.
-    name: &'static str,
-    /// Its unit, as it stands behind a number.
-    unit: &'static str,
-    /// That of density 1.
-    factor: f64,
-    /// Largest one.
-    largest: f64,
-}
-
-impl Quantity {
-    /// An extinction [1/m].
-    fn extinction(of_one: f32) -> Self {
-        Self { name: "extinction", unit: "/m", factor: f64::from(of_one), largest: LARGEST }
-    }
-
-    /// An emission per channel.
-    fn emission(of_one: [f32; 3]) -> Self {
-        let factor = f64::from(of_one.into_iter().fold(0.0, f32::max));
-        Self { name: "emission", unit: " W/(m^3 sr)", factor, largest: LARGEST_EMISSION }
-    }
-}
-
 /// Extinction per channel over that of the channel in which it is largest, which `around` and `volumes` have in common;
 /// the error that they do not.
 fn common_hues(around: &Medium, volumes: &[Volume<'_>]) -> Result<[f32; 3]> {
@@ -241,36 +210,6 @@ impl Volume<'_> {
         )))
     }
 
-    /// Whether the densities of the grid at `table` are where it is, `placed`. If they are not, that is an error, but for a
-    /// mesh, which animations may have moved away, a warning.
-    fn must_meet(
-        &self,
-        table: &str,
-        grid: Option<(&Voxels, &Densities)>,
-        placed: &Placed,
-        origin: DVec3,
-    ) -> Result<()> {
-        let ([low, high], tell) = (placed.bounds(), |corner: DVec3| point((corner + origin).to_array()));
-        // To look at all voxels takes long.
-        let meets = |(voxels, densities): &(&Voxels, &Densities)| {
-            let [first, last] = densities.bounds;
-            (first.cmpge(low).all() && last.cmple(high).all()) || voxels.extent(low, high).most > 0.0
-        };
-        let Some((_, densities)) = grid.filter(|grid| !meets(grid)) else { return Ok(()) };
-        let [first, last] = densities.bounds.map(tell);
-        let finding = format!(
-            "outside of the volume, which is from {} to {} m: densities above 0 are from {first} to {last} m",
-            tell(low),
-            tell(high)
-        );
-        let remedy = "move the grid to the volume with translate, or the volume to the grid";
-        if self.keys.shape.as_ref().is_some_and(|shape| shape.kind == ShapeKind::Mesh) {
-            self.warn(table, format!("{finding}; {remedy}"));
-            return Ok(());
-        }
-        self.require(false, table, finding, remedy)
-    }
-
     fn warn(&self, key: &str, finding: impl core::fmt::Display) {
         let path = format!("{}.{key}", self.table);
         (self.warn)(Warning::new(self.document.place(&path), format!("{path} is {finding}")));
@@ -290,146 +229,8 @@ impl Volume<'_> {
         Ok((Source { emission, voxels: Some(voxels) }, Some(densities)))
     }
 
-    /// The shape of these keys.
-    fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Shape> {
-        let schema::Shape { kind, min, max, center, radius, name } = shape;
-        let given = [
-            ("min", min.is_some(), kind == &ShapeKind::Box),
-            ("max", max.is_some(), kind == &ShapeKind::Box),
-            ("center", center.is_some(), kind == &ShapeKind::Sphere),
-            ("radius", radius.is_some(), kind == &ShapeKind::Sphere),
-            ("name", name.is_some(), kind == &ShapeKind::Mesh),
-        ];
-        for (key, given, wanted) in given {
-            let (what, remedy) = if wanted { ("missing", "give it") } else { ("given", "leave it out") };
-            let finding = format!("{what}: the shape is a {}", kind.name());
-            self.require(given == wanted, &format!("shape.{key}"), finding, remedy)?;
-        }
-        let remedy = "give three finite coordinates from -1e9 to 1e9 m";
-        for (key, point) in [("shape.min", min), ("shape.max", max), ("shape.center", center)] {
-            let ok = point.is_none_or(|point| point.iter().all(|x| x.abs() <= LARGEST));
-            self.require(ok, key, format!("{:?}", point.unwrap_or_default()), remedy)?;
-        }
-        match kind {
-            ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin),
-            ShapeKind::Sphere => {
-                let owner = Owner::Table(self.document, format!("{}.shape", self.table));
-                let radius = owner.radius("radius", radius.unwrap_or_default())?;
-                self.require(radius >= SMALLEST_EDGE, "shape.radius", radius, "give a radius of 1e-6 m or more")?;
-                Ok(Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius })
-            }
-            ShapeKind::Mesh => Ok(Shape::Mesh(self.boundary.clone().expect("its name is given"))),
-        }
-    }
-
-    /// A box.
-    fn block(&self, min: [f64; 3], max: [f64; 3], origin: DVec3) -> Result<Shape> {
-        let ok = (0..3).all(|axis| max[axis] - min[axis] >= SMALLEST_EDGE);
-        let remedy = "make each of its coordinates larger than that of min by 1e-6 m or more";
-        self.require(ok, "shape.max", format!("{max:?}, where min is {min:?}"), remedy)?;
-        Ok(Shape::block([min, max].map(|corner| (DVec3::from(corner) - origin).to_array())))
-    }
-
-    /// The grid of a file, at `table` of the volume, in its place; its densities multiply `quantity`. None where there are
-    /// no voxels.
-    fn voxels(
-        &self,
-        table: &str,
-        grid: &schema::Grid,
-        quantity: &Quantity,
-        origin: DVec3,
-    ) -> Result<Option<(Voxels, Densities)>> {
-        let key = |name: &str| format!("{table}.{name}");
-        for (name, scale) in [("scale", grid.scale), ("scale_by", grid.scale_by)] {
-            let ok = scale > 0.0 && scale <= LARGEST_SCALE;
-            self.require(ok, &key(name), format!("{scale:?}"), "give a number above 0, up to 1e9")?;
-        }
-        let ok = grid.translate.iter().all(|x| x.abs() <= LARGEST);
-        let finding = format!("{:?}", grid.translate);
-        self.require(ok, &key("translate"), finding, "give three finite coordinates from -1e9 to 1e9 m")?;
-        let ok = grid.rotate_deg.iter().all(|x| x.abs() <= 360.0);
-        let finding = format!("{:?}", grid.rotate_deg);
-        self.require(ok, &key("rotate_deg"), finding, "give three angles from -360 to 360 degrees")?;
-        let path = self.document.folder().join(&grid.file);
-        let look = |done, total| (self.look)(Loading::of(&path, done, total));
-        let voxels = volume::read(&path, grid.name.as_deref(), &look)?;
-        let bricks = bricks_spanned(&voxels.leaves);
-        let finding = format!("a grid whose voxels are so far apart that {bricks} bricks of 8x8x8 lie between them");
-        let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
-        self.require(bricks <= MOST_BRICKS, &key("file"), finding, &remedy)?;
-        let interpolation = match grid.interpolation {
-            schema::Interpolation::Trilinear => Interpolation::Trilinear,
-            schema::Interpolation::Nearest => Interpolation::Nearest,
-        };
-        let to_world = to_world(grid, &voxels, origin);
-        let to_index = self.to_index(table, grid, &to_world)?;
-        let densities = Densities::of(&voxels, &to_world);
-        if densities.most == 0.0 {
-            let name = quoted(&voxels.name);
-            let finding = format!("{}, whose grid {name} has no density above 0", quoted(&grid.file));
-            self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
-            return Ok(None);
-        }
-        let [low, high] = densities.bounds.map(|corner| corner + origin);
-        let is_near = low.abs().max(high.abs()).max_element() <= LARGEST;
-        let [low, high] = [low, high].map(|corner| point(corner.to_array()));
-        let finding =
-            format!("{:?}, which puts the densities of {} at {low} to {high} m", grid.scale_by, quoted(&grid.file));
-        let remedy = "give a smaller scale_by or another translate: coordinates go from -1e9 to 1e9 m";
-        self.require(is_near, &key("scale_by"), finding, remedy)?;
-        let Quantity { name, unit, factor, largest } = quantity;
-        let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
-        let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);
-        let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
-        self.require(most <= *largest, &key("scale"), finding, &remedy)?;
-        Ok(Some((Voxels::new(&voxels.leaves, &to_index, interpolation), densities)))
-    }
-
-    /// To index coordinates, which lead `to_world`.
-    fn to_index(&self, table: &str, grid: &schema::Grid, to_world: &DAffine3) -> Result<ToIndex> {
-        let to_index = to_world.inverse();
-        let finding = format!("{:?} of the file and of its transform, too much or too little for f32", grid.scale_by);
-        let sound = to_index.is_finite() && to_index.matrix3.to_cols_array().iter().all(|entry| entry.abs() < 1e12);
-        self.require(sound, &format!("{table}.scale_by"), finding, "enlarge it by another factor")?;
-        let columns = to_index.matrix3.to_cols_array_2d();
-        let moved = to_index.translation.to_array();
-        Ok([0, 1, 2].map(|row| [columns[0][row], columns[1][row], columns[2][row], moved[row]]))
-    }
-
     fn require(&self, ok: bool, key: &str, finding: impl core::fmt::Display, remedy: &str) -> Result<()> {
         let path = format!("{}.{key}", self.table);
         if ok { Ok(()) } else { Err(self.document.error(&path, format!("{path} is {finding}"), remedy)) }
-    }
-}
-
-/// From index coordinates of `voxels`, placed as `grid` says, to positions counted from `origin`.
-fn to_world(grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> DAffine3 {
-    let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
-    let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
-    let moved = DVec3::from(grid.translate) - origin;
-    DAffine3::from_scale_rotation_translation(DVec3::splat(grid.scale_by), turned, moved) * voxels.index_to_world
-}
-
-/// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.
-fn bricks_spanned(leaves: &[Leaf]) -> u64 {
-    let along = |axis: usize| {
-        let brick = |leaf: &Leaf| i64::from(leaf.origin[axis].div_euclid(8));
-        let (first, last) = (leaves.iter().map(brick).min(), leaves.iter().map(brick).max());
-        first.zip(last).map_or(0, |(first, last)| (last - first + 2) as u64)
-    };
-    (0..3).map(along).fold(1, u64::saturating_mul)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn voxels_far_apart_span_more_bricks_than_there_are() {
-        let leaf = |origin: [i32; 3]| Leaf { origin, values: Box::new([1.0; 512]) };
-        assert_eq!(bricks_spanned(&[leaf([0; 3])]), 8);
-        assert_eq!(bricks_spanned(&[leaf([-8, 0, 0]), leaf([8, 0, 16])]), 4 * 2 * 4);
-        let [least, most] = [i32::MIN, i32::MAX - 7];
-        assert!(bricks_spanned(&[leaf([least; 3]), leaf([most; 3])]) > MOST_BRICKS);
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! One vertex is looked at, so that there is neither a suffix to fill nor a history to read.
 
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::starts::Starts;
 use super::{Columns, albedos};
@@ -40,7 +40,7 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
         let cos_light = lights.cosine(&emitter_of, point, leaving);
         let mut inverse_density = phase.inverse_density(candidates.arriving.batch(b), leaving);
         let mut outside = lanes::mask(lanes::ALL);
-        let on_surface = starts.surface & lanes::as_mask(starts.most_edges.simd_eq(wide::u32x8::splat(1)));
+        let on_surface = starts.surface & lanes::as_mask(starts.most_edges.simd_eq(u32x8::splat(1)));
         if solid && on_surface.any() {
             let cosine = leaving.dot(last_surface.normal.gather(&lane_of));
             outside = !on_surface | cosine.simd_gt(f32x8::ZERO);

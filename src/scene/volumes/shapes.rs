@@ -1,0 +1,54 @@
+//! Shapes of volumes: balls, boxes and meshes, from their keys.
+
+use fogbow_kernels::media::field::Shape;
+use glam::DVec3;
+
+use super::Volume;
+use crate::error::Result;
+use crate::scene::ranges::{LARGEST, Owner};
+use crate::scene::schema::{self, ShapeKind};
+
+/// Shortest edge of a box, and smallest radius of a sphere `[m]`.
+const SMALLEST_EDGE: f64 = 1e-6;
+
+impl Volume<'_> {
+    /// The shape of these keys.
+    pub(super) fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Shape> {
+        let schema::Shape { kind, min, max, center, radius, name } = shape;
+        let given = [
+            ("min", min.is_some(), kind == &ShapeKind::Box),
+            ("max", max.is_some(), kind == &ShapeKind::Box),
+            ("center", center.is_some(), kind == &ShapeKind::Sphere),
+            ("radius", radius.is_some(), kind == &ShapeKind::Sphere),
+            ("name", name.is_some(), kind == &ShapeKind::Mesh),
+        ];
+        for (key, given, wanted) in given {
+            let (what, remedy) = if wanted { ("missing", "give it") } else { ("given", "leave it out") };
+            let finding = format!("{what}: the shape is a {}", kind.name());
+            self.require(given == wanted, &format!("shape.{key}"), finding, remedy)?;
+        }
+        let remedy = "give three finite coordinates from -1e9 to 1e9 m";
+        for (key, point) in [("shape.min", min), ("shape.max", max), ("shape.center", center)] {
+            let ok = point.is_none_or(|point| point.iter().all(|x| x.abs() <= LARGEST));
+            self.require(ok, key, format!("{:?}", point.unwrap_or_default()), remedy)?;
+        }
+        match kind {
+            ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin),
+            ShapeKind::Sphere => {
+                let owner = Owner::Table(self.document, format!("{}.shape", self.table));
+                let radius = owner.radius("radius", radius.unwrap_or_default())?;
+                self.require(radius >= SMALLEST_EDGE, "shape.radius", radius, "give a radius of 1e-6 m or more")?;
+                Ok(Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius })
+            }
+            ShapeKind::Mesh => Ok(Shape::Mesh(self.boundary.clone().expect("its name is given"))),
+        }
+    }
+
+    /// A box.
+    fn block(&self, min: [f64; 3], max: [f64; 3], origin: DVec3) -> Result<Shape> {
+        let ok = (0..3).all(|axis| max[axis] - min[axis] >= SMALLEST_EDGE);
+        let remedy = "make each of its coordinates larger than that of min by 1e-6 m or more";
+        self.require(ok, "shape.max", format!("{max:?}, where min is {min:?}"), remedy)?;
+        Ok(Shape::block([min, max].map(|corner| (DVec3::from(corner) - origin).to_array())))
+    }
+}
