@@ -4,7 +4,7 @@
 //! lane 0 in bit 0.
 
 use bumpalo::Bump;
-use wide::{f32x8, u32x8};
+use wide::{f32x8, i32x8, u32x8};
 
 /// Rows in a batch.
 pub const LANES: usize = 8;
@@ -47,6 +47,13 @@ pub fn as_integer_mask(mask: f32x8) -> u32x8 {
 #[inline(always)]
 pub fn to_f32(counts: u32x8) -> f32x8 {
     f32x8::from_i32x8(bytemuck::cast(counts))
+}
+
+/// The values of a column at these indices, which are within it.
+#[inline(always)]
+pub fn gather(column: &[f32], at: i32x8) -> f32x8 {
+    let [a, b, c, d, e, f, g, h] = at.to_array().map(|index| index as usize);
+    f32x8::new([column[a], column[b], column[c], column[d], column[e], column[f], column[g], column[h]])
 }
 
 /// The indices of the set bits, ascending.

@@ -17,6 +17,7 @@
 use wide::f32x8;
 
 use super::Field;
+use crate::lanes::gather;
 use crate::media::AxisX8;
 use crate::vec3x8::Vec3x8;
 
@@ -217,8 +218,7 @@ impl Field {
     /// Mean extinction of the cells that points, in cells, are in [1/m].
     #[inline(always)]
     fn mean_at(&self, at: Vec3x8) -> f32x8 {
-        let means = self.cells.means();
-        f32x8::new(self.cells_at(at).to_array().map(|cell| means[cell as usize]))
+        gather(self.cells.means(), self.cells_at(at))
     }
 }
 

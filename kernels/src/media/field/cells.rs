@@ -19,6 +19,15 @@ pub struct Cell {
     pub spread: f32,
 }
 
+/// About what transmittances are estimated in a cell, and how far from it extinctions are, as in [`Cell`] [1/m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residual {
+    /// What is known.
+    pub control: f32,
+    /// The majorant of the rest.
+    pub spread: f32,
+}
+
 /// By how much bounds are widened: interpolation may round beyond the values at the corners.
 const WIDER: f32 = 1.0 + 1e-5;
 
@@ -52,6 +61,10 @@ impl Cell {
         Self { mean: extinction, most: extinction, control: extinction, spread: 0.0 }
     }
 
+    fn residual(&self) -> Residual {
+        Residual { control: self.control, spread: self.spread }
+    }
+
     /// With the majorants multiplied by `factor` >= 1, and the mean by `mean`.
     fn distorted(self, factor: f32, mean: f32) -> Self {
         let [low, high] = [self.control - self.spread, self.most].map(|bound| bound.max(0.0));
@@ -66,11 +79,11 @@ impl Cell {
 pub struct Cells {
     /// Cells along each axis.
     pub dims: [u32; 3],
-    /// x runs fastest, then y; with a layer of cells all around of what is outside, so that a ray that has just left the
-    /// box, but for rounding, is still in one.
-    cells: Vec<Cell>,
-    /// Their means once more, which are asked for most.
+    /// A column for each that is asked for by itself. x runs fastest, then y; with a layer of cells all around of what is
+    /// outside, so that a ray that has just left the box, but for rounding, is still in one.
     means: Vec<f32>,
+    majorants: Vec<f32>,
+    residuals: Vec<Residual>,
     /// Which volumes may be in them, bit by bit; empty where there is only one.
     volumes: Vec<u32>,
     /// Largest extinction anywhere [1/m].
@@ -83,15 +96,21 @@ impl Cells {
     pub fn new(dims: [u32; 3], outside: Cell, several: bool, survey: impl Fn([u32; 3]) -> (Cell, u32) + Sync) -> Self {
         let count = dims.iter().map(|dim| *dim as usize + 2).product();
         let volumes = vec![0; if several { count } else { 0 }];
-        let (cells, means) = (vec![outside; count], vec![outside.mean; count]);
-        let mut found = Self { dims, cells, means, volumes, most: outside.most };
+        let mut found = Self {
+            dims,
+            means: vec![outside.mean; count],
+            majorants: vec![outside.most; count],
+            residuals: vec![outside.residual(); count],
+            volumes,
+            most: outside.most,
+        };
         let places = (0..dims[2]).flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])));
         let places: Vec<[u32; 3]> = places.collect();
         let surveyed: Vec<(Cell, u32)> = places.par_iter().map(|place| survey(*place)).collect();
         for (place, (cell, volumes)) in places.into_iter().zip(surveyed) {
             found.most = found.most.max(cell.most);
             let index = found.index(place);
-            (found.cells[index], found.means[index]) = (cell, cell.mean);
+            found.put(index, cell);
             if several {
                 found.volumes[index] = volumes;
             }
@@ -131,20 +150,36 @@ impl Cells {
     }
 
     /// The cell at `place`, which is inside.
-    pub fn at(&self, place: [u32; 3]) -> &Cell {
-        &self.cells[self.index(place)]
+    pub fn at(&self, place: [u32; 3]) -> Cell {
+        self.cell(self.index(place))
     }
 
-    /// All of them, and those around.
-    #[inline(always)]
-    pub fn all(&self) -> &[Cell] {
-        &self.cells
+    fn cell(&self, index: usize) -> Cell {
+        let Residual { control, spread } = self.residuals[index];
+        Cell { mean: self.means[index], most: self.majorants[index], control, spread }
     }
 
-    /// Means of all of them.
+    fn put(&mut self, index: usize, cell: Cell) {
+        (self.means[index], self.majorants[index]) = (cell.mean, cell.most);
+        self.residuals[index] = cell.residual();
+    }
+
+    /// Means of all of them, and of those around.
     #[inline(always)]
     pub fn means(&self) -> &[f32] {
         &self.means
+    }
+
+    /// Their majorants of free flights.
+    #[inline(always)]
+    pub fn majorants(&self) -> &[f32] {
+        &self.majorants
+    }
+
+    /// About what transmittances are estimated in them.
+    #[inline(always)]
+    pub fn residuals(&self) -> &[Residual] {
+        &self.residuals
     }
 
     /// The volumes that may be in all of them; empty where there is only one.
@@ -155,9 +190,8 @@ impl Cells {
 
     /// The same with all majorants multiplied by `factor` >= 1, and means by `mean`: what no image may depend on.
     pub fn distorted(mut self, factor: f32, mean: f32) -> Self {
-        for (cell, kept) in self.cells.iter_mut().zip(&mut self.means) {
-            *cell = cell.distorted(factor, mean);
-            *kept = cell.mean;
+        for index in 0..self.means.len() {
+            self.put(index, self.cell(index).distorted(factor, mean));
         }
         self.most *= factor;
         self
@@ -165,8 +199,8 @@ impl Cells {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        let means = size_of_val(self.means.as_slice());
-        size_of_val(self.cells.as_slice()) + means + size_of_val(self.volumes.as_slice())
+        let bounds = size_of_val(self.majorants.as_slice()) + size_of_val(self.residuals.as_slice());
+        size_of_val(self.means.as_slice()) + bounds + size_of_val(self.volumes.as_slice())
     }
 }
 

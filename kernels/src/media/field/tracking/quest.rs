@@ -1,19 +1,20 @@
 //! What rays are tracked for, eight at a time: the rate of candidates, and what becomes of a ray at each.
 
-use wide::f32x8;
+use wide::{f32x8, i32x8};
 
-use crate::media::field::Cell;
+use crate::lanes::{LANES, gather};
+use crate::media::field::cells::{Cells, Residual};
 
 /// What is looked for along rays.
 pub(super) trait Quest<const N: usize>: Copy {
     /// Whether the ray may end on its way.
     const FLIES: bool;
 
-    /// Rate of candidates, and the extinction that is known, in a cell [1/m].
-    fn rates(cell: &Cell) -> [f32; 2];
+    /// Rate of candidates, and the extinction that is known, in the cells of these numbers [1/m].
+    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2];
 
-    /// Where a candidate is in a cell of one extinction, its mean.
-    fn is_even(rates: [f32x8; 2]) -> f32x8;
+    /// Which cells have one extinction, and so need not be asked where a candidate is, and that extinction [1/m].
+    fn even(cells: &Cells, at: i32x8, rates: [f32x8; 2]) -> (f32x8, f32x8);
 
     /// What a candidate does to the ray's results, where extinction, rate and mean are these, for a number `u`; and
     /// where the ray ends with it.
@@ -38,13 +39,14 @@ impl Quest<1> for Flight {
     const FLIES: bool = true;
 
     #[inline(always)]
-    fn rates(cell: &Cell) -> [f32; 2] {
-        [cell.most, cell.mean]
+    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2] {
+        [gather(cells.majorants(), at), f32x8::ZERO]
     }
 
     #[inline(always)]
-    fn is_even([most, mean]: [f32x8; 2]) -> f32x8 {
-        most.simd_eq(mean)
+    fn even(cells: &Cells, at: i32x8, [most, _]: [f32x8; 2]) -> (f32x8, f32x8) {
+        let mean = gather(cells.means(), at);
+        (most.simd_eq(mean), mean)
     }
 
     #[inline(always)]
@@ -63,14 +65,20 @@ impl<const N: usize> Quest<N> for Transmittance {
     const FLIES: bool = false;
 
     #[inline(always)]
-    fn rates(cell: &Cell) -> [f32; 2] {
-        [cell.spread, cell.control]
+    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2] {
+        let residuals = cells.residuals();
+        let [mut spreads, mut controls] = [[0.0; LANES]; 2];
+        for (lane, at) in at.to_array().into_iter().enumerate() {
+            let Residual { control, spread } = residuals[at as usize];
+            (spreads[lane], controls[lane]) = (spread, control);
+        }
+        [f32x8::new(spreads), f32x8::new(controls)]
     }
 
     #[inline(always)]
-    fn is_even(_: [f32x8; 2]) -> f32x8 {
+    fn even(_: &Cells, _: i32x8, _: [f32x8; 2]) -> (f32x8, f32x8) {
         // Of one extinction, a cell has no candidates.
-        f32x8::ZERO
+        (f32x8::ZERO, f32x8::ZERO)
     }
 
     #[inline(always)]

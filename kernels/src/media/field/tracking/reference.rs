@@ -128,7 +128,7 @@ impl<'a> Walk<'a> {
             if (0..3).any(|axis| self.cell[axis] < 0 || self.cell[axis] >= i64::from(cells.dims[axis])) {
                 return (None, budget);
             }
-            let cell = *cells.at(self.cell.map(|index| index as u32));
+            let cell = cells.at(self.cell.map(|index| index as u32));
             let (axis, border) = self.border();
             let length = (border.min(self.exit) - self.t).max(0.0);
             if rate(&cell) * length >= budget {

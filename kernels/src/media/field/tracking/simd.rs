@@ -192,13 +192,15 @@ impl<const N: usize> Lanes<N> {
         let (mut moving, mut through) = (live, f32x8::ZERO);
         let mut rates;
         loop {
-            rates = self.rates::<Q>(field);
+            rates = Q::rates(&field.cells, self.cell);
             let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
             let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
             let spent = rates[0] * length;
             let crosses = moving & spent.simd_lt(self.budget);
             self.budget = crosses.select(self.budget - spent, self.budget);
-            self.known = crosses.select(rates[1].mul_add(length, self.known), self.known);
+            if !Q::FLIES {
+                self.known = crosses.select(rates[1].mul_add(length, self.known), self.known);
+            }
             self.t = crosses.select(border.fast_max(self.t), self.t);
             let goes_on = crosses & border.simd_lt(self.exit);
             self.step(goes_on, border);
@@ -216,8 +218,7 @@ impl<const N: usize> Lanes<N> {
         let way = self.budget / rates[0];
         self.t = arrived.select((way / self.scale) + self.t, self.t);
         self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
-        let even = Q::is_even(rates);
-        let mut extinction = rates[1];
+        let (even, mut extinction) = Q::even(&field.cells, self.cell, rates);
         if (arrived & !even).any() {
             let at = self.direction.mul_add(self.t, self.origin);
             extinction = even.select(extinction, field.at(at).0);
@@ -230,14 +231,6 @@ impl<const N: usize> Lanes<N> {
         self.budget = arrived.select(neg_ln(f32x8::ONE - first), self.budget);
         self.candidates += bytemuck::cast::<f32x8, u32x8>(arrived) & u32x8::splat(1);
         self.through | lanes::bits(arrived & ends)
-    }
-
-    /// The rates of the cells that rays are in.
-    #[inline(always)]
-    fn rates<Q: Quest<N>>(&self, field: &Field) -> [f32x8; 2] {
-        let all = field.cells.all();
-        let rates = self.cell.to_array().map(|cell| Q::rates(&all[cell as usize]));
-        [0, 1].map(|i| f32x8::new(rates.map(|rates| rates[i])))
     }
 
     /// Takes the rays in `crosses` across the next `border` that they come to, at edges and corners across all of them.
