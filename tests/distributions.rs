@@ -268,6 +268,24 @@ fn lights_are_selected_with_their_probability() {
 }
 
 #[test]
+fn lights_of_groups_are_selected_with_their_probability() {
+    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
+        let frame = frames::swarm(60, selection, [64, 64]);
+        let emitters = frame.lights.emitters();
+        assert!(frame.lights.lights().len() < emitters.len(), "groups");
+        let (mut found, mut expected) = (vec![0.0; emitters.len()], vec![0.0; emitters.len()]);
+        light_points(&frame, Scope { facing: false, ..nee::SCOPE }, |start, light, _| {
+            found[light] += 1.0;
+            for (light, emitter) in emitters.iter().enumerate() {
+                expected[light] += light_density(&frame.lights, light, start) * emitter.area();
+            }
+        });
+        let p = p_of_counts(&found, &expected);
+        assert!(p > SUSPICIOUS, "{selection:?}: p = {p}, {found:?} instead of {expected:?}");
+    }
+}
+
+#[test]
 fn isotropic_media_forget_where_light_came_from() {
     let frame = frames::with_phase(&frame(0.0), PhaseFunction::henyey_greenstein(0.0));
     let mut cosines = Moments::default();

@@ -130,6 +130,19 @@ fn a_pipeline_of_twins_alone_renders_the_same_paths() {
 }
 
 #[test]
+fn many_lights_are_met_and_chosen_as_one_by_one() {
+    let size = [24, 24];
+    for (count, selection) in [(60, Selection::IntensityDistance), (700, Selection::Uniform)] {
+        let frame = frames::swarm(count, selection, size);
+        assert!(frame.lights.tree().is_some());
+        let (kernels, twins) = (first_samples(&frame, &SIMD, 64, size), first_samples(&frame, &REFERENCE, 64, size));
+        let apart = |(a, b): &(&[f64; 3], &[f64; 3])| (a[1] - b[1]).abs() > 1e-9 + 5e-3 * a[1].max(b[1]);
+        let count = kernels.iter().zip(&twins).filter(apart).count();
+        assert!(count <= 4, "{selection:?}: {count} of 576 samples differ");
+    }
+}
+
+#[test]
 fn any_single_stage_can_be_replaced_by_its_twin() {
     let size = [16, 16];
     let frame = frames::three_lights(0.6, Selection::IntensityDistance, size);

@@ -109,6 +109,12 @@ fn all_techniques_have_equal_means_per_path_length_with_three_lights() {
 }
 
 #[test]
+fn all_techniques_have_equal_means_per_path_length_among_many_lights() {
+    let base = frames::swarm(60, Selection::IntensityDistance, SMALL);
+    assert_equal_means("many lights", &base, 2.0, 1..=4, 1000);
+}
+
+#[test]
 fn all_techniques_have_equal_means_per_path_length_with_spotlights() {
     for (g, mesc) in [(0.3, f64::INFINITY), (0.8, 2.0)] {
         let base = frames::three_lights(g, Selection::IntensityDistance, SMALL);

@@ -205,7 +205,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
     if let Some(more @ 1..) = loaded.lights.len().checked_sub(MOST_NAMED) {
         say(format!("and {}", count(more, "more light")))?;
     }
-    if let shining @ 1.. = frame.lights.lights().len() - frame.lights.bodies().len() {
+    if let shining @ 1.. = frame.lights.given().len() - frame.lights.bodies().len() {
         let triangles = frame.lights.first_distant() as usize - frame.lights.bodies().len();
         say(format!("emissive meshes: {shining}, with {}", count(triangles, "triangle")))?;
     }

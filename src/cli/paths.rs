@@ -161,7 +161,7 @@ fn request(args: &PathsArgs, scene: &LoadedScene) -> Result<Request> {
     let (position, view) = (DVec3::from(camera.position), DVec3::from(camera.look_at) - DVec3::from(camera.position));
     let from = args.from.map_or(position, DVec3::from) - DVec3::from(scene.origin);
     let direction = args.dir.map_or(view.normalize(), DVec3::from);
-    let lights = scene.frame.lights.lights().len();
+    let lights = scene.frame.lights.given().len();
     if let Some(light) = args.to.0.filter(|light| *light as usize >= lights) {
         let finding = match lights {
             0 => "the scene has no light with a place".into(),

@@ -53,10 +53,8 @@ pub fn find(frame: &Frame, request: &Request) -> Found {
         found.tried += 1;
         let is_meant = |path: &Chain| {
             let emitter = &frame.lights.emitters()[path.emitter];
-            let is_light = light.is_none_or(|light| {
-                let emitters = &frame.lights.lights()[light as usize].emitters;
-                emitters.contains(&(path.emitter as u32))
-            });
+            let is_light =
+                light.is_none_or(|light| frame.lights.given()[light as usize].contains(&(path.emitter as u32)));
             let [.., before, point] = path.vertices.as_slice() else { return false };
             // What arrives at the back of a light counts nothing.
             is_light && path.is_free && emission::cosine(emitter, *point, *point - *before) > 0.0
@@ -68,9 +66,9 @@ pub fn find(frame: &Frame, request: &Request) -> Found {
 
 /// The middle of what a frame's lights are, `light` or all of them `[m]`; none if nothing shines from a place.
 pub fn middle(frame: &Frame, light: Option<u32>) -> Option<DVec3> {
-    let lights = frame.lights.lights();
+    let lights = frame.lights.given();
     let all = light.map_or(0..lights.len(), |light| light as usize..light as usize + 1);
-    let centers: Vec<_> = lights.get(all)?.iter().map(|light| DVec3::from(light.center.map(f64::from))).collect();
+    let centers: Vec<_> = lights.get(all)?.iter().map(|light| frame.lights.center(light)).collect();
     (!centers.is_empty()).then(|| centers.iter().sum::<DVec3>() / centers.len() as f64)
 }
 

@@ -330,7 +330,7 @@ impl Check<'_> {
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
         let open = frame.surfaces.is_empty() && !frame.medium.never_scatters() && !frame.emits();
-        let small = frame.techniques.bridge.is_some() && frame.lights.lights().len() <= MOST_AIMED_LIGHTS;
+        let small = frame.techniques.bridge.is_some() && frame.lights.given().len() <= MOST_AIMED_LIGHTS;
         let aimed = render.aimed.0.unwrap_or(if open && small { AIMED } else { 0.0 });
         let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";
         self.require(aimed == 0.0 || frame.surfaces.is_empty(), "render.aimed", format!("{aimed:?}"), remedy)?;

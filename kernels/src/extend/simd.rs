@@ -4,7 +4,8 @@
 //! keep the nearest; if there is none, and no triangle either, list all lights at infinity within |d - axis|^2 <= 4 S
 //! ```
 //!
-//! 1. Eight rays against one light at a time, so lanes are full whatever their number.
+//! 1. Eight rays against one light at a time, so lanes are full whatever their number. Where lights are many, against
+//!    one box around some of them first, which is passed by if no ray enters it.
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
@@ -18,7 +19,7 @@ use super::Columns;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, FAR, Lights, Shape};
-use crate::trace::{Hits, OneByOne, Rays, Search};
+use crate::trace::{Hits, OneByOne, Rays, Search, Slabs};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -41,16 +42,8 @@ fn run_with(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
     for (b, live) in live.each_batch() {
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
-        let mut nearest = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
-        let mut met = u32x8::splat(0);
-        let mut any = f32x8::ZERO;
-        for (index, body) in lights.bodies().iter().enumerate() {
-            let distance = crossing(body, origin, direction, nearest);
-            let hit = distance.simd_lt(nearest);
-            nearest = hit.select(distance, nearest);
-            met = bytemuck::cast::<f32x8, u32x8>(hit).select(u32x8::splat(index as u32), met);
-            any |= hit;
-        }
+        let max = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
+        let Nearest { distance: nearest, met, any } = nearest(lights, &Rays { origin, direction, max }, live);
         let bits = lanes::bits(any) & live;
         // The bound that hits have lowered is that of rays which meet something.
         let open =
@@ -75,6 +68,37 @@ fn run_with(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
         let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
         hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });
     }
+}
+
+/// The nearest disk or sphere on each of eight rays.
+struct Nearest {
+    /// How far away it is; the bound of the ray where there is none.
+    distance: f32x8,
+    /// Which it is.
+    met: u32x8,
+    /// Rays that meet one, as a mask.
+    any: f32x8,
+}
+
+/// The nearest disks or spheres on rays; on dead ones, any.
+#[inline(always)]
+fn nearest(lights: &Lights, rays: &Rays, live: u32) -> Nearest {
+    let mut found = Nearest { distance: rays.max, met: u32x8::splat(0), any: f32x8::ZERO };
+    let meet = |found: &mut Nearest, index: usize| {
+        let distance = crossing(&lights.bodies()[index], rays.origin, rays.direction, found.distance);
+        let hit = distance.simd_lt(found.distance);
+        found.distance = hit.select(distance, found.distance);
+        found.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), found.met);
+        found.any |= hit;
+    };
+    let Some(tree) = lights.tree() else {
+        (0..lights.bodies().len()).for_each(|index| meet(&mut found, index));
+        return found;
+    };
+    let slabs = Slabs::new(rays, tree.extent);
+    let enters = |found: &Nearest, planes: &[f32; 6]| lanes::bits(slabs.enter(planes, found.distance).1) & live != 0;
+    tree.visit(&mut found, enters, meet);
+    found
 }
 
 /// The emitters that eight rays meet.

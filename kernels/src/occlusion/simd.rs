@@ -6,7 +6,8 @@
 //!         sphere:  blocked if the point of the segment that is closest to the centre is within the radius
 //! ```
 //!
-//! 1. Rows of a bucket have the same number of segments, so lanes stay full.
+//! 1. Rows of a bucket have the same number of segments, so lanes stay full. Where lights are many, boxes around some of
+//!    them that no segment enters are passed by.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
 //! 3. Triangles are traced for what no disk or sphere blocks; a row is done with at the first segment that is blocked.
 //!    How eight segments look for triangles is chosen once, outside the loop ([`Search`]).
@@ -17,7 +18,7 @@ use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, Lights, Shape};
-use crate::trace::{OneByOne, Rays, Search};
+use crate::trace::{OneByOne, Rays, Search, Slabs};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -43,11 +44,8 @@ fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
             }
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
-            for (index, body) in lights.bodies().iter().enumerate() {
-                let own = lanes::as_mask(candidates.emitter.batch(b).simd_eq(u32x8::splat(index as u32)));
-                let spared = if last { own } else { f32x8::ZERO };
-                free &= spared | !crosses(body, from, to);
-            }
+            let own = if last { candidates.emitter.batch(b) } else { u32x8::splat(u32::MAX) };
+            free = pass_bodies(lights, free, from, to, own);
             from = to;
         }
         if !surfaces.is_empty() {
@@ -58,6 +56,23 @@ fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
             factor.set_batch(b, blocked.select(f32x8::ZERO, factor.batch(b)));
         }
     }
+}
+
+/// Which of the segments `free` no disk or sphere blocks but their `own` ones.
+#[inline(always)]
+fn pass_bodies(lights: &Lights, mut free: f32x8, from: Vec3x8, to: Vec3x8, own: u32x8) -> f32x8 {
+    let meet = |free: &mut f32x8, index: usize| {
+        let spared = lanes::as_mask(own.simd_eq(u32x8::splat(index as u32)));
+        *free &= spared | !crosses(&lights.bodies()[index], from, to);
+    };
+    let Some(tree) = lights.tree() else {
+        (0..lights.bodies().len()).for_each(|index| meet(&mut free, index));
+        return free;
+    };
+    let slabs = Slabs::new(&Rays { origin: from, direction: to - from, max: f32x8::ONE }, tree.extent);
+    let enters = |free: &f32x8, planes: &[f32; 6]| (slabs.enter(planes, f32x8::ONE).1 & *free).any();
+    tree.visit(&mut free, enters, meet);
+    free
 }
 
 /// Which of the rows `free` of batch `b` no triangle hides.

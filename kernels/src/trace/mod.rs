@@ -30,7 +30,7 @@ pub mod surface;
 pub mod triangles;
 
 pub use cull::may_meet;
-pub use rays::Rays;
+pub use rays::{Rays, Slabs};
 pub use search::{Hits, OneByOne, Search};
 pub use simd::{any, any_but, closest};
 

@@ -32,9 +32,9 @@ impl Rays {
 }
 
 /// Eight rays made ready for boxes, by axis.
-pub(super) struct Slabs {
+pub struct Slabs {
     /// r: one over the direction.
-    pub inverse: [f32x8; 3],
+    pub(super) inverse: [f32x8; 3],
     /// c of lower planes.
     lower: [f32x8; 3],
     /// c of upper planes.

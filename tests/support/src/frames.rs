@@ -25,6 +25,8 @@ use fogbow_kernels::tables::surfaces::{Material, Surfaces};
 use fogbow_kernels::{PathLengths, WalkLimits};
 use glam::DVec3;
 
+use crate::meshes::Random;
+
 pub use crowd::crowded;
 pub use layers::{WALL_ALBEDO, WALL_DISTANCE, in_front_of_a_wall, seen_first, seen_first_in_volumes, with_all_layers};
 pub use variety::variety;
@@ -208,6 +210,24 @@ pub fn three_lights(g: f32, selection: Selection, size: [u32; 2]) -> Frame {
     let camera = Camera::new(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.2, 0.1, size);
     let frame = plain(camera, medium, Lights::new(lights, selection), 8, 11);
     with_techniques(&frame, Active::Both, 3.0)
+}
+
+/// The lights of [`three_lights`] and a swarm of `count` small disks and spheres around the camera, so many that they
+/// are grouped.
+pub fn swarm(count: u32, selection: Selection, size: [u32; 2]) -> Frame {
+    let base = three_lights(0.6, selection, size);
+    let mut random = Random::new(7);
+    let mut body = |i: u32| {
+        let at = 1.6 * random.in_cube() + DVec3::new(0.0, 0.0, 1.2);
+        let radiance = [10.0 + f64::from(i % 7) * 8.0, 30.0, 60.0 - f64::from(i % 5) * 10.0];
+        match i % 3 {
+            0 => Emitter::sphere(at, 0.03, radiance),
+            _ => Emitter::disk(at, random.in_cube(), 0.05, radiance),
+        }
+    };
+    let swarm = (0..count).map(&mut body);
+    let bodies = base.lights.bodies().iter().copied().chain(swarm).collect();
+    Frame { lights: Lights::new(bodies, selection), ..base }
 }
 
 /// `frame` with its lights, which are disks, as spotlights of these exponents.

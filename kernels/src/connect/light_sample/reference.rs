@@ -6,8 +6,9 @@
 //! 1 / lights,      I_l / sum I,      (I_l / D_l) / sum (I / D)
 //! ```
 //!
-//! the last being Weber et al. 2017, Eq. 8, with I and D those of a light as a whole. Of a mesh it then chooses a
-//! triangle in proportion to `A L`, area times radiance. The point is uniform on the emitter (area measure):
+//! the last being Weber et al. 2017, Eq. 8, with I and D those of a light as a whole. Of a mesh, or of a group of disks
+//! and spheres, it then chooses an emitter in proportion to `A L`, area times radiance; of a group, under the uniform
+//! rule, all alike, as it counts as many lights as it has. The point is uniform on the emitter (area measure):
 //!
 //! ```text
 //! disk:      r = R sqrt(u),                              p_A = 1 / (pi R^2)
@@ -96,10 +97,16 @@ pub fn connect(lights: &Lights, scope: Scope, start: DVec3, u: Uniforms) -> Opti
 /// What the probability of choosing `light` from `start` is proportional to.
 fn preference(lights: &Lights, light: usize, start: DVec3) -> f64 {
     match lights.selection() {
-        Selection::Uniform => 1.0,
+        Selection::Uniform => lights_within(lights, light),
         Selection::Intensity => intensity(lights, light),
         Selection::IntensityDistance => intensity(lights, light) / selection_distance(&lights.lights()[light], start),
     }
+}
+
+/// How many lights a group of disks and spheres stands for; a mesh is one.
+fn lights_within(lights: &Lights, light: usize) -> f64 {
+    let emitters = &lights.lights()[light].emitters;
+    if emitters.end as usize <= lights.bodies().len() { f64::from(emitters.end - emitters.start) } else { 1.0 }
 }
 
 /// Intensity of a light: that of all its emitters [W/sr].
@@ -168,8 +175,9 @@ pub fn light_density(lights: &Lights, emitter: usize, start: DVec3) -> f64 {
     let emitter = &lights.emitters()[emitter];
     let light = &lights.lights()[emitter.light as usize];
     let mesh = &lights.emitters()[light.emitters.start as usize..light.emitters.end as usize];
-    let total: f64 = mesh.iter().map(Emitter::intensity).sum();
-    let share = if mesh.len() > 1 { emitter.intensity() / total } else { 1.0 };
+    let alike = lights.selection() == Selection::Uniform && emitter.shape != Shape::Triangle;
+    let weight = |emitter: &Emitter| if alike { 1.0 } else { emitter.intensity() };
+    let share = if mesh.len() > 1 { weight(emitter) / mesh.iter().map(weight).sum::<f64>() } else { 1.0 };
     selection_probability(lights, emitter.light as usize, start) * share / emitter.area()
 }
 

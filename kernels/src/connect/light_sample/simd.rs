@@ -63,7 +63,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         }
         let sum = if lights.selection_depends_on_start() { light_sum[b] } else { f32x8::ONE };
         let mut emitter = selection::choose(lights, start, sum, choice);
-        if lights.has_meshes() {
+        if lights.groups {
             let block = random::block_x8(depth, scope.purpose.emitter());
             let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
             emitter = emitters_of(lights, emitter, words);

@@ -2,22 +2,26 @@
 //!
 //! A connection first chooses a light, by the rule, and then an emitter of it. Disks and spheres are lights with one
 //! emitter; a mesh has as many as it has triangles that shine, and chooses among them by area times radiance in
-//! constant time, so that their number does not matter.
+//! constant time, so that their number does not matter. Many disks and spheres are put together in groups of
+//! neighbours, which choose as meshes do ([`BodyTree`]).
 //!
 //! Lights at infinity are chosen among themselves, by connections of their own, so that what has a place and what has
 //! none do not compete. Their emitters are the last ones.
 
 mod alias;
+mod bodies;
 mod distant;
 mod emitter;
 mod meshes;
 mod panorama;
 
+use glam::DVec3;
 use wide::f32x8;
 
 use crate::lanes::LANES;
 use crate::vec3x8::Vec3x8;
 use alias::AliasTable;
+pub use bodies::BodyTree;
 pub use distant::{Distant, FAR, Source};
 pub use emitter::{Emitter, Shape};
 pub use panorama::{Band, Panorama};
@@ -40,7 +44,7 @@ const DAZZLING: f32 = 65_536.0;
 /// Distances to a light's centre are not taken below this `[m]`, so that a start at the very centre has a finite share.
 pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
 
-/// What a connection chooses: a disk, a sphere, or a mesh.
+/// What a connection chooses: a disk, a sphere, a group of these, or a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Its emitters: a range of [`Lights::emitters`].
@@ -65,6 +69,10 @@ pub struct Lights {
     lights: Vec<Light>,
     /// Emitters that are disks or spheres; they come first.
     bodies: usize,
+    /// Boxes around them, if they are many.
+    tree: Option<BodyTree>,
+    /// Emitters of the disks, spheres and meshes in the order in which they were given.
+    given: Vec<core::ops::Range<u32>>,
     /// Those at infinity, of which each is one of the last emitters.
     distant: Vec<Distant>,
     /// Emitter of each triangle, `u32::MAX` where it does not shine; empty if none does.
@@ -75,6 +83,8 @@ pub struct Lights {
     pub(crate) cones: bool,
     pub(crate) spheres: bool,
     pub(crate) double_sided: bool,
+    /// Whether some light has several emitters.
+    pub(crate) groups: bool,
 }
 
 impl Lights {
@@ -97,11 +107,16 @@ impl Lights {
         assert!(meshes.iter().all(|mesh| !mesh.is_empty()), "a mesh without triangles");
         assert!(meshes.iter().flatten().all(|emitter| emitter.shape == Shape::Triangle), "a mesh of something else");
         let count = bodies.len();
+        let order = bodies::sorted(&bodies);
+        let mut sorted = order.iter().map(|index| bodies[*index as usize]);
+        let groups: Vec<Vec<Emitter>> =
+            bodies::groups(count).into_iter().map(|size| sorted.by_ref().take(size).collect()).collect();
+        let given = given(&order, &meshes);
         let (mut emitters, mut lights) = (Vec::new(), Vec::new());
-        for pieces in bodies.into_iter().map(|body| vec![body]).chain(meshes) {
+        for pieces in groups.into_iter().chain(meshes) {
             let first = emitters.len() as u32;
-            lights.push(Light::of(&pieces, first));
-            let weights: Vec<f64> = pieces.iter().map(meshes::weight).collect();
+            let weights: Vec<f64> = pieces.iter().map(|piece| weight(piece, selection)).collect();
+            lights.push(Light::of(&pieces, first, &weights));
             let total: f64 = weights.iter().sum();
             emitters.extend(pieces.into_iter().zip(weights).map(|(piece, weight)| Emitter {
                 light: lights.len() as u32 - 1,
@@ -114,13 +129,17 @@ impl Lights {
         let intensities: Vec<f64> = lights.iter().map(intensity).collect();
         let total: f64 = intensities.iter().sum();
         let selection = if lights.len() < 2 || total <= 0.0 { Selection::Uniform } else { selection };
-        let uniform = 1.0 / lights.len() as f64;
+        let stands_for = |light: &Light| if range(light).end <= count { range(light).len() } else { 1 };
+        let all = lights.iter().map(stands_for).sum::<usize>() as f64;
         for (light, intensity) in lights.iter_mut().zip(intensities) {
+            let uniform = stands_for(light) as f64 / all;
             light.intensity = if total > 0.0 { (intensity / total) as f32 } else { uniform as f32 };
             light.share = if selection == Selection::Uniform { uniform as f32 } else { light.intensity };
         }
         Self {
             bodies: count,
+            tree: BodyTree::new(&emitters[..count]),
+            given,
             distant: Vec::new(),
             of_triangle: of_triangle(&emitters),
             selection,
@@ -128,6 +147,7 @@ impl Lights {
             cones: emitters.iter().any(|emitter| emitter.window[0] > 0.0),
             spheres: emitters.iter().any(|emitter| emitter.shape == Shape::Sphere),
             double_sided: emitters.iter().any(|emitter| emitter.double_sided),
+            groups: lights.iter().any(|light| light.emitters.len() > 1),
             emitters,
             lights,
         }
@@ -218,6 +238,22 @@ impl Lights {
         &self.emitters[..self.bodies]
     }
 
+    /// Boxes around the disks and spheres, if they are many.
+    #[inline(always)]
+    pub fn tree(&self) -> Option<&BodyTree> {
+        self.tree.as_ref()
+    }
+
+    /// Emitters of every disk, sphere and mesh, in the order in which they were given; of many meshes, of clusters.
+    pub fn given(&self) -> &[core::ops::Range<u32>] {
+        &self.given
+    }
+
+    /// Middle of some emitters, as bright as they are `[m]`.
+    pub fn center(&self, emitters: &core::ops::Range<u32>) -> DVec3 {
+        meshes::bounds(&self.emitters[emitters.start as usize..emitters.end as usize]).0
+    }
+
     /// Whether surfaces shine.
     pub fn has_meshes(&self) -> bool {
         self.bodies + self.distant.len() < self.emitters.len()
@@ -281,19 +317,42 @@ impl Lights {
 }
 
 impl Light {
-    /// The light of these emitters, the first of which has the index `first`; shares are yet to be found.
-    fn of(emitters: &[Emitter], first: u32) -> Self {
+    /// The light of these emitters, the first of which has the index `first`, and which are chosen in proportion to
+    /// `weights`; shares are yet to be found.
+    fn of(emitters: &[Emitter], first: u32, weights: &[f64]) -> Self {
         let (center, radius) = meshes::bounds(emitters);
-        let weights: Vec<f64> = emitters.iter().map(meshes::weight).collect();
         Self {
             emitters: first..first + emitters.len() as u32,
             center: center.as_vec3().to_array(),
             radius: radius as f32,
             share: 0.0,
             intensity: 0.0,
-            alias: if emitters.len() > 1 { AliasTable::new(&weights) } else { AliasTable::default() },
+            alias: if emitters.len() > 1 { AliasTable::new(weights) } else { AliasTable::default() },
         }
     }
+}
+
+/// What the choice of an emitter among those of its light is proportional to: of a group of disks and spheres under
+/// the uniform rule, all alike.
+fn weight(emitter: &Emitter, selection: Selection) -> f64 {
+    match (selection, emitter.shape) {
+        (Selection::Uniform, Shape::Disk | Shape::Sphere) => 1.0,
+        _ => meshes::weight(emitter),
+    }
+}
+
+/// Emitters of the bodies that have been put in this `order`, and of the meshes behind them, as they were given.
+fn given(order: &[u32], meshes: &[Vec<Emitter>]) -> Vec<core::ops::Range<u32>> {
+    let mut given = vec![0..0; order.len()];
+    for (emitter, body) in (0..).zip(order) {
+        given[*body as usize] = emitter..emitter + 1;
+    }
+    let mut first = order.len() as u32;
+    given.extend(meshes.iter().map(|mesh| {
+        first += mesh.len() as u32;
+        first - mesh.len() as u32..first
+    }));
+    given
 }
 
 fn range(light: &Light) -> core::ops::Range<usize> {
@@ -312,7 +371,6 @@ fn of_triangle(emitters: &[Emitter]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn triangle(at: f32, size: f32, index: u32, radiance: f32) -> Emitter {
         Emitter::triangle([[at, 0.0, 0.0], [at + size, 0.0, 0.0], [at, size, 0.0]], index, false, [radiance; 3])
