@@ -5,7 +5,8 @@
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number. Where lights are many, against
-//!    one box around some of them first, which is passed by if no ray enters it.
+//!    one box around some of them first, which is passed by if no ray enters it. Which it is, is settled outside the
+//!    loop.
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
@@ -26,14 +27,17 @@ use crate::{Step, lanes};
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let geometry = columns.surfaces.geometry();
-    match geometry.few() {
-        Some(few) => run_with(few, step, columns),
-        None => run_with(&OneByOne(geometry), step, columns),
+    match (geometry.few(), columns.lights.tree().is_some()) {
+        (Some(few), false) => run_with::<false>(few, step, columns),
+        (Some(few), true) => run_with::<true>(few, step, columns),
+        (None, false) => run_with::<false>(&OneByOne(geometry), step, columns),
+        (None, true) => run_with::<true>(&OneByOne(geometry), step, columns),
     }
 }
 
+/// `MANY`: whether there is a tree over the disks and spheres.
 #[inline(always)]
-fn run_with(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
+fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, live, paths, vertex, ray, flight, on_surface, hits, surface_hits } = columns;
     on_surface.clear();
     let n = live.batches();
@@ -43,7 +47,7 @@ fn run_with(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
         let max = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
-        let Nearest { distance: nearest, met, any } = nearest(lights, &Rays { origin, direction, max }, live);
+        let Nearest { distance: nearest, met, any } = Nearest::of::<MANY>(lights, origin, direction, max, live);
         let bits = lanes::bits(any) & live;
         // The bound that hits have lowered is that of rays which meet something.
         let open =
@@ -80,25 +84,35 @@ struct Nearest {
     any: f32x8,
 }
 
-/// The nearest disks or spheres on rays; on dead ones, any.
-#[inline(always)]
-fn nearest(lights: &Lights, rays: &Rays, live: u32) -> Nearest {
-    let mut found = Nearest { distance: rays.max, met: u32x8::splat(0), any: f32x8::ZERO };
-    let meet = |found: &mut Nearest, index: usize| {
-        let distance = crossing(&lights.bodies()[index], rays.origin, rays.direction, found.distance);
-        let hit = distance.simd_lt(found.distance);
-        found.distance = hit.select(distance, found.distance);
-        found.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), found.met);
-        found.any |= hit;
-    };
-    let Some(tree) = lights.tree() else {
-        (0..lights.bodies().len()).for_each(|index| meet(&mut found, index));
-        return found;
-    };
-    let slabs = Slabs::new(rays, tree.extent);
-    let enters = |found: &Nearest, planes: &[f32; 6]| lanes::bits(slabs.enter(planes, found.distance).1) & live != 0;
-    tree.visit(&mut found, enters, meet);
-    found
+impl Nearest {
+    /// On rays up to `max`; on dead ones, any.
+    #[inline(always)]
+    fn of<const MANY: bool>(lights: &Lights, origin: Vec3x8, direction: Vec3x8, max: f32x8, live: u32) -> Self {
+        let mut found = Self { distance: max, met: u32x8::splat(0), any: f32x8::ZERO };
+        let tree = if MANY { lights.tree() } else { None };
+        let Some(tree) = tree else {
+            for (index, body) in lights.bodies().iter().enumerate() {
+                found.meet(body, index, origin, direction);
+            }
+            return found;
+        };
+        let slabs = Slabs::new(&Rays { origin, direction, max }, tree.extent);
+        tree.visit(
+            &mut found,
+            |found, planes| lanes::bits(slabs.enter(planes, found.distance).1) & live != 0,
+            |found, index| found.meet(&lights.bodies()[index], index, origin, direction),
+        );
+        found
+    }
+
+    #[inline(always)]
+    fn meet(&mut self, body: &Emitter, index: usize, origin: Vec3x8, direction: Vec3x8) {
+        let distance = crossing(body, origin, direction, self.distance);
+        let hit = distance.simd_lt(self.distance);
+        self.distance = hit.select(distance, self.distance);
+        self.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), self.met);
+        self.any |= hit;
+    }
 }
 
 /// The emitters that eight rays meet.

@@ -25,14 +25,17 @@ use crate::{Step, lanes};
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
     let geometry = columns.surfaces.geometry();
-    match geometry.few() {
-        Some(few) => run_with(few, columns),
-        None => run_with(&OneByOne(geometry), columns),
+    match (geometry.few(), columns.lights.tree().is_some()) {
+        (Some(few), false) => run_with::<false>(few, columns),
+        (Some(few), true) => run_with::<true>(few, columns),
+        (None, false) => run_with::<false>(&OneByOne(geometry), columns),
+        (None, true) => run_with::<true>(&OneByOne(geometry), columns),
     }
 }
 
+/// `MANY`: whether there is a tree over the disks and spheres.
 #[inline(always)]
-fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
+fn run_with<const MANY: bool>(search: &impl Search, columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
     for (b, rows) in bucket.batches() {
         let weight = worth.weight.batch(b);
@@ -45,7 +48,7 @@ fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
             let last = segment == bucket.inserted;
             let to = if last { candidates.point.batch(b) } else { chains.vertices[segment].batch(b) };
             let own = if last { candidates.emitter.batch(b) } else { u32x8::splat(u32::MAX) };
-            free = pass_bodies(lights, free, from, to, own);
+            free = pass_bodies::<MANY>(lights, free, from, to, own);
             from = to;
         }
         if !surfaces.is_empty() {
@@ -60,19 +63,27 @@ fn run_with(search: &impl Search, columns: Columns<'_, '_>) {
 
 /// Which of the segments `free` no disk or sphere blocks but their `own` ones.
 #[inline(always)]
-fn pass_bodies(lights: &Lights, mut free: f32x8, from: Vec3x8, to: Vec3x8, own: u32x8) -> f32x8 {
-    let meet = |free: &mut f32x8, index: usize| {
-        let spared = lanes::as_mask(own.simd_eq(u32x8::splat(index as u32)));
-        *free &= spared | !crosses(&lights.bodies()[index], from, to);
-    };
-    let Some(tree) = lights.tree() else {
-        (0..lights.bodies().len()).for_each(|index| meet(&mut free, index));
+fn pass_bodies<const MANY: bool>(lights: &Lights, mut free: f32x8, from: Vec3x8, to: Vec3x8, own: u32x8) -> f32x8 {
+    let tree = if MANY { lights.tree() } else { None };
+    let Some(tree) = tree else {
+        for (index, body) in lights.bodies().iter().enumerate() {
+            free &= passes(body, index, from, to, own);
+        }
         return free;
     };
     let slabs = Slabs::new(&Rays { origin: from, direction: to - from, max: f32x8::ONE }, tree.extent);
-    let enters = |free: &f32x8, planes: &[f32; 6]| (slabs.enter(planes, f32x8::ONE).1 & *free).any();
-    tree.visit(&mut free, enters, meet);
+    tree.visit(
+        &mut free,
+        |free, planes| (slabs.enter(planes, f32x8::ONE).1 & *free).any(),
+        |free, index| *free &= passes(&lights.bodies()[index], index, from, to, own),
+    );
     free
+}
+
+/// Which segments the body of this index does not block, or is their own.
+#[inline(always)]
+fn passes(body: &Emitter, index: usize, from: Vec3x8, to: Vec3x8, own: u32x8) -> f32x8 {
+    lanes::as_mask(own.simd_eq(u32x8::splat(index as u32))) | !crosses(body, from, to)
 }
 
 /// Which of the rows `free` of batch `b` no triangle hides.
