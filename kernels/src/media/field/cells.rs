@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 use wide::{f32x8, i32x8};
 
-use super::blocks::{Block, EDGE};
 use super::bricks::{Bricks, Extent, SIDE};
 use super::voxels::Voxels;
 use crate::lanes::gather;
@@ -18,14 +17,6 @@ const SIDES: core::ops::RangeInclusive<u32> = 1..=7;
 
 /// Most cells of a grid.
 const MOST_CELLS: u64 = 1 << 22;
-
-/// Memory that the cells of a sparse grid may take, as a share of that of its bricks; and how many are few enough in any
-/// case.
-const SHARE: f64 = 0.25;
-const FEW_CELLS: u64 = 1 << 12;
-
-/// Bytes per cell of means and bounds.
-const BYTES: f64 = size_of::<f32>() as f64 + size_of::<Block>() as f64 / (EDGE * EDGE * EDGE) as f64;
 
 /// Where the cells of a box are in a column: x runs fastest, then y; with a layer all around of what is outside, so that
 /// a ray that has just left the box, but for rounding, is still in one.
@@ -148,10 +139,9 @@ impl Cells {
             return SIDE.ilog2();
         }
         let thin = (THICKNESS / (most * voxels.edge() as f32)).log2().floor().max(0.0) as u32;
-        let room = (SHARE * voxels.bytes() as f64 / BYTES) as u64;
-        let most = room.clamp(FEW_CELLS, MOST_CELLS);
         let count = |log_side: &u32| -> u64 { counts(&voxels.bricks, *log_side).into_iter().map(u64::from).product() };
-        SIDES.filter(|log_side| *log_side >= thin && count(log_side) <= most).min().unwrap_or(*SIDES.end())
+        let log_side = SIDES.filter(|log_side| *log_side >= thin && count(log_side) <= MOST_CELLS).min();
+        log_side.unwrap_or(*SIDES.end())
     }
 
     /// Cells along each axis.
