@@ -6,8 +6,7 @@
 use glam::{DAffine3, DVec3};
 use wide::{f32x8, u32x8};
 
-use super::bricks::Extent;
-use super::cells::{Cells, Survey, THICKNESS, counts};
+use super::cells::{Cell, Cells, THICKNESS, counts};
 use super::known::OneShape;
 use super::volume::{Placed, Volume, extinction};
 use super::voxels::Voxels;
@@ -100,15 +99,16 @@ impl Lattice {
     }
 
     /// What is in the cells.
-    pub fn survey(&self, volumes: &[Placed], around: f32) -> Survey {
+    pub fn survey(&self, volumes: &[Placed], around: f32) -> Cells {
         match (&self.kind, volumes) {
             (Kind::Voxels(log_side), [Placed { volume: Volume { voxels: Some(voxels), extinction, .. }, .. }]) => {
-                Survey::of_voxels(voxels, *extinction, *log_side)
+                Cells::of_voxels(voxels, *extinction, *log_side)
             }
             _ => {
                 let from_cells = self.to_cells.inverse();
-                let edge = from_cells.transform_vector3(DVec3::ONE).max_element();
-                Survey::new(self.dims, edge as f32, around, |place| survey(volumes, around, place, &from_cells))
+                Cells::new(self.dims, Cell::even(around), volumes.len() > 1, |place| {
+                    survey(volumes, around, place, &from_cells)
+                })
             }
         }
     }
@@ -121,7 +121,7 @@ fn bounds(volumes: &[Volume]) -> [DVec3; 2] {
 }
 
 /// What is in the cell at `place`, and the volumes that may be there.
-fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine3) -> (Extent, u32) {
+fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine3) -> (Cell, u32) {
     let first = DVec3::from(place.map(f64::from));
     let corners = [first + ROUNDED, first + (1.0 - ROUNDED)].map(|corner| from_cells.transform_point3(corner));
     let (mut least, mut most, mut present, mut covered) = (f32::INFINITY, 0.0_f32, 0, false);
@@ -138,7 +138,8 @@ fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine
         (least, most) = (least.min(around), most.max(around));
     }
     let mean = if least == most { most } else { mean(volumes, around, present, first) };
-    (Extent { least, most, mean: mean.clamp(least, most) }, present)
+    let edge = (corners[1] - corners[0]).max_element() as f32;
+    (Cell::new([least, most], mean.clamp(least, most), edge), present)
 }
 
 /// Mean extinction of the cell from `first` on, of some points in it.
