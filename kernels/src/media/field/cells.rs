@@ -137,13 +137,13 @@ impl Cells {
         log_side.unwrap_or(*SIDES.end())
     }
 
-    /// From a cell to the next one along each axis, in [`Self::all`].
+    /// From a cell to the next one along each axis, in any column.
     pub fn strides(&self) -> [i32; 3] {
         let [width, height, _] = self.dims.map(|dim| dim as i32 + 2);
         [1, width, width * height]
     }
 
-    /// Where the cell at `place` is in [`Self::all`].
+    /// Where the cell at `place` is in any column.
     pub fn index(&self, place: [u32; 3]) -> usize {
         let strides = self.strides();
         (0..3).map(|axis| (place[axis] as usize + 1) * strides[axis] as usize).sum()
