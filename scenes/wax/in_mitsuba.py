@@ -30,11 +30,11 @@ SCENE = tomllib.loads((HERE / "scene.toml").read_text())
 UNIT, ORIGIN = 100.0, np.array([0.0, 0.5, 0.0])
 
 
-def place(position):
-    return [float(x) for x in UNIT * (np.array(position) - ORIGIN)]
+def place(position, origin):
+    return [float(x) for x in UNIT * (np.array(position) - origin)]
 
 
-def wax():
+def wax(connected):
     """The medium, whose extinction differs between channels. Mitsuba takes values of up to 1, and a factor."""
     volume = SCENE["volume"][0]
     scattering, absorption = np.full(3, float(volume["scattering"])), np.array(volume["absorption"], dtype=float)
@@ -45,20 +45,21 @@ def wax():
         "sigma_t": rgb(extinction / extinction.max()),
         "scale": float(extinction.max() / UNIT),
         "phase": {"type": "hg", "g": volume["phase"]["g"]},
+        "sample_emitters": connected,
     }
 
 
-def surfaces():
+def surfaces(origin, connected):
     """What reflects is diffuse and has a black back; the bounds of the wax are no surface."""
     for name, corners, triangles, colour in objects(HERE / SCENE["geometry"]):
         if name == SCENE["volume"][0]["shape"]["name"]:
-            made_of = {"bsdf": mi.load_dict({"type": "null"}), "interior": mi.load_dict(wax())}
+            made_of = {"bsdf": mi.load_dict({"type": "null"}), "interior": mi.load_dict(wax(connected))}
         else:
             made_of = {"bsdf": diffuse(colour)}
-        yield name.replace(".", " "), mesh(name, UNIT * (corners - ORIGIN), triangles, **made_of)
+        yield name.replace(".", " "), mesh(name, UNIT * (corners - origin), triangles, **made_of)
 
 
-def lights():
+def lights(origin):
     """They are black where they do not shine."""
     t = mi.ScalarTransform4f
     for i, light in enumerate(SCENE["light"]):
@@ -68,27 +69,28 @@ def lights():
         }
         at, radius = light["center"], UNIT * light["radius"]
         if light["type"] == "sphere":
-            yield f"light{i}", body | {"type": "sphere", "center": place(at), "radius": radius}
+            yield f"light{i}", body | {"type": "sphere", "center": place(at, origin), "radius": radius}
         else:
             ahead = np.add(at, light["normal"])
-            to_world = t().look_at(place(at), place(ahead), [0, 1, 0]) @ t().scale(radius)
+            to_world = t().look_at(place(at, origin), place(ahead, origin), [0, 1, 0]) @ t().scale(radius)
             yield f"light{i}", body | {"type": "disk", "to_world": to_world}
 
 
-def scene():
-    camera = SCENE["camera"]
-    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+def scene(camera=SCENE["camera"], size=SIZE, origin=ORIGIN, connected=True):
+    """A square image of so many rows, with or without shadow rays from within the wax; rays are moved least at `origin`."""
+    film = {"type": "hdrfilm", "width": size, "height": size, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
+    position, look_at = (place(camera[key], origin) for key in ("position", "look_at"))
     return mi.load_dict({
         "type": "scene",
-        "integrator": {"type": "volpathmis", "max_depth": -1, "rr_depth": 20},
+        "integrator": {"type": "volpathmis", "max_depth": -1, "rr_depth": 100},
         "sensor": {
             "type": "perspective", "near_clip": 0.1 * UNIT, "far_clip": 100 * UNIT,
             "fov": float(camera["vertical_fov_deg"]), "fov_axis": "y",
-            "to_world": mi.ScalarTransform4f().look_at(place(camera["position"]), place(camera["look_at"]), [0, 1, 0]),
+            "to_world": mi.ScalarTransform4f().look_at(position, look_at, [0, 1, 0]),
             "film": film | {"component_format": "float32"}, "sampler": {"type": "independent"},
         },
-        **dict(surfaces()),
-        **dict(lights()),
+        **dict(surfaces(origin, connected)),
+        **dict(lights(origin)),
     })
 
 

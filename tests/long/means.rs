@@ -1,9 +1,11 @@
 //! Means that independent programs, or all techniques together, say are right.
 
+use fogbow::film::Film;
 use fogbow::frame::Frame;
+use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::Active;
-use fogbow_testing::render::{green, render};
+use fogbow_testing::render::{WORKERS, green, render, render_with};
 use fogbow_testing::statistics::{p_of_uniformity, p_of_z, z_of_means};
 use fogbow_testing::{frames, truths};
 use glam::DVec3;
@@ -22,6 +24,24 @@ fn assert_mean(name: &str, frame: &Frame, expected: f64, known: f64, goal: f64) 
         }
         samples = (f64::from(samples) * (error / goal).powi(2) * 1.1) as u32;
     }
+}
+
+/// Mean and standard error of each channel of a block of `side * side` pixels from (x, y) on.
+fn block(film: &Film, [x, y]: [u32; 2], side: u32) -> [(f64, f64); 3] {
+    let pixels: Vec<_> = (y..y + side).flat_map(|y| (x..x + side).map(move |x| film.pixel(x, y))).collect();
+    let count = pixels.len() as f64;
+    [0, 1, 2].map(|channel| {
+        let sum: f64 = pixels.iter().map(|pixel| pixel.mean[channel]).sum();
+        let variance: f64 = pixels.iter().map(|pixel| pixel.standard_error[channel].powi(2)).sum();
+        (sum / count, variance.sqrt() / count)
+    })
+}
+
+/// The same of all blocks of an image of `size`, row by row.
+fn blocks(film: &Film, size: [u32; 2], side: u32) -> Vec<[(f64, f64); 3]> {
+    let starts = |length: u32| (0..length).step_by(side as usize);
+    let corners = starts(size[1]).flat_map(|y| starts(size[0]).map(move |x| [x, y]));
+    corners.map(|corner| block(film, corner, side)).collect()
 }
 
 #[test]
@@ -67,22 +87,7 @@ fn techniques_agree_tile_by_tile_and_their_p_values_are_uniform() {
             let with = |active: Active| {
                 let frame = Frame { seed: 7 + active as u32, ..frames::with_techniques(&base, active, mesc) };
                 let film = render(&frames::with_length(&frame, segments), size, 0..4000).0;
-                // Means of tiles of 8 x 8 pixels.
-                let tile = |x: u32, y: u32| {
-                    let pixels =
-                        (y..y + 8).flat_map(|y| (x..x + 8).map(move |x| (x, y))).map(|(x, y)| film.pixel(x, y));
-                    let (mut mean, mut variance) = (0.0, 0.0);
-                    pixels.for_each(|pixel| {
-                        mean += pixel.mean[1] / 64.0;
-                        variance += (pixel.standard_error[1] / 64.0).powi(2);
-                    });
-                    (mean, variance.sqrt())
-                };
-                (0..32)
-                    .step_by(8)
-                    .flat_map(|y| (0..32).step_by(8).map(move |x| (x, y)))
-                    .map(|(x, y)| tile(x, y))
-                    .collect::<Vec<_>>()
+                blocks(&film, size, 8).into_iter().map(|channels| channels[1]).collect::<Vec<_>>()
             };
             let nee = with(Active::Nee);
             for active in Active::ALL.into_iter().filter(|active| ![Active::Path, Active::Nee].contains(active)) {
@@ -168,5 +173,43 @@ fn every_technique_has_the_mean_of_an_independent_program_behind_a_perforated_pl
         println!("{name}, {technique}: {mean:.5?} +- {error:.5?}, z = {z:.2?}");
         assert!(z.iter().all(|z| z.abs() < 3.5), "{name}, {technique}: {mean:?} +- {error:?}, z = {z:?}");
         assert!(error[1] < goal, "{name}, {technique}: {error:?} is too uncertain");
+    }
+}
+
+/// Relative deviation of means from recorded ones, and its standard error. Those that are recorded best count most.
+fn deviation(pairs: &[((f64, f64), (f64, f64))]) -> (f64, f64) {
+    let (mut sum, mut variance, mut weights) = (0.0, 0.0, 0.0);
+    for ((mean, error), (expected, known)) in pairs {
+        let weight = (expected / known).powi(2);
+        sum += weight * (mean / expected - 1.0);
+        variance += (weight * error.hypot(*known) / expected).powi(2);
+        weights += weight;
+    }
+    (sum / weights, variance.sqrt() / weights)
+}
+
+#[test]
+fn wax_has_the_means_of_an_independent_program_block_by_block() {
+    let truth = truths::blocks("wax");
+    let size = [truth.size; 2];
+    let changes = [
+        format!("film.size={size:?}"),
+        format!("camera.look_at={:?}", truth.look_at),
+        format!("camera.vertical_fov_deg={:?}", truth.vertical_fov_deg),
+    ];
+    let frame = frames::shipped_with("wax", &changes, Active::Nee);
+    // Small tiles give every thread some.
+    let film = render_with(&frame, &SIMD, WORKERS, size, truth.block, 0..11_000).0;
+    let found = blocks(&film, size, truth.block);
+    assert_eq!([found.len(), found.len()], [truth.mean.len(), truth.standard_error.len()]);
+    for (channel, goal) in [0.006, 0.005, 0.004].into_iter().enumerate() {
+        let known = truth.mean.iter().zip(&truth.standard_error).map(|(mean, error)| (mean[channel], error[channel]));
+        let pairs: Vec<_> = found.iter().map(|block| block[channel]).zip(known).collect();
+        let z: Vec<_> = pairs.iter().map(|(found, known)| z_of_means(*found, *known)).collect();
+        let (all, error) = deviation(&pairs);
+        println!("wax, channel {channel}: off by {all:.5} +- {error:.5} in all; z of blocks = {z:.2?}");
+        assert!(z.iter().all(|z| z.abs() < 4.0), "wax, channel {channel}: z of blocks = {z:?}");
+        assert!(all.abs() < 3.5 * error, "wax, channel {channel}: off by {all} +- {error}");
+        assert!(error < goal, "wax, channel {channel}: {error} is too uncertain");
     }
 }

@@ -381,8 +381,13 @@ pub fn panel(n: u32, size: [u32; 2]) -> Frame {
 
 /// A scene that ships, at another size and with other techniques.
 pub fn shipped(name: &str, size: [u32; 2], active: Active) -> Frame {
+    shipped_with(name, &[format!("film.size=[{}, {}]", size[0], size[1])], active)
+}
+
+/// The same with changes of any keys.
+pub fn shipped_with(name: &str, changes: &[String], active: Active) -> Frame {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name);
-    let size = Override::parse(&format!("film.size=[{}, {}]", size[0], size[1])).expect("has a =");
-    let frame = scene::load(&folder, vec![size]).unwrap_or_else(|error| panic!("{error}")).frame;
+    let changes = changes.iter().map(|change| Override::parse(change).expect("has a =")).collect();
+    let frame = scene::load(&folder, changes).unwrap_or_else(|error| panic!("{error}")).frame;
     with_techniques(&Frame { seed: 3 + active as u32, ..frame }, active, 4.0)
 }

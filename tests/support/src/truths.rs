@@ -4,10 +4,17 @@ use std::path::{Path, PathBuf};
 
 use fogbow::image::{Image, exr};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 /// A folder of the project's tests.
 fn data(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(file)
+}
+
+/// What a JSON file says.
+fn json<T: DeserializeOwned>(path: &Path) -> T {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The image called `name`.
@@ -23,6 +30,28 @@ pub fn mean(name: &str) -> ([f64; 3], [f64; 3]) {
     let mean = ["R", "G", "B"].map(|channel| plane(channel).sum::<f64>() / pixels);
     let error = ["SE.R", "SE.G", "SE.B"].map(|channel| plane(channel).map(|x| x * x).sum::<f64>().sqrt() / pixels);
     (mean, error)
+}
+
+/// An image of a scene as another camera direction sees it, by means of square blocks.
+#[derive(Debug, Deserialize)]
+pub struct Blocks {
+    /// What the camera looks at, in the unit of the scene.
+    pub look_at: [f64; 3],
+    /// Its opening angle.
+    pub vertical_fov_deg: f64,
+    /// Pixels along each side of the image.
+    pub size: u32,
+    /// Pixels along each side of a block.
+    pub block: u32,
+    /// Mean radiance of the blocks, row by row from the top: red, green, blue.
+    pub mean: Vec<[f64; 3]>,
+    /// Their standard errors.
+    pub standard_error: Vec<[f64; 3]>,
+}
+
+/// The blocks recorded as `name`.
+pub fn blocks(name: &str) -> Blocks {
+    json(&data(&format!("{name}.json")))
 }
 
 /// What a slab reflects and transmits of a beam along its normal.
@@ -96,9 +125,5 @@ pub struct Start {
 pub fn density_ratios() -> Vec<Case> {
     let named = std::env::var_os("FOGBOW_DENSITY_RATIOS").map(PathBuf::from);
     let files = [Some(data("density_ratios.json")), named];
-    let read = |path: PathBuf| -> DensityRatios {
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-    };
-    files.into_iter().flatten().flat_map(|path| read(path).cases).collect()
+    files.into_iter().flatten().flat_map(|path| json::<DensityRatios>(&path).cases).collect()
 }
