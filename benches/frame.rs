@@ -1,5 +1,5 @@
 //! Whole frames: fog-facing, 256 x 256, g .9, K 15, and dense-plate, per technique; a lamp of 2 and of 10 082
-//! triangles; and the bare walk that no renderer can beat.
+//! triangles; three lights and swarms of more; and the bare walk that no renderer can beat.
 //!
 //! ```text
 //! cargo bench --bench frame
@@ -13,6 +13,7 @@ use fogbow::film::{Film, Region, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::render::{Monitor, Renderer, Workers};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 
 const SIZE: [u32; 2] = [256, 256];
@@ -49,6 +50,14 @@ fn lamp() -> Frames {
     vec![("2 triangles", frames::panel(1, SIZE)), ("10 082 triangles", frames::panel(71, SIZE))]
 }
 
+fn swarms() -> Frames {
+    let swarm = |count: u32| {
+        let frame = frames::swarm(count, Selection::IntensityDistance, SIZE);
+        frames::with_techniques(&frame, Active::Nee, 4.0)
+    };
+    vec![("3", swarm(0)), ("67", swarm(64)), ("1003", swarm(1000)), ("10 003", swarm(10_000))]
+}
+
 fn bench(c: &mut Criterion, group: &str, frames: Frames, pipeline: &Pipeline, samples: u32, threads: &[usize]) {
     let mut group = c.benchmark_group(group);
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
@@ -71,6 +80,7 @@ fn frame(c: &mut Criterion) {
     bench(c, "fog-facing", fog_facing(), &SIMD, 16, &[1, 2]);
     bench(c, "dense-plate", dense_plate(), &SIMD, 4, &[2]);
     bench(c, "lamp", lamp(), &SIMD, 4, &[2]);
+    bench(c, "lights", swarms(), &SIMD, 4, &[2]);
     bench(c, "fog-facing, twins", fog_facing(), &REFERENCE, 1, &[1]);
 }
 

@@ -204,7 +204,7 @@ fn lights(bench: &Bench<'_>) -> Result<Vec<Series>> {
         group: "lights",
         file: "lights",
         axis: "lights",
-        caption: "fog-facing with copies of its light side by side. Single lights are visited one by one.",
+        caption: "fog-facing with copies of its light side by side; more than 16 are chosen among by groups.",
     };
     group.by_technique(&[1, 4, 16, 64], |count: i64, technique| {
         let scene = load(bench, "fog-facing", SIDE, &[technique, ("light", copies(count))])?;
