@@ -77,12 +77,14 @@ pub fn contributions(frame: &Frame, pixel: u32, sample: u32) -> Vec<Contribution
         if ended.is_some() || segment + 1 == frame.walk_segments() {
             break;
         }
+        if surface.is_none() && (frame.medium.never_scatters() || flight.is_infinite()) {
+            break;
+        }
         walk.weigh_flight(flight, surface.as_ref(), aims);
         let u = [words[1], words[2]].map(random::uniform);
         match surface {
             Some(hit) if surface_stage::is_black(&frame.surfaces, hit, walk.direction) => break,
             Some(hit) => walk.reflect(hit, u),
-            None if frame.medium.never_scatters() || flight.is_infinite() => break,
             None => walk.scatter(flight, u),
         }
         walk.connect();

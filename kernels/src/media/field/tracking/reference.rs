@@ -53,6 +53,9 @@ pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Str
 
 /// An estimate of the transmittances from `from` to `to`, as products, one for each hue, and the optical depth of the
 /// coarse field where the hue is 1.
+///
+/// # Panics
+/// If an end is at infinity: rates count in the length of the segment.
 pub fn transmittance<const N: usize>(
     field: &Field,
     hues: [f64; N],
@@ -61,6 +64,7 @@ pub fn transmittance<const N: usize>(
     stream: Stream,
 ) -> ([f64; N], f64) {
     let length = from.distance(to);
+    assert!(length.is_finite(), "from {from} to {to}");
     if field.is_known() {
         return ([1.0; N], depth_until(&field.strata_along(from, to - from, 1.0), length));
     }
