@@ -52,8 +52,14 @@ pub fn to_f32(counts: u32x8) -> f32x8 {
 /// The values of a column at these indices, which are within it.
 #[inline(always)]
 pub fn gather(column: &[f32], at: i32x8) -> f32x8 {
-    let [a, b, c, d, e, f, g, h] = at.to_array().map(|index| index as usize);
-    f32x8::new([column[a], column[b], column[c], column[d], column[e], column[f], column[g], column[h]])
+    let at = at.to_array();
+    f32x8::new(per_lane(|lane| column[at[lane] as usize]))
+}
+
+/// What `of` makes of each lane. Written out, so that values go into registers and not through a loop over memory.
+#[inline(always)]
+pub fn per_lane<T>(mut of: impl FnMut(usize) -> T) -> [T; LANES] {
+    [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)]
 }
 
 /// The indices of the set bits, ascending.

@@ -147,7 +147,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
             format!("mean free path at least {} m", spectrum(extinctions.map(|extinction| 1.0 / extinction)))
         }
     };
-    let [x, y, z] = field.cells().dims;
+    let [x, y, z] = field.cells().dims();
     let size = field.bytes() >> 10;
     say(format!("volumes: {free_path}; {x}x{y}x{z} cells, {size} KiB"))
 }

@@ -204,7 +204,7 @@ impl Medium {
     pub fn extinctions(&self) -> [f32; 3] {
         match &self.kind {
             Kind::Homogeneous(medium) => medium.extinction,
-            Kind::Field(field) => field.hues().map(|hue| hue * field.cells().most),
+            Kind::Field(field) => field.hues().map(|hue| hue * field.blocks().most),
         }
     }
 

@@ -115,7 +115,7 @@ impl Walk<'_> {
 
     /// How far a flight gets before `end`, and the null vertices on its way.
     fn fly(&mut self, position: DVec3, direction: DVec3, end: f64) -> (f64, f64) {
-        let majorant = f64::from(self.field.cells().most);
+        let majorant = f64::from(self.field.blocks().most);
         let (mut flown, mut nulls) = (0.0, 1.0);
         loop {
             let Some(next) = self.step(position, direction, flown, end, majorant) else { return (end, nulls) };
@@ -183,7 +183,7 @@ impl Walk<'_> {
         if blocked(self) {
             return 0.0;
         }
-        let majorant = f64::from(self.field.cells().most);
+        let majorant = f64::from(self.field.blocks().most);
         let (mut flown, mut nulls) = (0.0, 1.0);
         while let Some(next) = self.step(position, direction, flown, distance, majorant) {
             nulls *= 1.0 - self.share(position + next * direction, majorant);

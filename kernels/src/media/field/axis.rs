@@ -17,7 +17,6 @@
 use wide::f32x8;
 
 use super::Field;
-use crate::lanes::gather;
 use crate::media::AxisX8;
 use crate::vec3x8::Vec3x8;
 
@@ -86,7 +85,7 @@ impl<'a> FieldAxis<'a> {
     fn until(field: &'a Field, hue: f32x8, start: Vec3x8, way: Vec3x8, length: f32x8, end: f32x8) -> Self {
         let [enter, exit] = match &field.one {
             Some(shape) => shape.part(start, way, end),
-            None => within(start, way, [-BELOW; 3], field.cells.dims.map(|dim| dim as f32 + ABOVE), end),
+            None => within(start, way, [-BELOW; 3], field.cells.dims().map(|dim| dim as f32 + ABOVE), end),
         };
         let part = (exit - enter).fast_max(f32x8::ZERO);
         let crossed = way.length_squared().sqrt() * part;
@@ -117,7 +116,7 @@ impl<'a> FieldAxis<'a> {
             Some(shape) => f32x8::splat(shape.extinction),
             None => {
                 let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
-                self.field.mean_at(self.way.mul_add(middle, self.start))
+                self.field.cells.means_at(self.way.mul_add(middle, self.start))
             }
         };
         inside.select(mean, f32x8::splat(self.field.around))
@@ -213,12 +212,6 @@ impl Field {
     #[inline(always)]
     pub(super) fn in_even_part(&self, start: Vec3x8, end: Vec3x8) -> f32x8 {
         self.even.as_ref().map_or(f32x8::ZERO, |even| even.holds(start) & even.holds(end))
-    }
-
-    /// Mean extinction of the cells that points, in cells, are in [1/m].
-    #[inline(always)]
-    fn mean_at(&self, at: Vec3x8) -> f32x8 {
-        gather(self.cells.means(), self.cells_at(at))
     }
 }
 

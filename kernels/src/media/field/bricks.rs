@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use wide::{f32x8, u32x8};
 
-use crate::lanes;
+use crate::lanes::{self, LANES, per_lane};
 use crate::vec3x8::Vec3x8;
 
 /// Voxels along the edge of a brick.
@@ -214,34 +214,41 @@ impl Bricks {
         (head, head.first as usize + (z * STRIDE + y) * STRIDE + x)
     }
 
+    /// The heads of the bricks that voxels are in, and the indices of their values: all heads first, so that the values,
+    /// which are farthest away, are waited for together.
+    #[inline(always)]
+    fn find_x8(&self, [x, y, z]: [u32x8; 3]) -> ([&Head; LANES], [usize; LANES]) {
+        let [width, height, _] = self.dims.map(u32x8::splat);
+        let in_brick = u32x8::splat(SIDE - 1);
+        let stride = u32x8::splat(STRIDE as u32);
+        let [bx, by, bz] = [x, y, z].map(|v| v >> SIDE.ilog2());
+        let brick = ((bz * height + by) * width + bx).to_array();
+        let local = (((z & in_brick) * stride + (y & in_brick)) * stride + (x & in_brick)).to_array();
+        let heads = per_lane(|lane| &self.heads[brick[lane] as usize]);
+        (heads, per_lane(|lane| (heads[lane].first + local[lane]) as usize))
+    }
+
     #[inline(always)]
     fn corners(&self, place: [u32x8; 3], [fx, fy, fz]: [f32x8; 3]) -> f32x8 {
-        let [x, y, z] = place.map(u32x8::to_array);
-        let mut pairs = [[0_u32; 8]; 4];
-        let (mut least, mut step) = ([0.0_f32; 8], [0.0_f32; 8]);
-        for lane in 0..8 {
-            let (head, first) = self.find([x[lane], y[lane], z[lane]]);
-            (least[lane], step[lane]) = (head.least, head.step);
-            let values = &self.pool[first..first + PAIRS[3] + 2];
-            for (pair, offset) in pairs.iter_mut().zip(PAIRS) {
-                pair[lane] = u32::from(values[offset]) | u32::from(values[offset + 1]) << 16;
-            }
-        }
-        let mix = |a: f32x8, b: f32x8, share: f32x8| (b - a).mul_add(share, a);
-        let [low, after_low, high, after_high] = pairs.map(|pair| {
-            let pair = u32x8::new(pair);
+        let (heads, first) = self.find_x8(place);
+        let values: [&[u16]; LANES] = per_lane(|lane| &self.pool[first[lane]..][..PAIRS[3] + 2]);
+        let pair = |offset: usize| {
+            let of = |lane: usize| u32::from(values[lane][offset]) | u32::from(values[lane][offset + 1]) << 16;
+            let pair = u32x8::new(per_lane(of));
             mix(lanes::to_f32(pair & u32x8::splat(0xffff)), lanes::to_f32(pair >> 16_u32), fx)
-        });
-        mix(mix(low, after_low, fy), mix(high, after_high, fy), fz).mul_add(f32x8::new(step), f32x8::new(least))
+        };
+        let [low, after_low, high, after_high] = PAIRS.map(pair);
+        let share = mix(mix(low, after_low, fy), mix(high, after_high, fy), fz);
+        let [least, step] = densities(heads);
+        share.mul_add(step, least)
     }
 
     #[inline(always)]
     fn voxel(&self, place: [u32x8; 3]) -> f32x8 {
-        let [x, y, z] = place.map(u32x8::to_array);
-        f32x8::new(core::array::from_fn(|lane| {
-            let (head, first) = self.find([x[lane], y[lane], z[lane]]);
-            head.step.mul_add(f32::from(self.pool[first]), head.least)
-        }))
+        let (heads, first) = self.find_x8(place);
+        let share = f32x8::new(per_lane(|lane| f32::from(self.pool[first[lane]])));
+        let [least, step] = densities(heads);
+        share.mul_add(step, least)
     }
 
     /// Density of the voxel at `place`, counted from the first one; 0 outside. For twins.
@@ -253,6 +260,17 @@ impl Bricks {
         let (head, first) = self.find(place.map(|component| component as u32));
         f64::from(head.step) * f64::from(self.pool[first]) + f64::from(head.least)
     }
+}
+
+/// Densities of share 0, and differences between neighbouring shares.
+#[inline(always)]
+fn densities(heads: [&Head; LANES]) -> [f32x8; 2] {
+    [f32x8::new(per_lane(|lane| heads[lane].least)), f32x8::new(per_lane(|lane| heads[lane].step))]
+}
+
+#[inline(always)]
+fn mix(a: f32x8, b: f32x8, share: f32x8) -> f32x8 {
+    (b - a).mul_add(share, a)
 }
 
 /// The values of a brick and its apron.

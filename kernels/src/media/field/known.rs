@@ -12,7 +12,8 @@
 use wide::f32x8;
 
 use super::axis::{LEAST_DEPTH, within};
-use super::cells::Cells;
+use super::bricks::Extent;
+use super::cells::Survey;
 use super::shape::Shape;
 use super::volume::Volume;
 use crate::vec3x8::Vec3x8;
@@ -71,8 +72,8 @@ const SEEDS: usize = 64;
 const LEAST_SHARE: f64 = 0.05;
 
 impl EvenPart {
-    /// The largest box that grows from some of the `cells`; none if it is small.
-    pub fn largest(cells: &Cells) -> Option<Self> {
+    /// The largest box that grows from some of the cells; none if it is small.
+    pub fn largest(cells: &Survey) -> Option<Self> {
         let [width, height, depth] = cells.dims.map(|dim| dim as usize);
         let place = |i: usize| [i % width, i / width % height, i / (width * height)].map(|c| c as u32);
         let count = width * height * depth;
@@ -106,9 +107,9 @@ impl EvenPart {
 }
 
 /// The extinction of a cell that has but one [1/m].
-fn is_even(cells: &Cells, place: [u32; 3]) -> Option<f32> {
-    let cell = cells.at(place);
-    (cell.spread == 0.0 && cell.most == cell.mean).then_some(cell.mean)
+fn is_even(cells: &Survey, place: [u32; 3]) -> Option<f32> {
+    let Extent { least, most, .. } = cells.at(place);
+    (least == most).then_some(most)
 }
 
 /// Cells in a box from one corner to the other.
@@ -118,7 +119,7 @@ fn volume([low, high]: &[[u32; 3]; 2]) -> u64 {
 
 /// The box of cells like that at `seed`, from its first cell to the ones behind its last, that grows as long as a whole
 /// layer on any of its sides is like it.
-fn grown(cells: &Cells, seed: [u32; 3]) -> [[u32; 3]; 2] {
+fn grown(cells: &Survey, seed: [u32; 3]) -> [[u32; 3]; 2] {
     let extinction = is_even(cells, seed);
     let mut corners = [seed, seed.map(|c| c + 1)];
     let mut grows = true;
@@ -150,10 +151,10 @@ fn grown(cells: &Cells, seed: [u32; 3]) -> [[u32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::media::field::Cell;
 
-    fn cells(extinction: impl Fn([u32; 3]) -> f32 + Sync) -> Cells {
-        Cells::new([20, 16, 12], Cell::even(0.0), false, |place| (Cell::even(extinction(place)), 1))
+    fn cells(extinction: impl Fn([u32; 3]) -> f32 + Sync + Send) -> Survey {
+        let even = |extinction: f32| Extent { least: extinction, most: extinction, mean: extinction };
+        Survey::new([20, 16, 12], 1.0, 0.0, |place| (even(extinction(place)), 1))
     }
 
     #[test]

@@ -6,7 +6,8 @@
 use glam::{DAffine3, DVec3};
 use wide::{f32x8, u32x8};
 
-use super::cells::{Cell, Cells, THICKNESS, counts};
+use super::bricks::Extent;
+use super::cells::{Cells, Survey, THICKNESS, counts};
 use super::known::OneShape;
 use super::volume::{Placed, Volume, extinction};
 use super::voxels::Voxels;
@@ -99,16 +100,15 @@ impl Lattice {
     }
 
     /// What is in the cells.
-    pub fn survey(&self, volumes: &[Placed], around: f32) -> Cells {
+    pub fn survey(&self, volumes: &[Placed], around: f32) -> Survey {
         match (&self.kind, volumes) {
             (Kind::Voxels(log_side), [Placed { volume: Volume { voxels: Some(voxels), extinction, .. }, .. }]) => {
-                Cells::of_voxels(voxels, *extinction, *log_side)
+                Survey::of_voxels(voxels, *extinction, *log_side)
             }
             _ => {
                 let from_cells = self.to_cells.inverse();
-                Cells::new(self.dims, Cell::even(around), volumes.len() > 1, |place| {
-                    survey(volumes, around, place, &from_cells)
-                })
+                let edge = from_cells.transform_vector3(DVec3::ONE).max_element();
+                Survey::new(self.dims, edge as f32, around, |place| survey(volumes, around, place, &from_cells))
             }
         }
     }
@@ -121,7 +121,7 @@ fn bounds(volumes: &[Volume]) -> [DVec3; 2] {
 }
 
 /// What is in the cell at `place`, and the volumes that may be there.
-fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine3) -> (Cell, u32) {
+fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine3) -> (Extent, u32) {
     let first = DVec3::from(place.map(f64::from));
     let corners = [first + ROUNDED, first + (1.0 - ROUNDED)].map(|corner| from_cells.transform_point3(corner));
     let (mut least, mut most, mut present, mut covered) = (f32::INFINITY, 0.0_f32, 0, false);
@@ -138,8 +138,7 @@ fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine
         (least, most) = (least.min(around), most.max(around));
     }
     let mean = if least == most { most } else { mean(volumes, around, present, first) };
-    let edge = (corners[1] - corners[0]).max_element() as f32;
-    (Cell::new([least, most], mean.clamp(least, most), edge), present)
+    (Extent { least, most, mean: mean.clamp(least, most) }, present)
 }
 
 /// Mean extinction of the cell from `first` on, of some points in it.

@@ -6,8 +6,8 @@
 //! overlapping volumes, starts inside of them and connections across them need no thought.
 //!
 //! **What is known.** Nobody knows the integral of extinction along a segment, so that free flights are *tracked* and the
-//! transmittance of connections is *estimated* ([`tracking`]). Both need bounds, which a coarse field of cells has; and
-//! weights need an optical depth that is the same for a segment whoever asks:
+//! transmittance of connections is *estimated* ([`tracking`]). Both need bounds, which
+//! blocks of 2^3 cells have; and weights need an optical depth that is the same for a segment whoever asks:
 //!
 //! ```text
 //! tau~ = sum of the cells' means at n points of the segment, evenly spread over its part within all cells and a little
@@ -38,6 +38,7 @@
 //! from lights, along rays ([`lis`](crate::connect::lis)).
 
 mod axis;
+mod blocks;
 mod bricks;
 mod cells;
 mod known;
@@ -50,13 +51,14 @@ pub mod tracking;
 mod volume;
 mod voxels;
 
-use wide::{f32x8, i32x8, u32x8};
+use wide::{f32x8, u32x8};
 
 use super::spectral::CHANNELS;
 use crate::vec3x8::Vec3x8;
 
+pub use blocks::Blocks;
 pub use bricks::{Bricks, Leaf};
-pub use cells::{Cell, Cells};
+pub use cells::Cells;
 pub use map::Map;
 pub use shape::Shape;
 pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
@@ -77,8 +79,10 @@ pub struct Field {
     volumes: Vec<Placed>,
     /// Extinction around all of them [1/m], >= 0.
     around: f32,
-    /// Bounds and means of extinctions.
+    /// Means of extinctions.
     cells: Cells,
+    /// Their bounds.
+    blocks: Blocks,
     /// From the world to cells, counted from the first one.
     to_cells: Map,
     /// Extinction per channel, over that of the channel in which it is largest.
@@ -117,9 +121,10 @@ impl Field {
         assert!((1..=MOST_VOLUMES).contains(&volumes.len()), "1 to {MOST_VOLUMES} volumes");
         let to_cells = Map::new(&lattice.to_cells);
         let volumes = lattice.place(volumes);
-        let cells = lattice.survey(&volumes, around);
-        let even = EvenPart::largest(&cells);
-        Self { volumes, around, cells, to_cells, hues: [1.0; CHANNELS], one: None, even }
+        let survey = lattice.survey(&volumes, around);
+        let (cells, blocks) = (Cells::new(&survey), Blocks::new(&survey, volumes.len() > 1));
+        let even = EvenPart::largest(&survey);
+        Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], one: None, even }
     }
 
     /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
@@ -128,8 +133,11 @@ impl Field {
         let volumes: Vec<Volume> = self.volumes.into_iter().map(|placed| placed.volume).collect();
         let lattice = Lattice::other(&volumes, self.around, log_side);
         let field = Self::in_cells_of(volumes, self.around, lattice);
-        let cells = field.cells.distorted(factor, mean);
-        Self { even: EvenPart::largest(&cells), cells, hues: self.hues, ..field }
+        if factor == 1.0 && mean == 1.0 {
+            return Self { hues: self.hues, ..field };
+        }
+        let (cells, blocks) = (field.cells.distorted(mean), field.blocks.distorted(factor, mean));
+        Self { cells, blocks, even: None, hues: self.hues, ..field }
     }
 
     /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
@@ -153,9 +161,14 @@ impl Field {
         self.hues == [1.0; CHANNELS]
     }
 
-    /// Bounds and means.
+    /// Means of extinctions.
     pub fn cells(&self) -> &Cells {
         &self.cells
+    }
+
+    /// Bounds of extinctions.
+    pub fn blocks(&self) -> &Blocks {
+        &self.blocks
     }
 
     /// Extinction around all volumes [1/m].
@@ -175,7 +188,7 @@ impl Field {
 
     /// Length of the diagonal of the box of all cells `[m]`, about.
     pub fn extent(&self) -> f64 {
-        self.cells.dims.map(f64::from).into_iter().map(|count| count * count).sum::<f64>().sqrt()
+        self.cells.dims().map(f64::from).into_iter().map(|count| count * count).sum::<f64>().sqrt()
             * self.to_cells.longest()
     }
 
@@ -188,14 +201,16 @@ impl Field {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.volumes.iter().map(|placed| placed.volume.bytes()).sum::<usize>() + self.cells.bytes()
+        self.volumes.iter().map(|placed| placed.volume.bytes()).sum::<usize>()
+            + self.cells.bytes()
+            + self.blocks.bytes()
     }
 
     /// The part of rays of unit `direction` up to `length` within the box of all cells `[m]`; empty where the second is
     /// not larger.
     #[inline(always)]
     pub fn part(&self, origin: Vec3x8, direction: Vec3x8, length: f32x8) -> [f32x8; 2] {
-        let counts = self.cells.dims.map(|dim| dim as f32);
+        let counts = self.cells.dims().map(|dim| dim as f32);
         axis::within(self.in_cells(origin), self.to_cells.directions(direction), [0.0; 3], counts, length)
     }
 
@@ -205,25 +220,13 @@ impl Field {
         self.to_cells.points(at)
     }
 
-    /// Where the cells are that points, in cells, are in; outside it is one of those around.
-    #[inline(always)]
-    fn cells_at(&self, at: Vec3x8) -> i32x8 {
-        let mut index = i32x8::splat(0);
-        for ((v, count), stride) in [at.x, at.y, at.z].into_iter().zip(self.cells.dims).zip(self.cells.strides()) {
-            // One beyond the last is one of those around, and so is, moved by one, the one before the first.
-            let kept = (v + f32x8::ONE).fast_max(f32x8::ZERO).fast_min(f32x8::splat((count + 1) as f32));
-            index += kept.fast_trunc_int() * i32x8::splat(stride);
-        }
-        index
-    }
-
     /// Extinction at points in cells [1/m], and who is there: 0 for what is around, or the number of the volume, from 1
     /// on.
     #[inline(always)]
     fn at(&self, at: Vec3x8) -> (f32x8, u32x8) {
         let mut present = u32x8::splat(1);
-        if let volumes @ [_, ..] = self.cells.volumes() {
-            present = u32x8::new(self.cells_at(at).to_array().map(|cell| volumes[cell as usize]));
+        if let volumes @ [_, ..] = self.blocks.volumes() {
+            present = u32x8::new(self.blocks.indices(at).to_array().map(|block| volumes[block as usize]));
         }
         volume::extinction(&self.volumes, self.around, present, at)
     }

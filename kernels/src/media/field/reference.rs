@@ -56,7 +56,7 @@ impl Field {
     pub fn part_within(&self, from: DVec3, way: DVec3, [below, above]: [f64; 2], end: f64) -> Option<(f64, f64)> {
         let (mut enter, mut exit) = (0.0_f64, end);
         for axis in 0..3 {
-            let count = f64::from(self.cells.dims[axis]) + above;
+            let count = f64::from(self.cells.dims()[axis]) + above;
             if way[axis] == 0.0 {
                 if from[axis] < -below || from[axis] > count {
                     return None;
@@ -71,7 +71,7 @@ impl Field {
 
     /// The cell that a point, in cells, is in.
     pub fn cell_at(&self, at: DVec3) -> [u32; 3] {
-        [0, 1, 2].map(|axis| at[axis].clamp(0.0, f64::from(self.cells.dims[axis] - 1)) as u32)
+        [0, 1, 2].map(|axis| at[axis].clamp(0.0, f64::from(self.cells.dims()[axis] - 1)) as u32)
     }
 
     /// The way from `from` along `edge`, up to the share `end` of it, as weights see it, where the hue is 1.
@@ -92,8 +92,8 @@ impl Field {
         let count = (way.length() * (exit - enter)).ceil().clamp(1.0, f64::from(MOST_STRATA));
         let mean_at = |i: u32| {
             let at = start + (enter + (exit - enter) * (f64::from(i) + 0.5) / count) * way;
-            let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims[axis]));
-            if inside { f64::from(self.cells.at(self.cell_at(at)).mean) } else { around }
+            let inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < f64::from(self.cells.dims()[axis]));
+            if inside { f64::from(self.cells.mean(self.cell_at(at))) } else { around }
         };
         let mut strata = vec![piece(enter, around)];
         strata.extend((0..count as u32).map(|i| piece((exit - enter) / count, mean_at(i))));

@@ -2,19 +2,19 @@
 
 use wide::{f32x8, i32x8};
 
-use crate::lanes::{LANES, gather};
-use crate::media::field::cells::{Cells, Residual};
+use crate::lanes::{LANES, gather, per_lane};
+use crate::media::field::blocks::{Blocks, Residual};
 
 /// What is looked for along rays.
 pub(super) trait Quest<const N: usize>: Copy {
     /// Whether the ray may end on its way.
     const FLIES: bool;
 
-    /// Rate of candidates, and the extinction that is known, in the cells of these numbers [1/m].
-    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2];
+    /// Rate of candidates, and the extinction that is known, in the blocks at these indices [1/m].
+    fn rates(blocks: &Blocks, at: i32x8) -> [f32x8; 2];
 
-    /// Which cells have one extinction, and so need not be asked where a candidate is, and that extinction [1/m].
-    fn even(cells: &Cells, at: i32x8, rates: [f32x8; 2]) -> (f32x8, f32x8);
+    /// Which blocks have one extinction, and so need not be asked where a candidate is, and that extinction [1/m].
+    fn even(blocks: &Blocks, at: i32x8, rates: [f32x8; 2]) -> (f32x8, f32x8);
 
     /// What a candidate does to the ray's results, where extinction, rate and mean are these, for a number `u`; and
     /// where the ray ends with it.
@@ -39,14 +39,14 @@ impl Quest<1> for Flight {
     const FLIES: bool = true;
 
     #[inline(always)]
-    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2] {
-        [gather(cells.majorants(), at), f32x8::ZERO]
+    fn rates(blocks: &Blocks, at: i32x8) -> [f32x8; 2] {
+        [gather(blocks.majorants(), at), f32x8::ZERO]
     }
 
     #[inline(always)]
-    fn even(cells: &Cells, at: i32x8, [most, _]: [f32x8; 2]) -> (f32x8, f32x8) {
-        let mean = gather(cells.means(), at);
-        (most.simd_eq(mean), mean)
+    fn even(blocks: &Blocks, at: i32x8, _: [f32x8; 2]) -> (f32x8, f32x8) {
+        let [spread, control] = residuals(blocks, at);
+        (spread.simd_eq(f32x8::ZERO), control)
     }
 
     #[inline(always)]
@@ -65,19 +65,13 @@ impl<const N: usize> Quest<N> for Transmittance {
     const FLIES: bool = false;
 
     #[inline(always)]
-    fn rates(cells: &Cells, at: i32x8) -> [f32x8; 2] {
-        let residuals = cells.residuals();
-        let [mut spreads, mut controls] = [[0.0; LANES]; 2];
-        for (lane, at) in at.to_array().into_iter().enumerate() {
-            let Residual { control, spread } = residuals[at as usize];
-            (spreads[lane], controls[lane]) = (spread, control);
-        }
-        [f32x8::new(spreads), f32x8::new(controls)]
+    fn rates(blocks: &Blocks, at: i32x8) -> [f32x8; 2] {
+        residuals(blocks, at)
     }
 
     #[inline(always)]
-    fn even(_: &Cells, _: i32x8, _: [f32x8; 2]) -> (f32x8, f32x8) {
-        // Of one extinction, a cell has no candidates.
+    fn even(_: &Blocks, _: i32x8, _: [f32x8; 2]) -> (f32x8, f32x8) {
+        // Of one extinction, a block has no candidates.
         (f32x8::ZERO, f32x8::ZERO)
     }
 
@@ -94,4 +88,12 @@ impl<const N: usize> Quest<N> for Transmittance {
         let left: [f32x8; N] = core::array::from_fn(|c| results[c] * factor(c));
         (left, left.into_iter().fold(f32x8::ZERO, f32x8::fast_max).simd_le(f32x8::ZERO))
     }
+}
+
+/// Spreads and controls of blocks [1/m].
+#[inline(always)]
+fn residuals(blocks: &Blocks, at: i32x8) -> [f32x8; 2] {
+    let at = at.to_array();
+    let of: [&Residual; LANES] = per_lane(|lane| &blocks.residuals()[at[lane] as usize]);
+    [f32x8::new(per_lane(|lane| of[lane].spread)), f32x8::new(per_lane(|lane| of[lane].control))]
 }

@@ -7,6 +7,7 @@ use super::quest::Quest;
 use crate::lanes::{self, LANES};
 use crate::media::field::Field;
 use crate::media::field::axis::within;
+use crate::media::field::blocks::EDGE;
 use crate::random::{Stream, uniform_x8};
 use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
@@ -28,12 +29,12 @@ pub(super) struct Lanes<const N: usize> {
     pub t: f32x8,
     /// Where it leaves the cells or ends.
     pub exit: f32x8,
-    /// Where it enters the next cell along each axis.
+    /// Where it enters the next block along each axis.
     pub next: Vec3x8,
-    /// From one cell to the next along each axis.
+    /// From one block to the next along each axis.
     pub delta: Vec3x8,
-    /// The cell that the ray is in.
-    pub cell: i32x8,
+    /// The block that the ray is in.
+    pub block: i32x8,
     /// From there to the next one along each axis.
     pub stride: [i32x8; 3],
     /// Length of a unit of t `[m]`, times the hue of a flight.
@@ -63,7 +64,7 @@ impl<const N: usize> Lanes<N> {
             exit: zero,
             next: Vec3x8::ZERO,
             delta: Vec3x8::ZERO,
-            cell: i32x8::splat(0),
+            block: i32x8::splat(0),
             stride: [i32x8::splat(0); 3],
             scale: zero,
             budget: zero,
@@ -121,29 +122,30 @@ impl<const N: usize> Lanes<N> {
         }
         let (origin, direction) = (field.in_cells(origin), field.to_cells.directions(direction));
         let [enter, exit] =
-            within(origin, direction, [0.0; 3], field.cells.dims.map(|dim| dim as f32), f32x8::splat(longest));
+            within(origin, direction, [0.0; 3], field.cells.dims().map(|dim| dim as f32), f32x8::splat(longest));
         let at = direction.mul_add(enter, origin);
+        let (layout, edge) = (&field.blocks.layout, f32x8::splat(EDGE as f32));
         let mut next = [f32x8::ZERO; 3];
         let mut delta = [f32x8::ZERO; 3];
         let mut index = i32x8::splat(0);
         for axis in 0..3 {
             let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
             let (start, step) = (pick(origin), pick(direction));
-            let last = f32x8::splat((field.cells.dims[axis] - 1) as f32);
-            let cell = pick(at).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
+            let last = f32x8::splat((layout.dims[axis] - 1) as f32);
+            let block = (pick(at) / edge).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
             let forward = step.simd_gt(f32x8::ZERO);
-            let border = f32x8::from_i32x8(cell) + forward.select(f32x8::ONE, f32x8::ZERO);
+            let border = (f32x8::from_i32x8(block) + forward.select(f32x8::ONE, f32x8::ZERO)) * edge;
             let inverse = f32x8::ONE / step;
             let moves = !step.simd_eq(f32x8::ZERO);
             next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
-            delta[axis] = moves.select(inverse.abs(), f32x8::splat(f32::INFINITY));
-            let stride = i32x8::splat(field.cells.strides()[axis]);
-            index += (cell + i32x8::splat(1)) * stride;
+            delta[axis] = moves.select(edge * inverse.abs(), f32x8::splat(f32::INFINITY));
+            let stride = i32x8::splat(layout.strides()[axis]);
+            index += (block + i32x8::splat(1)) * stride;
             self.stride[axis] = choose(forward, stride, -stride);
         }
         let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
         (self.origin, self.direction) = (origin, direction);
-        (self.next, self.delta, self.cell) = (vector(next), vector(delta), index);
+        (self.next, self.delta, self.block) = (vector(next), vector(delta), index);
         (self.t, self.exit, self.scale) = (enter, exit, scale);
         (self.results, self.hues, self.known) = ([f32x8::ONE; N], hues, f32x8::ZERO);
         (self.stream, self.candidates) = (stream, u32x8::splat(0));
@@ -173,7 +175,7 @@ impl<const N: usize> Lanes<N> {
         put(&mut self.scale, to, &other.scale, from);
         put(&mut self.budget, to, &other.budget, from);
         put(&mut self.known, to, &other.known, from);
-        put(&mut self.cell, to, &other.cell, from);
+        put(&mut self.block, to, &other.block, from);
         put(&mut self.candidates, to, &other.candidates, from);
         put(&mut self.row, to, &other.row, from);
         for hue in 0..N {

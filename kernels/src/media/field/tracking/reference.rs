@@ -3,13 +3,14 @@
 //! ```text
 //! t = where the ray enters the cells
 //! repeat: budget = -ln(1 - u)
-//!         while budget > rate(cell) (t_next - t): budget -= rate(cell) (t_next - t), t = t_next
-//!         t += budget / rate(cell);     collision, or factor, at t
+//!         while budget > rate(block) (t_next - t): budget -= rate(block) (t_next - t), t = t_next
+//!         t += budget / rate(block);     collision, or factor, at t
 //! ```
 
 use glam::DVec3;
 
-use crate::media::field::{Cell, Field};
+use crate::media::field::Field;
+use crate::media::field::blocks::{Block, EDGE};
 use crate::media::reference::{depth_until, reach};
 use crate::random::{self, Stream};
 
@@ -36,14 +37,14 @@ pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Str
         budget -= around * walk.before;
     }
     loop {
-        let rate = |cell: &Cell| f64::from(cell.most) * hue;
-        let (cell, left) = walk.advance(budget, rate, |_, _| ());
-        let Some(cell) = cell else {
+        let rate = |block: &Block| f64::from(block.most) * hue;
+        let (block, left) = walk.advance(budget, rate, |_, _| ());
+        let Some(block) = block else {
             return (if around > 0.0 { walk.exit + left / around } else { f64::INFINITY }, candidates);
         };
         candidates += 1;
         let [chance, next, ..] = stream.words(candidates).map(random::uniform);
-        if chance * f64::from(cell.most) < walk.extinction() {
+        if chance * f64::from(block.most) < walk.extinction() {
             return (walk.t, candidates);
         }
         first = next;
@@ -75,14 +76,14 @@ pub fn transmittance<const N: usize>(
     let (mut products, mut known) = ([1.0; N], around * walk.before);
     let [mut first, ..] = u();
     loop {
-        let rate = |cell: &Cell| f64::from(cell.spread) * length;
-        let add = |cell: &Cell, t: f64| known += f64::from(cell.control) * length * t;
-        let (Some(cell), _) = walk.advance(-(1.0 - first).ln(), rate, add) else {
+        let rate = |block: &Block| f64::from(block.residual.spread) * length;
+        let add = |block: &Block, t: f64| known += f64::from(block.residual.control) * length * t;
+        let (Some(Block { residual, .. }), _) = walk.advance(-(1.0 - first).ln(), rate, add) else {
             let after = if walk.before < 1.0 { 1.0 - walk.exit } else { 0.0 };
             return (products, known + around * after);
         };
         let [_, next, ..] = u();
-        let residual = (walk.extinction() - f64::from(cell.control)) / f64::from(cell.spread);
+        let residual = (walk.extinction() - f64::from(residual.control)) / f64::from(residual.spread);
         for (product, hue) in products.iter_mut().zip(hues) {
             *product *= (1.0 - hue * residual).max(0.0);
         }
@@ -103,7 +104,7 @@ struct Walk<'a> {
     /// How far it goes before it comes to the cells: all the way if it misses them.
     before: f64,
     exit: f64,
-    cell: [i64; 3],
+    block: [i64; 3],
 }
 
 impl<'a> Walk<'a> {
@@ -111,49 +112,50 @@ impl<'a> Walk<'a> {
         let (start, direction) = (field.cells_of(origin), field.cells_along(direction));
         let part = field.part_within(start, direction, [0.0; 2], longest);
         let (t, exit) = part.unwrap_or((longest, longest));
-        let cell = part.map_or([0; 3], |(t, _)| field.cell_at(start + t * direction).map(i64::from));
-        Self { field, origin: start, direction, t, before: t, exit, cell }
+        let block =
+            part.map_or([0; 3], |(t, _)| field.cell_at(start + t * direction).map(|cell| i64::from(cell / EDGE)));
+        Self { field, origin: start, direction, t, before: t, exit, block }
     }
 
     fn extinction(&self) -> f64 {
         self.field.extinction_at(self.origin + self.t * self.direction)
     }
 
-    /// Goes on until `budget` is spent on `rate`, and gives the cell where that is, or, if the ray ends before, none and
-    /// what is left of the budget. Tells `pass` of every way through a cell.
+    /// Goes on until `budget` is spent on `rate`, and gives the block where that is, or, if the ray ends before, none and
+    /// what is left of the budget. Tells `pass` of every way through a block.
     fn advance(
         &mut self,
         mut budget: f64,
-        rate: impl Fn(&Cell) -> f64,
-        mut pass: impl FnMut(&Cell, f64),
-    ) -> (Option<Cell>, f64) {
+        rate: impl Fn(&Block) -> f64,
+        mut pass: impl FnMut(&Block, f64),
+    ) -> (Option<Block>, f64) {
         while self.t < self.exit {
-            let cells = self.field.cells();
-            if (0..3).any(|axis| self.cell[axis] < 0 || self.cell[axis] >= i64::from(cells.dims[axis])) {
+            let blocks = &self.field.blocks;
+            if (0..3).any(|axis| self.block[axis] < 0 || self.block[axis] >= i64::from(blocks.layout.dims[axis])) {
                 return (None, budget);
             }
-            let cell = cells.at(self.cell.map(|index| index as u32));
+            let block = blocks.at(self.block.map(|index| index as u32));
             let (axis, border) = self.border();
             let length = (border.min(self.exit) - self.t).max(0.0);
-            if rate(&cell) * length >= budget {
-                let way = budget / rate(&cell);
-                pass(&cell, way);
+            if rate(&block) * length >= budget {
+                let way = budget / rate(&block);
+                pass(&block, way);
                 self.t += way;
-                return (Some(cell), 0.0);
+                return (Some(block), 0.0);
             }
-            budget -= rate(&cell) * length;
-            pass(&cell, length);
+            budget -= rate(&block) * length;
+            pass(&block, length);
             self.t = border.min(self.exit).max(self.t);
-            self.cell[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
+            self.block[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
         }
         (None, budget)
     }
 
-    /// The axis along which the next cell lies, and where it begins.
+    /// The axis along which the next block lies, and where it begins.
     fn border(&self) -> (usize, f64) {
         let border_along = |axis: usize| {
             let behind = if self.direction[axis] > 0.0 { 1 } else { 0 };
-            ((self.cell[axis] + behind) as f64 - self.origin[axis]) / self.direction[axis]
+            ((self.block[axis] + behind) as f64 * f64::from(EDGE) - self.origin[axis]) / self.direction[axis]
         };
         let moves = (0..3).filter(|axis| self.direction[*axis] != 0.0).map(|axis| (axis, border_along(axis)));
         moves.fold((0, f64::INFINITY), |near, other| if other.1 < near.1 { other } else { near })

@@ -1,10 +1,10 @@
 //! ```text
 //! repeat for each of eight rays:
-//!     while budget > rate * (t_next - t):  budget -= rate * (t_next - t),  t = t_next,  into the next cell
+//!     while budget > rate * (t_next - t):  budget -= rate * (t_next - t),  t = t_next,  into the next block
 //!     t += budget / rate;    ask the density there;    a new budget
 //! ```
 //!
-//! 1. Rays cross cells until most of them have a candidate or are through; then the density is asked for all of those
+//! 1. Rays cross blocks until most of them have a candidate or are through; then the density is asked for all of those
 //!    at once, and the others go on where they are.
 //! 2. Rays come in batches, which are set out and taken to their first candidates as such: many end there. Of the
 //!    others, each takes a lane whose ray has ended, so that none waits for the longest one. What becomes of a ray does
@@ -12,7 +12,7 @@
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
-//! 5. In a cell of one extinction, density need not be asked. A field that is one shape needs no walk at all
+//! 5. In a block of one extinction, density need not be asked. A field that is one shape needs no walk at all
 //!    (`one_shape`), and neither does a ray that ends in the even part in which it began: it would have no candidate but
 //!    the last, and that where it is known to be.
 
@@ -25,7 +25,7 @@ use crate::lanes::{self, LANES};
 use crate::media::field::Field;
 use crate::transcendental::{exp, neg_ln};
 
-/// So many rays that still cross cells do not keep the others waiting.
+/// So many rays that still cross blocks do not keep the others waiting.
 const FEW: u32 = 3;
 
 /// Hands the lengths of the flights of all rays, of unit directions, to `end`, some of a batch at a time: the row in lane
@@ -192,7 +192,7 @@ impl<const N: usize> Lanes<N> {
         let (mut moving, mut through) = (live, f32x8::ZERO);
         let mut rates;
         loop {
-            rates = Q::rates(&field.cells, self.cell);
+            rates = Q::rates(&field.blocks, self.block);
             let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
             let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
             let spent = rates[0] * length;
@@ -218,7 +218,7 @@ impl<const N: usize> Lanes<N> {
         let way = self.budget / rates[0];
         self.t = arrived.select((way / self.scale) + self.t, self.t);
         self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
-        let (even, mut extinction) = Q::even(&field.cells, self.cell, rates);
+        let (even, mut extinction) = Q::even(&field.blocks, self.block, rates);
         if (arrived & !even).any() {
             let at = self.direction.mul_add(self.t, self.origin);
             extinction = even.select(extinction, field.at(at).0);
@@ -240,7 +240,7 @@ impl<const N: usize> Lanes<N> {
         for (axis, next) in [&mut self.next.x, &mut self.next.y, &mut self.next.z].into_iter().enumerate() {
             let here = crosses & next.simd_le(border);
             *next = here.select(*next + delta[axis], *next);
-            self.cell += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
+            self.block += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
         }
     }
 }
