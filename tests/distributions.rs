@@ -237,19 +237,33 @@ fn directions_to_lights_at_infinity_have_their_density() {
     }
 }
 
-#[test]
-fn triangles_of_a_mesh_are_chosen_by_area() {
-    let frame = frames::lamps(1.0, 0.3, Selection::IntensityDistance, [64, 64]);
+/// Checks how often each emitter of a frame is chosen against the density of its points.
+fn assert_emitters_are_chosen_by_density(name: &str, frame: &Frame) {
     let emitters = frame.lights.emitters();
     let (mut found, mut expected) = (vec![0.0; emitters.len()], vec![0.0; emitters.len()]);
-    light_points(&frame, Scope { facing: false, ..nee::SCOPE }, |start, light, _| {
+    light_points(frame, Scope { facing: false, ..nee::SCOPE }, |start, light, _| {
         found[light] += 1.0;
         for (light, emitter) in emitters.iter().enumerate() {
             expected[light] += light_density(&frame.lights, light, start) * emitter.area();
         }
     });
     let p = p_of_counts(&found, &expected);
-    assert!(p > SUSPICIOUS, "p = {p}, {found:?} instead of {expected:?}");
+    assert!(p > SUSPICIOUS, "{name}: p = {p}, {found:?} instead of {expected:?}");
+}
+
+#[test]
+fn triangles_of_a_mesh_are_chosen_by_area() {
+    let frame = frames::lamps(1.0, 0.3, Selection::IntensityDistance, [64, 64]);
+    assert_emitters_are_chosen_by_density("lamps", &frame);
+}
+
+#[test]
+fn lights_of_groups_are_chosen_by_their_density() {
+    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
+        let frame = frames::swarm(60, selection, [64, 64]);
+        assert!(frame.lights.lights().len() < frame.lights.emitters().len(), "groups");
+        assert_emitters_are_chosen_by_density(&format!("{selection:?}"), &frame);
+    }
 }
 
 #[test]
@@ -261,24 +275,6 @@ fn lights_are_selected_with_their_probability() {
         light_points(&frame, scope, |start, light, _| {
             found[light] += 1.0;
             (0..3).for_each(|light| expected[light] += selection_probability(&frame.lights, light, start));
-        });
-        let p = p_of_counts(&found, &expected);
-        assert!(p > SUSPICIOUS, "{selection:?}: p = {p}, {found:?} instead of {expected:?}");
-    }
-}
-
-#[test]
-fn lights_of_groups_are_selected_with_their_probability() {
-    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
-        let frame = frames::swarm(60, selection, [64, 64]);
-        let emitters = frame.lights.emitters();
-        assert!(frame.lights.lights().len() < emitters.len(), "groups");
-        let (mut found, mut expected) = (vec![0.0; emitters.len()], vec![0.0; emitters.len()]);
-        light_points(&frame, Scope { facing: false, ..nee::SCOPE }, |start, light, _| {
-            found[light] += 1.0;
-            for (light, emitter) in emitters.iter().enumerate() {
-                expected[light] += light_density(&frame.lights, light, start) * emitter.area();
-            }
         });
         let p = p_of_counts(&found, &expected);
         assert!(p > SUSPICIOUS, "{selection:?}: p = {p}, {found:?} instead of {expected:?}");

@@ -1,22 +1,19 @@
 //! Disks and spheres where there are many: groups of neighbours, and a tree of boxes over them.
 //!
-//! Bodies are sorted by halving them again and again along their longest side, so that neighbours follow each other. A
-//! *group* is what the first few halvings leave: connections choose among groups as among lights, by what all of a group
-//! shines, and then one of its bodies in constant time. The *tree* goes on down to a few bodies. It is a list of nodes
-//! in the order in which they are visited, each of which knows the one behind all that is in its box (a threaded tree;
-//! Smits, Efficiency Issues for Ray Tracing, 1998), so that eight rays go through it together and without a stack.
+//! Connections choose among *groups* as among lights, by what all of a group shines, and then one of its bodies in
+//! constant time. The *tree* has the same halves as the [groups](super::neighbours), down to a few bodies. It is a list of
+//! nodes in the order in which they are visited, each of which knows the one behind all that is in its box (a threaded
+//! tree; Smits, Efficiency Issues for Ray Tracing, 1998), so that eight rays go through it together and without a stack.
 
 use core::ops::Range;
 
 use glam::DVec3;
 
 use super::Emitter;
+use super::neighbours::{self, LEAF, half};
 
 /// Most bodies that are lights of their own and need no tree; and most groups, a power of two.
 pub const FEW: usize = 16;
-
-/// Most bodies in a box that is not divided.
-const LEAF: usize = 4;
 
 /// By how much of its radius the box around a body is larger.
 const MARGIN: f64 = 1e-3;
@@ -95,43 +92,14 @@ fn planes(bodies: &[Emitter]) -> [f32; 6] {
     [low[0], low[1], low[2], high[0], high[1], high[2]]
 }
 
-/// How many of so many bodies are in the first half.
-fn half(count: usize) -> usize {
-    count / 2
-}
-
-/// The order of so many `bodies` in which neighbours follow each other, as indices: theirs if they are few.
-pub fn sorted(bodies: &[Emitter]) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..bodies.len() as u32).collect();
-    if bodies.len() > FEW {
-        let centers: Vec<DVec3> = bodies.iter().map(|body| body.bounds().0).collect();
-        sort(&centers, &mut order);
+/// The order of `bodies` and their groups: as they are, and one each, where they are few.
+pub fn grouped(bodies: &[Emitter]) -> (Vec<u32>, Vec<Vec<Emitter>>) {
+    if bodies.len() <= FEW {
+        return ((0..bodies.len() as u32).collect(), bodies.iter().map(|body| vec![*body]).collect());
     }
-    order
-}
-
-fn sort(centers: &[DVec3], order: &mut [u32]) {
-    if order.len() <= LEAF {
-        return;
-    }
-    let center = |index: &u32| centers[*index as usize];
-    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (low, high) = order.iter().map(center).fold(none, |(low, high), at| (low.min(at), high.max(at)));
-    let axis = (high - low).max_position();
-    let middle = half(order.len());
-    order.select_nth_unstable_by(middle, |a, b| center(a)[axis].total_cmp(&center(b)[axis]).then(a.cmp(b)));
-    let (first, second) = order.split_at_mut(middle);
-    sort(centers, first);
-    sort(centers, second);
-}
-
-/// Sizes of the groups of so many sorted bodies: 1 each where they are few.
-pub fn groups(count: usize) -> Vec<usize> {
-    let mut sizes = vec![count];
-    while sizes.len() < FEW {
-        sizes = sizes.into_iter().flat_map(|size| [half(size), size - half(size)]).collect();
-    }
-    if count <= FEW { vec![1; count] } else { sizes }
+    let order = neighbours::order(bodies);
+    let groups = neighbours::groups(bodies, &order, FEW);
+    (order, groups)
 }
 
 #[cfg(test)]
@@ -146,35 +114,30 @@ mod tests {
 
     #[test]
     fn few_bodies_are_left_alone() {
-        assert_eq!(sorted(&bodies(16)), (0..16).collect::<Vec<_>>());
-        assert_eq!(groups(16), [1; 16]);
-        assert_eq!(BodyTree::new(&bodies(16)), None);
+        let all = bodies(16);
+        assert_eq!(grouped(&all), ((0..16).collect(), all.iter().map(|body| vec![*body]).collect()));
+        assert_eq!(BodyTree::new(&all), None);
     }
 
     #[test]
-    fn groups_are_all_bodies_and_boxes_of_the_tree() {
+    fn groups_are_all_bodies_in_their_order_and_overlap_little() {
         for count in [17, 100, 1000] {
-            let sizes = groups(count);
-            assert_eq!((sizes.len(), sizes.iter().sum::<usize>()), (FEW, count));
-            let all = bodies(count as u32);
-            let all: Vec<Emitter> = sorted(&all).into_iter().map(|index| all[index as usize]).collect();
+            let all = bodies(count);
+            let (order, groups) = grouped(&all);
+            assert_eq!(groups.len(), FEW);
+            assert_eq!(groups.concat(), order.iter().map(|index| all[*index as usize]).collect::<Vec<_>>());
             let extent = |bodies: &[Emitter]| {
                 let [a, b, c, x, y, z] = planes(bodies);
                 (x - a) * (y - b) * (z - c)
             };
-            let mut first = 0;
-            let parts = sizes.into_iter().map(|size| {
-                first += size;
-                extent(&all[first - size..first])
-            });
-            assert!(count < 1000 || parts.sum::<f32>() < 2.0 * extent(&all), "groups of neighbours overlap little");
+            let parts = groups.iter().map(|group| extent(group)).sum::<f32>();
+            assert!(count < 1000 || parts < 2.0 * extent(&all), "{parts} of {}", extent(&all));
         }
     }
 
     #[test]
     fn every_body_is_in_every_box_above_it_and_visited_once() {
-        let all = bodies(333);
-        let all: Vec<Emitter> = sorted(&all).into_iter().map(|index| all[index as usize]).collect();
+        let all = grouped(&bodies(333)).1.concat();
         let tree = BodyTree::new(&all).expect("many");
         for (target, body) in all.iter().enumerate() {
             let (center, radius) = body.bounds();

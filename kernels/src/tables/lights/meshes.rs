@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::Emitter;
+use super::{Emitter, neighbours};
 
-/// Most meshes that are lights of their own. Under the rules that look at distances every start looks at every light.
+/// Most meshes that are lights of their own, a power of two. Under the rules that look at distances every start looks at every light.
 const MOST: usize = 64;
 
 /// What the choice of an emitter among those of its light is proportional to [W/sr]: area times radiance. Where nothing
@@ -32,30 +32,8 @@ pub fn few(meshes: Vec<Vec<Emitter>>) -> Vec<Vec<Emitter>> {
     if meshes.len() <= MOST {
         return meshes;
     }
-    let mut clusters = Vec::new();
-    split(meshes.into_iter().flatten().collect(), MOST, &mut clusters);
-    clusters
-}
-
-/// Halves `emitters` at the middle of their longest side until there are `parts` clusters, a power of two.
-fn split(mut emitters: Vec<Emitter>, parts: usize, clusters: &mut Vec<Vec<Emitter>>) {
-    if parts == 1 || emitters.len() < 2 {
-        clusters.push(emitters);
-        return;
-    }
-    let center = |emitter: &Emitter| emitter.bounds().0;
-    let (least, most) = emitters
-        .iter()
-        .map(center)
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
-    let axis = (most - least).max_position();
-    let middle = emitters.len() / 2;
-    emitters.select_nth_unstable_by(middle, |a, b| {
-        (center(a)[axis], a.triangle).partial_cmp(&(center(b)[axis], b.triangle)).expect("coordinates are finite")
-    });
-    let rest = emitters.split_off(middle);
-    split(emitters, parts / 2, clusters);
-    split(rest, parts / 2, clusters);
+    let all = meshes.concat();
+    neighbours::groups(&all, &neighbours::order(&all), MOST)
 }
 
 #[cfg(test)]

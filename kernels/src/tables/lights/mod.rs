@@ -12,7 +12,9 @@ mod alias;
 mod bodies;
 mod distant;
 mod emitter;
+mod light;
 mod meshes;
+mod neighbours;
 mod panorama;
 
 use glam::DVec3;
@@ -20,10 +22,10 @@ use wide::f32x8;
 
 use crate::lanes::LANES;
 use crate::vec3x8::Vec3x8;
-use alias::AliasTable;
 pub use bodies::BodyTree;
 pub use distant::{Distant, FAR, Source};
 pub use emitter::{Emitter, Shape};
+pub use light::Light;
 pub use panorama::{Band, Panorama};
 
 /// How a connection picks its light.
@@ -43,24 +45,6 @@ const DAZZLING: f32 = 65_536.0;
 
 /// Distances to a light's centre are not taken below this `[m]`, so that a start at the very centre has a finite share.
 pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
-
-/// What a connection chooses: a disk, a sphere, a group of these, or a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Light {
-    /// Its emitters: a range of [`Lights::emitters`].
-    pub emitters: core::ops::Range<u32>,
-    /// Centre of a ball that holds it `[m]`.
-    pub center: [f32; 3],
-    /// Radius of that ball `[m]`.
-    pub radius: f32,
-    /// What its probability is proportional to; the sum over all lights is one. Probabilities are the shares
-    /// themselves, or share over distance, normalised, under [`Selection::IntensityDistance`].
-    pub share: f32,
-    /// What it has of the intensity of all; the sum over all lights is one.
-    pub intensity: f32,
-    /// The choice among several emitters.
-    alias: AliasTable,
-}
 
 /// All lights of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,39 +87,25 @@ impl Lights {
     /// If a body is a triangle, or a mesh has something else, or nothing.
     pub fn with_meshes(bodies: Vec<Emitter>, meshes: Vec<Vec<Emitter>>, selection: Selection) -> Self {
         assert!(bodies.iter().all(|emitter| emitter.shape != Shape::Triangle), "a triangle without a mesh");
-        let meshes = meshes::few(meshes);
         assert!(meshes.iter().all(|mesh| !mesh.is_empty()), "a mesh without triangles");
         assert!(meshes.iter().flatten().all(|emitter| emitter.shape == Shape::Triangle), "a mesh of something else");
         let count = bodies.len();
-        let order = bodies::sorted(&bodies);
-        let mut sorted = order.iter().map(|index| bodies[*index as usize]);
-        let groups: Vec<Vec<Emitter>> =
-            bodies::groups(count).into_iter().map(|size| sorted.by_ref().take(size).collect()).collect();
+        let meshes = meshes::few(meshes);
+        let (order, groups) = bodies::grouped(&bodies);
         let given = given(&order, &meshes);
         let (mut emitters, mut lights) = (Vec::new(), Vec::new());
         for pieces in groups.into_iter().chain(meshes) {
-            let first = emitters.len() as u32;
-            let weights: Vec<f64> = pieces.iter().map(|piece| weight(piece, selection)).collect();
-            lights.push(Light::of(&pieces, first, &weights));
+            let weights: Vec<f64> = pieces.iter().map(|piece| light::weight(piece, selection)).collect();
             let total: f64 = weights.iter().sum();
+            let number = lights.len() as u32;
+            lights.push(Light::new(&pieces, emitters.len() as u32, &weights));
             emitters.extend(pieces.into_iter().zip(weights).map(|(piece, weight)| Emitter {
-                light: lights.len() as u32 - 1,
+                light: number,
                 density: (f64::from(piece.density) * if total > 0.0 { weight / total } else { 1.0 }) as f32,
                 ..piece
             }));
         }
-        // With one light, or none that shines, every rule is the uniform one, and the cheapest.
-        let intensity = |light: &Light| emitters[range(light)].iter().map(Emitter::intensity).sum::<f64>();
-        let intensities: Vec<f64> = lights.iter().map(intensity).collect();
-        let total: f64 = intensities.iter().sum();
-        let selection = if lights.len() < 2 || total <= 0.0 { Selection::Uniform } else { selection };
-        let stands_for = |light: &Light| if range(light).end <= count { range(light).len() } else { 1 };
-        let all = lights.iter().map(stands_for).sum::<usize>() as f64;
-        for (light, intensity) in lights.iter_mut().zip(intensities) {
-            let uniform = stands_for(light) as f64 / all;
-            light.intensity = if total > 0.0 { (intensity / total) as f32 } else { uniform as f32 };
-            light.share = if selection == Selection::Uniform { uniform as f32 } else { light.intensity };
-        }
+        let selection = light::share_out(&mut lights, &emitters, selection);
         Self {
             bodies: count,
             tree: BodyTree::new(&emitters[..count]),
@@ -273,8 +243,7 @@ impl Lights {
     /// An emitter of a light for a random word.
     #[inline(always)]
     pub fn choose_emitter(&self, light: u32, word: u32) -> u32 {
-        let light = &self.lights[light as usize];
-        if light.emitters.len() < 2 { light.emitters.start } else { light.emitters.start + light.alias.choose(word) }
+        self.lights[light as usize].choose(word)
     }
 
     /// Shows the emitters to `digest`, in pieces.
@@ -316,31 +285,6 @@ impl Lights {
     }
 }
 
-impl Light {
-    /// The light of these emitters, the first of which has the index `first`, and which are chosen in proportion to
-    /// `weights`; shares are yet to be found.
-    fn of(emitters: &[Emitter], first: u32, weights: &[f64]) -> Self {
-        let (center, radius) = meshes::bounds(emitters);
-        Self {
-            emitters: first..first + emitters.len() as u32,
-            center: center.as_vec3().to_array(),
-            radius: radius as f32,
-            share: 0.0,
-            intensity: 0.0,
-            alias: if emitters.len() > 1 { AliasTable::new(weights) } else { AliasTable::default() },
-        }
-    }
-}
-
-/// What the choice of an emitter among those of its light is proportional to: of a group of disks and spheres under
-/// the uniform rule, all alike.
-fn weight(emitter: &Emitter, selection: Selection) -> f64 {
-    match (selection, emitter.shape) {
-        (Selection::Uniform, Shape::Disk | Shape::Sphere) => 1.0,
-        _ => meshes::weight(emitter),
-    }
-}
-
 /// Emitters of the bodies that have been put in this `order`, and of the meshes behind them, as they were given.
 fn given(order: &[u32], meshes: &[Vec<Emitter>]) -> Vec<core::ops::Range<u32>> {
     let mut given = vec![0..0; order.len()];
@@ -353,10 +297,6 @@ fn given(order: &[u32], meshes: &[Vec<Emitter>]) -> Vec<core::ops::Range<u32>> {
         first - mesh.len() as u32..first
     }));
     given
-}
-
-fn range(light: &Light) -> core::ops::Range<usize> {
-    light.emitters.start as usize..light.emitters.end as usize
 }
 
 /// The emitter of each triangle, up to the last that shines.
