@@ -206,7 +206,7 @@ fn lights(bench: &Bench<'_>) -> Result<Vec<Series>> {
         axis: "lights",
         caption: "fog-facing with copies of its light side by side; more than 16 are chosen among by groups.",
     };
-    group.by_technique(&[1, 4, 16, 64], |count: i64, technique| {
+    group.by_technique(&[1, 4, 16, 64, 256, 1024], |count: i64, technique| {
         let scene = load(bench, "fog-facing", SIDE, &[technique, ("light", copies(count))])?;
         Ok(Setting::of(count as f64, scene, bench.threads()))
     })
