@@ -33,9 +33,12 @@ use fogbow_testing::render::{WORKERS, render_here, render_with};
 use fogbow_testing::statistics::z_of_means;
 use glam::DVec3;
 
-/// All that varies.
+/// All that varies, and a block of equal voxels, in which most of what paths come to is even.
 fn all() -> impl Iterator<Item = (&'static str, Frame)> {
-    clouds(SMALL).into_iter().chain(volumes(SMALL))
+    let voxels = Voxels::new(&leaves(4, |_| 1.0), &centred(32, 6.0, DVec3::Z), Interpolation::Trilinear);
+    let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
+    let block = with_field(&lights, Field::grid(voxels, 1.5));
+    clouds(SMALL).into_iter().chain(volumes(SMALL)).chain([("block of voxels among lights", block)])
 }
 
 const SMALL: [u32; 2] = [16, 16];

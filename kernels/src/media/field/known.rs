@@ -9,6 +9,7 @@
 //! one extinction, and so has a flight that ends before it leaves the box. This changes nothing of what is found there,
 //! only how long it takes.
 
+use glam::DVec3;
 use wide::f32x8;
 
 use super::axis::{LEAST_DEPTH, within};
@@ -96,6 +97,11 @@ impl EvenPart {
         let inside =
             |v: f32x8, axis: usize| v.simd_ge(f32x8::splat(self.low[axis])) & v.simd_le(f32x8::splat(self.high[axis]));
         inside(at.x, 0) & inside(at.y, 1) & inside(at.z, 2)
+    }
+
+    /// Whether a point, in cells, is in it, for twins.
+    pub fn holds_one(&self, at: DVec3) -> bool {
+        (0..3).all(|axis| (f64::from(self.low[axis])..=f64::from(self.high[axis])).contains(&at[axis]))
     }
 
     /// Optical depth of a segment of this `length` `[m]` in it, in a channel of this hue: to the bit what the coarse field

@@ -52,6 +52,12 @@ impl Field {
         there.unwrap_or((0, f64::from(self.around)))
     }
 
+    /// The extinction where the hue is 1, if both ends of a segment are in the even part [1/m].
+    pub fn even_between(&self, from: DVec3, to: DVec3) -> Option<f64> {
+        let even = self.even.filter(|even| [from, to].into_iter().all(|end| even.holds_one(self.cells_of(end))))?;
+        Some(f64::from(even.extinction))
+    }
+
     /// The part of a ray, in cells, up to `end` within all cells and so much more below and above.
     pub fn part_within(&self, from: DVec3, way: DVec3, [below, above]: [f64; 2], end: f64) -> Option<(f64, f64)> {
         let (mut enter, mut exit) = (0.0_f64, end);

@@ -5,6 +5,7 @@
 //! repeat: budget = -ln(1 - u)
 //!         while budget > rate(block) (t_next - t): budget -= rate(block) (t_next - t), t = t_next
 //!         t += budget / rate(block);     collision, or factor, at t
+//! what ends in the even part where it begins is known
 //! ```
 
 use glam::DVec3;
@@ -26,6 +27,12 @@ pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Str
     let mut budget = -(1.0 - first).ln();
     if field.is_known() {
         return (reach(&field.strata_along(origin, direction, f64::INFINITY), budget / hue), 1);
+    }
+    if let Some(even) = field.even {
+        let end = budget / (f64::from(even.extinction) * hue);
+        if field.even_between(origin, origin + end * direction).is_some() {
+            return (end, 1);
+        }
     }
     let mut walk = Walk::new(field, origin, direction, f64::INFINITY);
     let around = f64::from(field.around()) * hue;
@@ -68,6 +75,9 @@ pub fn transmittance<const N: usize>(
     assert!(length.is_finite(), "from {from} to {to}");
     if field.is_known() {
         return ([1.0; N], depth_until(&field.strata_along(from, to - from, 1.0), length));
+    }
+    if let Some(extinction) = field.even_between(from, to) {
+        return ([1.0; N], extinction * length);
     }
     let mut walk = Walk::new(field, from, to - from, 1.0);
     let mut draws = (0..).map(|k| stream.words(k).map(random::uniform));
