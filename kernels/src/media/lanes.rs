@@ -2,6 +2,8 @@
 
 use wide::{f32x8, u32x8};
 
+use crate::lanes;
+use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
 /// A medium before it is known which channel counts for each row.
@@ -26,6 +28,10 @@ pub trait MediumLanes: Copy {
 pub trait MediumX8: Copy {
     /// A segment as weights see the medium along it.
     type Axis: AxisX8;
+    /// A ray as weights see the medium along it.
+    type Ray: AxisX8;
+    /// The medium within a part of it that is even.
+    type Even: MediumX8;
 
     /// Whether extinction differs from place to place, so that paths keep running sums of what they pass through.
     const VARIES: bool;
@@ -34,7 +40,7 @@ pub trait MediumX8: Copy {
     fn axis(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> Self::Axis;
 
     /// The ray from `from` in the unit `direction`, which has no end, as weights see the medium along it.
-    fn ray(self, from: Vec3x8, direction: Vec3x8) -> Self::Axis;
+    fn ray(self, from: Vec3x8, direction: Vec3x8) -> Self::Ray;
 
     /// Optical depth of the straight segment from `from` to `to`, of this `length` `[m]`, as weights count it: exact in
     /// a homogeneous medium.
@@ -59,6 +65,42 @@ pub trait MediumX8: Copy {
     /// ln of the product of the extinctions at so many inner vertices of a way, of which `log_extinction` is that in the
     /// [own channel](MediumLanes::own); where extinction varies, for nobody asks elsewhere.
     fn log_extinction_along(self, events: usize, log_extinction: f32x8) -> f32x8;
+
+    /// Which points are in a convex part of the medium that is known to have one extinction.
+    fn is_even_at(self, at: Vec3x8) -> f32x8;
+
+    /// The medium for rows that stay in that part: it says the same of them to the bit, and sooner.
+    fn as_even(self) -> Self::Even;
+
+    /// Whether this pays: extinction varies, and all `points` of these `rows` are in that part.
+    #[inline(always)]
+    fn stays_even(self, points: impl IntoIterator<Item = Vec3x8>, rows: u32) -> bool {
+        Self::VARIES && points.into_iter().all(|at| rows & !lanes::bits(self.is_even_at(at)) == 0)
+    }
+}
+
+/// A medium for batches that [stay in its even part](MediumX8::stays_even).
+#[derive(Clone, Copy)]
+pub struct Even<M>(pub M);
+
+impl<M: MediumLanes> MediumLanes for Even<M> {
+    type Channel = <M::Channel as MediumX8>::Even;
+
+    const COLOURED: bool = M::COLOURED;
+
+    #[inline(always)]
+    fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> Self::Channel {
+        self.0.in_channel(channel).as_even()
+    }
+
+    #[inline(always)]
+    fn own(&self) -> Self::Channel {
+        self.0.own().as_even()
+    }
+
+    fn hues(&self) -> [f32; 3] {
+        self.0.hues()
+    }
 }
 
 /// A segment as weights see the medium along it: its optical depth is exact in a homogeneous medium. Seeds are spread
@@ -95,4 +137,14 @@ pub struct Crowding {
     pub log: f32x8,
     /// The rest [1/m].
     pub scale: f32x8,
+}
+
+impl Crowding {
+    /// That where extinction varies, in a channel with `hue` of it.
+    #[inline(always)]
+    pub fn with_hue(hue: f32x8, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Self {
+        // Extinctions count without hue, and the depth with it: one hue of all too many is left.
+        let log = f32x8::splat(-(edges as f32)) * neg_ln(depth / (arc * hue)) - log_extinction;
+        Self { log, scale: hue }
+    }
 }

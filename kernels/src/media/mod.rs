@@ -28,7 +28,7 @@ use crate::vec3x8::Vec3x8;
 pub use field::Field;
 pub use glow::Glow;
 pub use homogeneous::Homogeneous;
-pub use lanes::{AxisX8, Crowding, MediumLanes, MediumX8};
+pub use lanes::{AxisX8, Crowding, Even, MediumLanes, MediumX8};
 pub use phases::{Phases, PhasesX8};
 
 /// What fills space.

@@ -29,7 +29,7 @@ use crate::connect::ratios::simd::Competition;
 use crate::connect::suffix::{Arrival, Passed, Suffix, SuffixVertex};
 use crate::connect::{Densities, distant};
 use crate::lanes::LANES;
-use crate::media::{MediumLanes, MediumX8};
+use crate::media::{Even, MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
 use crate::survival::LogSurvival;
 use crate::tables::lights::Lights;
@@ -48,11 +48,10 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
     if straight::suffices::<M>(&columns) {
         return straight::weigh(step, columns, media, phase);
     }
-    let Columns { medium, lights, techniques, walk, lengths, solid, bucket, .. } = columns;
-    let Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, trail, suffix, .. } =
-        columns;
-    let Columns { passage, passage_trail, worth, .. } = columns;
-    albedos::fill(medium, bucket, chains, worth);
+    let mut columns = columns;
+    let Columns { medium, lights, techniques, walk, bucket, candidates, chains, paths, .. } = columns;
+    let Columns { last_surface, outlook, vertex, trail, .. } = columns;
+    albedos::fill(medium, bucket, chains, columns.worth);
     let (densities, usable) = (techniques.densities(), techniques.most_edges());
     let (near, usable_near) = (techniques.near(), techniques.most_edges_near());
     let reaches_far = lights.has_distant();
@@ -68,74 +67,39 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
             survival: LogSurvival::of(&walk.survival),
         };
         let starts = Starts::new(&batch.lane_of, rows, bucket.inserted, paths, last_surface, walk, step);
-        let (fewest_edges, most_edges) = (starts.fewest_edges(), starts.most_edges());
-        let most_edges_near = batch.most_edges_near(near, outlook, &starts).min(usable_near);
+        let near = batch.most_edges_near(near, outlook, &starts).min(usable_near);
         let far = if reaches_far { lights.are_distant(&batch.emitter_of) } else { f32x8::ZERO };
         let all_far = reaches_far && far.all();
-        let needed = if all_far { 0 } else { most_edges.min(usable).max(most_edges_near) };
+        let needed = if all_far { 0 } else { starts.most_edges().min(usable).max(near) };
 
+        let suffix = &mut *columns.suffix;
         let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
-        let mut dense = lanes::mask(lanes::ALL);
-        if M::Channel::VARIES {
-            let passages = Passages { lane_of: batch.lane_of, current: passage, trail: passage_trail, step };
-            dense = passages.fill(media.own(), suffix, bucket.inserted, needed);
+        let walked = Walked { starts, needed, near, last_squared, cos_light, far, all_far };
+        let points = suffix.vertices[..=needed.max(bucket.inserted + 1)].iter().map(|vertex| vertex.position);
+        if media.own().stays_even(points, rows) {
+            batch.compete(step, &mut columns, Even(media), b, &walked);
+        } else {
+            batch.compete(step, &mut columns, media, b, &walked);
         }
-        let colours = M::COLOURED.then(|| Colours::new(batch.lane_of, bucket.inserted, media, log_posterior, suffix));
-        let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
-        let last = &suffix.vertices[1];
-        let arrival = Arrival {
-            medium,
-            hues: colours.as_ref().map(|colours| &colours.hues),
-            inverse_area: lights.gather(&batch.emitter_of, |emitter| emitter.density),
-            last_squared,
-            last_depth: medium.optical_depth_along(last.arc, last.depth),
-            cos_light,
-            skipped: Passed::NOTHING,
-        };
-        for a in fewest_edges..=needed {
-            let attempt = batch.selection(suffix, a) * batch.reach(&starts, a);
-            let vertex = &mut suffix.vertices[a];
-            (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
-            vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
-        }
-        let mut sum = starts.reach_of_walk(batch.survival, walk);
-        if let Some(colours) = &colours {
-            sum *= colours.walked_to_the_light();
-            colours.share(fewest_edges..=needed, suffix);
-            colours.fill_quotients(b, worth);
-        }
-        let walked = sum;
-        let outside =
-            if solid { batch.reflect(last_surface, &starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
-        if !all_far {
-            let competition = Competition {
-                techniques,
-                phase,
-                lights,
-                emitter_of: batch.emitter_of,
-                arrival,
-                segments: starts.segments,
-                longest: lengths.max,
-                starts: fewest_edges..=needed,
-                farthest_near: most_edges_near,
-            };
-            sum = competition.add_ratios(sum, suffix);
-        }
-        if reaches_far {
-            let start = &suffix.vertices[1];
-            let seen = distant::simd::see(lights, &batch.emitter_of, start.leaving);
-            let connected = seen.density * batch.reach(&starts, 1) * start.inverse_density * exp(arrival.last_depth);
-            let connects = if techniques.any() { far } else { f32x8::ZERO };
-            sum = far.select(walked + (connects & connected), sum);
-            if lights.has_panorama() {
-                seen.tint(b, &mut worth.factor);
-            }
-        }
-        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside & dense;
-        let profile = lights.profile(&batch.emitter_of, arrival.cos_light);
-        worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
+}
+
+/// What is known of eight candidates once their suffixes have been walked.
+struct Walked {
+    starts: Starts,
+    /// The farthest start, counted from the light, that any technique can use.
+    needed: usize,
+    /// The farthest that those can use which are limited in distance.
+    near: usize,
+    /// Square of the last segment's length [m^2].
+    last_squared: f32x8,
+    /// Cosine at the light.
+    cos_light: f32x8,
+    /// Rows that end at infinity.
+    far: f32x8,
+    /// Whether all do.
+    all_far: bool,
 }
 
 /// Eight candidates of one bucket.
@@ -160,6 +124,75 @@ fn spread(length_squared: f32x8, inverse_density: f32x8) -> f32x8 {
 }
 
 impl<P: PhaseX8> Batch<'_, P> {
+    /// Weighs batch `b`, whose suffix has been walked.
+    #[inline(always)]
+    fn compete<M: MediumLanes>(&self, step: Step, columns: &mut Columns<'_, '_>, media: M, b: usize, walked: &Walked) {
+        let Columns { lights, techniques, walk, lengths, solid, bucket, log_posterior, .. } = *columns;
+        let Columns { last_surface, passage, passage_trail, .. } = *columns;
+        let (suffix, worth) = (&mut *columns.suffix, &mut *columns.worth);
+        let Walked { starts, needed, near, last_squared, cos_light, far, all_far } = walked;
+        let needed = *needed;
+        let fewest_edges = starts.fewest_edges();
+        let mut dense = lanes::mask(lanes::ALL);
+        if M::Channel::VARIES {
+            let passages = Passages { lane_of: self.lane_of, current: passage, trail: passage_trail, step };
+            dense = passages.fill(media.own(), suffix, bucket.inserted, needed);
+        }
+        let colours = M::COLOURED.then(|| Colours::new(self.lane_of, bucket.inserted, media, log_posterior, suffix));
+        let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
+        let last = &suffix.vertices[1];
+        let arrival = Arrival {
+            medium,
+            hues: colours.as_ref().map(|colours| &colours.hues),
+            inverse_area: lights.gather(&self.emitter_of, |emitter| emitter.density),
+            last_squared: *last_squared,
+            last_depth: medium.optical_depth_along(last.arc, last.depth),
+            cos_light: *cos_light,
+            skipped: Passed::NOTHING,
+        };
+        for a in fewest_edges..=needed {
+            let attempt = self.selection(suffix, a) * self.reach(starts, a);
+            let vertex = &mut suffix.vertices[a];
+            (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
+            vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
+        }
+        let mut sum = starts.reach_of_walk(self.survival, walk);
+        if let Some(colours) = &colours {
+            sum *= colours.walked_to_the_light();
+            colours.share(fewest_edges..=needed, suffix);
+            colours.fill_quotients(b, worth);
+        }
+        let by_walk = sum;
+        let outside = if solid { self.reflect(last_surface, starts, suffix, needed) } else { lanes::mask(lanes::ALL) };
+        if !all_far {
+            let competition = Competition {
+                techniques,
+                phase: self.phase,
+                lights,
+                emitter_of: self.emitter_of,
+                arrival,
+                segments: starts.segments,
+                longest: lengths.max,
+                starts: fewest_edges..=needed,
+                farthest_near: *near,
+            };
+            sum = competition.add_ratios(sum, suffix);
+        }
+        if lights.has_distant() {
+            let start = &suffix.vertices[1];
+            let seen = distant::simd::see(lights, &self.emitter_of, start.leaving);
+            let connected = seen.density * self.reach(starts, 1) * start.inverse_density * exp(arrival.last_depth);
+            let connects = if techniques.any() { *far } else { f32x8::ZERO };
+            sum = far.select(by_walk + (connects & connected), sum);
+            if lights.has_panorama() {
+                seen.tint(b, &mut worth.factor);
+            }
+        }
+        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside & dense;
+        let profile = lights.profile(&self.emitter_of, arrival.cos_light);
+        worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
+    }
+
     /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the square of
     /// the last segment's length and the cosine at the light.
     #[inline(always)]

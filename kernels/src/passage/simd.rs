@@ -8,6 +8,7 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
+use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
 /// Least extinction of which a logarithm is taken [1/m].
@@ -22,13 +23,18 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
     let Columns { live, on_surface, paths, vertex, next, passage, trail, .. } = columns;
     let medium = medium.own();
-    for (b, _) in live.each_batch() {
+    for (b, rows) in live.each_batch() {
         let (from, to) = (vertex.position.batch(b), next.position.batch(b));
         let length = (to - from).length_squared().sqrt();
         let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
         let before = |sum: f32x8| at_camera.select(f32x8::ZERO, sum);
-        let passed = at_camera.select(f32x8::ZERO, medium.optical_depth(from, to, length));
-        let extinction = medium.extinction(to).fast_max(f32x8::splat(LEAST));
+        let [passed, extinction] = if medium.stays_even([from, to], rows) {
+            passed(medium.as_even(), from, to, length)
+        } else {
+            passed(medium, from, to, length)
+        };
+        let passed = at_camera.select(f32x8::ZERO, passed);
+        let extinction = extinction.fast_max(f32x8::splat(LEAST));
         let event = lanes::mask(on_surface.batch(b)).select(f32x8::ZERO, neg_ln(extinction));
         let depth = before(passage.depth.batch(b)) + passed;
         let log_extinction = before(passage.log_extinction.batch(b)) - event;
@@ -36,4 +42,10 @@ fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
         passage.log_extinction.set_batch(b, log_extinction);
         trail.set_batch(b, step.clock + 1, [depth, log_extinction]);
     }
+}
+
+/// Optical depth of a segment, and the extinction at its end [1/m].
+#[inline(always)]
+fn passed(medium: impl MediumX8, from: Vec3x8, to: Vec3x8, length: f32x8) -> [f32x8; 2] {
+    [medium.optical_depth(from, to, length), medium.extinction(to)]
 }

@@ -27,7 +27,10 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
                 if lanes::bits(counts) & rows == 0 {
                     break;
                 }
-                counts &= field.extinction(vertex.batch(b)).simd_gt(f32x8::ZERO);
+                let at = vertex.batch(b);
+                if !field.stays_even([at], rows) {
+                    counts &= field.extinction(at).simd_gt(f32x8::ZERO);
+                }
             }
         }
         worth.weight.set_batch(b, counts & f32x8::ONE);

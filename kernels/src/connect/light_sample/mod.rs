@@ -8,6 +8,7 @@ use crate::Step;
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::CandidateQueue;
 use crate::lanes::LaneSet;
+use crate::media::field::Reach;
 use crate::random::Purpose;
 use crate::tables::lights::Lights;
 
@@ -18,6 +19,8 @@ pub struct Scope {
     pub purpose: Purpose,
     /// Longest distance between start and light point `[m]`; infinite if there is no limit.
     pub max_distance: f32,
+    /// How long connections may be in the even part of a field, where their depth is limited.
+    pub reach: Option<Reach>,
     /// Whether lights at infinity are connected with, instead of all others.
     pub distant: bool,
     /// Whether the start must lie in front of the light: true of a technique that connects in a straight line.
@@ -34,6 +37,7 @@ impl Scope {
         Self {
             purpose,
             max_distance: f32::INFINITY,
+            reach: None,
             distant: false,
             facing: false,
             starts: u32::MAX,

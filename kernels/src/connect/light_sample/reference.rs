@@ -88,7 +88,8 @@ pub fn connect(lights: &Lights, scope: Scope, start: DVec3, u: Uniforms) -> Opti
     if scope.facing && cosine(emitter, point, point - start) <= 0.0 {
         return None;
     }
-    if (point - start).length() > f64::from(scope.max_distance) {
+    let may_be_so_deep = scope.reach.is_none_or(|reach| reach.may_hold_one(start, point));
+    if (point - start).length() > f64::from(scope.max_distance) || !may_be_so_deep {
         return None;
     }
     Some((index, point))

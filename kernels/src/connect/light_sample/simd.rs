@@ -3,8 +3,8 @@
 //! disk:      y = o + R sqrt(u) (cos(2 pi v) tangent + sin(2 pi v) bitangent)
 //! sphere:    y = o + R (2 sqrt(u - u^2) (cos(2 pi v) tangent + sin(2 pi v) bitangent) + (1 - 2 u) z)
 //! triangle:  y = o + sqrt(u) ((1 - v) edge_1 + v edge_2)
-//! keep if depth <= max_depth and depth - first < starts, |y - x| <= max_distance, and y shines towards x where the technique
-//! needs a facing light
+//! keep if depth <= max_depth and depth - first < starts, |y - x| <= max_distance or what the even part of a field allows,
+//! and y shines towards x where the technique needs a facing light
 //! ```
 //!
 //! 1. Where the distance is limited, rows farther than the limit plus the radius from every light are out of reach
@@ -70,7 +70,11 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         }
         let point = point_on(lights, &emitter.to_array(), u, v);
         let to_start = start - point;
-        let mut keep = to_start.length_squared().simd_le(f32x8::splat(scope.max_distance * scope.max_distance));
+        let squared = to_start.length_squared();
+        let mut keep = squared.simd_le(f32x8::splat(scope.max_distance * scope.max_distance));
+        if let Some(reach) = &scope.reach {
+            keep &= reach.may_hold(start, point, squared);
+        }
         if scope.facing {
             keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
         }

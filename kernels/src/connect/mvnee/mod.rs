@@ -27,6 +27,7 @@ pub(crate) mod simd;
 use super::light_sample::Scope;
 use super::{Densities, Row};
 use crate::media::Medium;
+use crate::media::field::Reach;
 use crate::random;
 
 /// How far a seed is moved off the axis.
@@ -60,6 +61,8 @@ pub struct Mvnee {
     pub max_distance: f32,
     /// Largest optical depth of a connection's axis: the same limit where extinction varies, or else infinite.
     pub max_depth: f32,
+    /// How far that reaches in the even part of a field.
+    pub reach: Option<Reach>,
     /// Most seeds; `u32::MAX` for no limit but that of the path.
     pub max_inserted: u32,
     /// Shape of the perturbation.
@@ -74,9 +77,11 @@ impl Mvnee {
     /// The settings for `medium`, with at most `mesc` expected segments in a connection, in the clearest channel;
     /// infinite for no limit.
     pub fn new(medium: &Medium, mesc: f64, offset: Offset) -> Self {
+        let max_depth = medium.longest_depth(mesc);
         Self {
             max_distance: (mesc * medium.mean_free_path()) as f32,
-            max_depth: medium.longest_depth(mesc),
+            max_depth,
+            reach: medium.field().and_then(|field| Reach::new(field, max_depth)),
             max_inserted: u32::MAX,
             offset,
             seeds: Seeds::Coarse,
@@ -98,6 +103,6 @@ impl Mvnee {
 
     /// Every start within the distance limit connects, whichever way the light faces.
     pub fn scope(&self) -> Scope {
-        Scope { max_distance: self.max_distance, ..Scope::new(random::MVNEE_LIGHT) }
+        Scope { max_distance: self.max_distance, reach: self.reach, ..Scope::new(random::MVNEE_LIGHT) }
     }
 }

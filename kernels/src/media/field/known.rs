@@ -12,7 +12,7 @@
 use glam::DVec3;
 use wide::f32x8;
 
-use super::axis::{LEAST_DEPTH, within};
+use super::axis::within;
 use super::bricks::Extent;
 use super::cells::Survey;
 use super::shape::Shape;
@@ -102,13 +102,6 @@ impl EvenPart {
     /// Whether a point, in cells, is in it, for twins.
     pub fn holds_one(&self, at: DVec3) -> bool {
         (0..3).all(|axis| (f64::from(self.low[axis])..=f64::from(self.high[axis])).contains(&at[axis]))
-    }
-
-    /// Optical depth of a segment of this `length` `[m]` in it, in a channel of this hue: to the bit what the coarse field
-    /// has for it.
-    #[inline(always)]
-    pub fn depth(&self, length: f32x8, hue: f32x8) -> f32x8 {
-        (f32x8::splat(self.extinction) * length * hue).fast_max(f32x8::splat(LEAST_DEPTH))
     }
 }
 

@@ -6,6 +6,8 @@ use wide::{f32x8, u32x8};
 
 use super::Field;
 use super::axis::{FieldAxis, MOST_DEPTH};
+use super::even::EvenX8;
+use crate::lanes;
 use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
@@ -88,6 +90,8 @@ impl<'a> MediumLanes for ColouredFieldLanes<'a> {
 
 impl<'a> MediumX8 for FieldX8<'a> {
     type Axis = FieldAxis<'a>;
+    type Ray = FieldAxis<'a>;
+    type Even = EvenX8<'a>;
 
     const VARIES: bool = true;
 
@@ -103,11 +107,8 @@ impl<'a> MediumX8 for FieldX8<'a> {
 
     #[inline(never)]
     fn optical_depth(self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
-        if let Some(even) = &self.field.even {
-            let is_even = self.field.in_even_part(self.field.in_cells(from), self.field.in_cells(to));
-            if is_even.all() {
-                return even.depth(length, self.hue).fast_min(f32x8::splat(MOST_DEPTH));
-            }
+        if self.stays_even([from, to], lanes::ALL) {
+            return self.as_even().optical_depth(from, to, length);
         }
         let depth = self.axis(from, to, length).depth();
         if self.field.is_known() { depth } else { depth.fast_min(f32x8::splat(MOST_DEPTH)) }
@@ -130,14 +131,22 @@ impl<'a> MediumX8 for FieldX8<'a> {
 
     #[inline(always)]
     fn crowding(self, edges: usize, arc: f32x8, depth: f32x8, log_extinction: f32x8) -> Crowding {
-        // Extinctions count without hue, and the depth with it: one hue of all too many is left.
-        let log = f32x8::splat(-(edges as f32)) * neg_ln(depth / (arc * self.hue)) - log_extinction;
-        Crowding { log, scale: self.hue }
+        Crowding::with_hue(self.hue, edges, arc, depth, log_extinction)
     }
 
     #[inline(always)]
     fn log_extinction_along(self, events: usize, log_extinction: f32x8) -> f32x8 {
         f32x8::splat(-(events as f32)) * neg_ln(self.hue) + log_extinction
+    }
+
+    #[inline(always)]
+    fn is_even_at(self, at: Vec3x8) -> f32x8 {
+        self.field.even.as_ref().map_or(f32x8::ZERO, |even| even.holds(self.field.in_cells(at)))
+    }
+
+    #[inline(always)]
+    fn as_even(self) -> EvenX8<'a> {
+        EvenX8::new(self.field, self.hue)
     }
 }
 

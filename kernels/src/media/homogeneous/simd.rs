@@ -108,6 +108,8 @@ impl HomogeneousX8 {
 
 impl MediumX8 for HomogeneousX8 {
     type Axis = HomogeneousAxis;
+    type Ray = HomogeneousAxis;
+    type Even = Self;
 
     const VARIES: bool = false;
 
@@ -149,6 +151,16 @@ impl MediumX8 for HomogeneousX8 {
     #[inline(always)]
     fn log_extinction_along(self, events: usize, _: f32x8) -> f32x8 {
         f32x8::splat(-(events as f32)) * neg_ln(self.extinction)
+    }
+
+    #[inline(always)]
+    fn is_even_at(self, _: Vec3x8) -> f32x8 {
+        lanes::mask(lanes::ALL)
+    }
+
+    #[inline(always)]
+    fn as_even(self) -> Self {
+        self
     }
 }
 

@@ -91,25 +91,46 @@ fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl Me
         let sequence = Sequence::new(step, paths, &lane_of);
         let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
         let (start, point) = (connections.start.batch(b), connections.point.batch(b));
-        let distance = (point - start).length_squared().sqrt();
         let longest = (u32x8::splat(lengths.max - 1) - sequence.depth).min(u32x8::splat(technique.max_inserted));
-        let mut walk = Walk::new(technique.seeds, medium.axis(start, point, distance));
-        let [end, near] = walk.end(distance, f32x8::splat(technique.max_depth) * medium.over_clearest());
+        let live = lanes::first(connections.len - b * LANES);
+        let count = if medium.stays_even([start, point], live) {
+            technique.count(medium.as_even(), &sequence, [start, point], live, longest)
+        } else {
+            technique.count(medium, &sequence, [start, point], live, longest)
+        };
+        counts.set_batch(b, count);
+    }
+}
 
-        let live = lanes::mask(lanes::first(connections.len - b * LANES));
-        let (mut inside, mut along, mut count) = (live & near, f32x8::ZERO, u32x8::splat(0));
+impl Mvnee {
+    /// How many seeds there are between the two ends of every connection of the `live` rows, or [`DROPPED`] if these are
+    /// too deep or insert more than `longest`.
+    #[inline(always)]
+    fn count(
+        &self,
+        medium: impl MediumX8,
+        sequence: &Sequence,
+        [start, point]: [Vec3x8; 2],
+        live: u32,
+        longest: u32x8,
+    ) -> u32x8 {
+        let distance = (point - start).length_squared().sqrt();
+        let mut walk = Walk::new(self.seeds, medium.axis(start, point, distance));
+        let [end, near] = walk.end(distance, f32x8::splat(self.max_depth) * medium.over_clearest());
+
+        let (mut inside, mut along, mut count) = (lanes::mask(live) & near, f32x8::ZERO, u32x8::splat(0));
         for k in 0.. {
             if !inside.any() {
                 break;
             }
-            for flight in flights(&sequence, k) {
+            for flight in flights(sequence, k) {
                 along += walk.toward_end(flight);
                 inside &= along.simd_lt(end) & lanes::as_mask(count.simd_le(longest));
                 count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
             }
         }
         let fits = count.simd_le(longest) & lanes::as_integer_mask(near);
-        counts.set_batch(b, fits.select(count, u32x8::splat(DROPPED)));
+        fits.select(count, u32x8::splat(DROPPED))
     }
 }
 
@@ -122,7 +143,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
 fn place_seeds(step: Step, columns: BuildColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
     let BuildColumns { technique: mvnee, paths, immersion, connections, buckets, candidates, chains, .. } = columns;
     for bucket in buckets.buckets() {
-        for (b, _) in bucket.batches() {
+        for (b, rows) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
             if bucket.inserted > 0 {
@@ -130,7 +151,11 @@ fn place_seeds(step: Step, columns: BuildColumns<'_, '_, Mvnee>, medium: impl Me
                 let sequence = Sequence::new(step, paths, &lane_of);
                 let medium = medium.in_channel(|| immersion.hero.gather(&lane_of));
                 let chain = &mut chains.vertices[..bucket.inserted];
-                place(&sequence, mvnee, medium, &candidate, chain, b);
+                if medium.stays_even([candidate.start, candidate.point], rows) {
+                    place(&sequence, mvnee, medium.as_even(), &candidate, chain, b);
+                } else {
+                    place(&sequence, mvnee, medium, &candidate, chain, b);
+                }
             }
         }
     }

@@ -22,7 +22,7 @@ use super::quest::{Flight, Quest, Transmittance};
 use super::rays::{Ended, Lanes, first_numbers};
 use super::{RaysX8, one_shape};
 use crate::lanes::{self, LANES};
-use crate::media::field::Field;
+use crate::media::field::{EvenX8, Field};
 use crate::transcendental::{exp, neg_ln};
 
 /// So many rays that still cross blocks do not keep the others waiting.
@@ -65,10 +65,13 @@ fn end_in_even_part(field: &Field, batch: &RaysX8<1>) -> (u32, f32x8) {
 /// The lanes of a batch whose segments are in the even part, and their optical depths.
 #[inline(always)]
 fn stay_in_even_part<const N: usize>(field: &Field, batch: &RaysX8<N>) -> (u32, f32x8) {
-    let Some(even) = &field.even else { return (0, f32x8::ZERO) };
+    if field.even.is_none() {
+        return (0, f32x8::ZERO);
+    }
     let (start, way) = (field.in_cells(batch.origin), field.to_cells.directions(batch.direction));
     let stays = field.in_even_part(start, start + way);
-    (lanes::bits(stays) & batch.live, even.depth(batch.direction.length_squared().sqrt(), f32x8::ONE))
+    let depth = EvenX8::new(field, f32x8::ONE).depth(batch.direction.length_squared().sqrt());
+    (lanes::bits(stays) & batch.live, depth)
 }
 
 /// Hands an estimate of every segment's transmittance to `end`, as products and the optical depth of the coarse field
