@@ -148,7 +148,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
         }
     };
     let [x, y, z] = field.cells().dims();
-    let size = field.bytes() >> 10;
+    let size = medium.bytes() >> 10;
     say(format!("volumes: {free_path}; {x}x{y}x{z} cells, {size} KiB"))
 }
 

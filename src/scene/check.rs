@@ -164,8 +164,8 @@ impl Check<'_> {
             let table = format!("volume[{index}]");
             let medium = self.medium(&table, &keys.medium())?;
             let boundary = sources.boundaries.get(&index).cloned();
-            let Sources { look, warn, .. } = *sources;
-            Ok(Volume { document: self.document, table, keys, medium, boundary, look, warn })
+            let Sources { files, look, warn, .. } = sources;
+            Ok(Volume { document: self.document, table, keys, medium, boundary, files, look: *look, warn: *warn })
         };
         let volumes: Vec<Volume<'_>> = scene.volume.iter().enumerate().map(volume).collect::<Result<_>>()?;
         volumes::medium(self.document, around, &volumes, origin)

@@ -36,8 +36,8 @@ pub struct Densities {
 }
 
 impl Densities {
-    /// Those of `grid`, whose index coordinates lead `to_world`.
-    pub fn of(grid: &VoxelGrid, to_world: &DAffine3) -> Self {
+    /// Those of `grid`, in its index coordinates.
+    pub fn of(grid: &VoxelGrid) -> Self {
         let (mut sum, mut most, mut active) = (0.0, 0.0_f32, 0_u64);
         for value in grid.leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value != 0.0) {
             (sum, most, active) = (sum + f64::from(*value), most.max(*value), active + 1);
@@ -45,8 +45,12 @@ impl Densities {
         let active_voxels = grid.active_voxels.max(active);
         let mean = sum / active_voxels.max(1) as f64;
         let [low, high] = grid.index_bounds().unwrap_or_default().map(|corner| DVec3::from(corner.map(f64::from)));
-        let bounds = around(to_world, [low - 0.5, high + 0.5]);
-        Self { grid: grid.name.clone(), active_voxels, mean, most, bounds }
+        Self { grid: grid.name.clone(), active_voxels, mean, most, bounds: [low - 0.5, high + 0.5] }
+    }
+
+    /// The same where index coordinates lead `to_world`.
+    pub fn placed(&self, to_world: &DAffine3) -> Self {
+        Self { bounds: around(to_world, self.bounds), ..self.clone() }
     }
 }
 

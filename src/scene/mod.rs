@@ -39,7 +39,7 @@ pub use loading::{Loading, Look};
 use model::Loaded;
 use ranges::Owner;
 use schema::{Film, Scene, Technique, Techniques};
-use volumes::Sources;
+use volumes::{GridFiles, Sources};
 
 /// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in
 /// order.
@@ -121,7 +121,7 @@ fn load_document(
     let (shining, model) = (Shining { placed: &placed, sky }, loaded.map(|loaded| loaded.model));
     let told = RefCell::new(Vec::new());
     let warn = |warning| told.borrow_mut().push(warning);
-    let sources = Sources { boundaries, look, warn: &warn };
+    let sources = Sources { boundaries, files: GridFiles::default(), look, warn: &warn };
     let (frame, fillings) = check::frame(&scene, document, &chosen, &shining, model, &sources, origin)?;
     warnings.extend(told.take());
     warnings.extend(looks.and_then(|(file, looks)| backs::seen(&frame, scene.film.size, &file, &looks)));

@@ -1,5 +1,6 @@
 //! Media with bounds: from shapes and files of voxels, and what is around them, to what stages read.
 
+mod files;
 mod grids;
 mod shapes;
 
@@ -7,7 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
-use fogbow_kernels::media::field::{Field, MOST_VOLUMES, Shape, Volume as Placed, Voxels};
+use fogbow_kernels::media::field::{Field, MOST_VOLUMES, Shape, Volume as Placed, bytes_of};
 use fogbow_kernels::media::glow::Source;
 use fogbow_kernels::media::{Glow, Medium};
 use fogbow_kernels::phase::PhaseFunction;
@@ -21,6 +22,7 @@ use super::model::Loaded;
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
 use crate::warning::Warning;
+pub use files::GridFiles;
 use grids::Quantity;
 
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
@@ -38,6 +40,8 @@ pub struct Volume<'a> {
     pub medium: Medium,
     /// The mesh that bounds it, if one does.
     pub boundary: Option<Arc<ClosedMesh>>,
+    /// The grids of files.
+    pub files: &'a GridFiles,
     /// Who is told how far its files have been read.
     pub look: Look<'a>,
     /// Who is told what nobody may have meant.
@@ -51,6 +55,8 @@ pub type Boundaries = BTreeMap<usize, Arc<ClosedMesh>>;
 pub struct Sources<'a> {
     /// Meshes that bound them.
     pub boundaries: Boundaries,
+    /// Grids of files.
+    pub files: GridFiles,
     /// Who is told how far their files have been read.
     pub look: Look<'a>,
     /// Who is told what nobody may have meant.
@@ -202,7 +208,7 @@ impl Volume<'_> {
         self.must_meet("grid", placed.voxels.as_ref().zip(densities.as_ref()), &placed, origin)?;
         self.must_meet("emission_grid", source.voxels.as_ref().zip(glowing.as_ref()), &placed, origin)?;
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
-        let bytes = placed.bytes() + source.voxels.as_ref().map_or(0, Voxels::bytes);
+        let bytes = bytes_of(placed.all_voxels().chain(&source.voxels)) + placed.bytes_besides_voxels();
         Ok(Some((
             placed,
             source,

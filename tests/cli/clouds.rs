@@ -46,6 +46,30 @@ fn a_cloud_is_described() {
 }
 
 #[test]
+fn a_grid_that_is_named_several_times_is_held_once() {
+    let taken = |folder: &Folder, start: &str| {
+        let run = folder.done(&["info", "scene.toml"]);
+        let line = run.stdout.lines().find(|line| line.contains(start)).unwrap_or_else(|| panic!("{run}"));
+        let kib = line.strip_suffix(" KiB").and_then(|line| line.rsplit(' ').next());
+        kib.and_then(|kib| kib.parse::<f64>().ok()).unwrap_or_else(|| panic!("{run}"))
+    };
+    let folder = with_cloud("");
+    let [once, all] = [", 9544 active voxels, ", " cells, "].map(|line| taken(&folder, line));
+    let scene = std::fs::read_to_string(folder.path("scene.toml")).expect("a scene");
+    let grid = "grid = { file = \"cloud.vdb\" }";
+    folder.write("scene.toml", scene.replace(grid, &format!("{grid}\nemission = [3, 2, 1]\nemission_{grid}")));
+    assert_eq!([", 9544 active voxels of emission, ", " cells, "].map(|line| taken(&folder, line)), [once, all]);
+    // A copy of the file is a grid of its own.
+    std::fs::copy(folder.path("cloud.vdb"), folder.path("copy.vdb")).expect("a file");
+    let [same, copy] = ["cloud", "copy"].map(|name| {
+        let tuft = format!("[[volume]]\nscattering = 2\ngrid = {{ file = \"{name}.vdb\" }}\n\n[[volume]]");
+        folder.write("scene.toml", scene.replace("[[volume]]", &tuft));
+        taken(&folder, " cells, ")
+    });
+    assert!((copy - same - once).abs() <= 1.0, "{copy} KiB with a copy of {once} KiB, {same} KiB without");
+}
+
+#[test]
 fn a_box_is_rendered_and_described() {
     let volume = "[[volume]]\nshape = { type = \"box\", min = [-1, -1, 1], max = [1, 1, 2] }\nscattering = 2";
     let folder = Folder::empty();

@@ -91,6 +91,11 @@ impl Glow {
         self.rate
     }
 
+    /// The voxels of all emission grids.
+    pub fn voxels(&self) -> impl Iterator<Item = &Voxels> {
+        self.volumes.iter().filter_map(|volume| volume.source.voxels.as_ref())
+    }
+
     /// Whether all of it is grey.
     pub fn is_grey(&self) -> bool {
         let grey = |[r, g, b]: [f32; CHANNELS]| r == g && g == b;

@@ -155,6 +155,13 @@ impl Medium {
         }
     }
 
+    /// Bytes that its volumes take, their densities and emission; what several share is counted once.
+    pub fn bytes(&self) -> usize {
+        let Some(field) = self.field() else { return 0 };
+        let glowing = self.glow.iter().flat_map(|glow| glow.voxels());
+        field::bytes_of(field.voxels().chain(glowing)) + field.bytes_besides_voxels()
+    }
+
     /// What is left of light after `events` scattering events, per channel, where all have the same albedo.
     pub fn albedos(&self, events: usize) -> [f32; 3] {
         self.albedo.map(|albedo| albedo.powi(events as i32))

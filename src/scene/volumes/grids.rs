@@ -1,9 +1,10 @@
 //! Grids of volumes: what a file of voxels is in its place.
 
-use fogbow_kernels::media::field::{Interpolation, Leaf, ToIndex, Volume as Placed, Voxels};
+use fogbow_kernels::media::field::{Interpolation, ToIndex, Volume as Placed, Voxels};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::Volume;
+use super::files::{GridOfFile, MOST_BRICKS};
 use crate::error::Result;
 use crate::figures::point;
 use crate::gltf::quoted;
@@ -11,13 +12,9 @@ use crate::scene::filling::Densities;
 use crate::scene::loading::Loading;
 use crate::scene::ranges::{LARGEST, LARGEST_EMISSION};
 use crate::scene::schema::{self, ShapeKind};
-use crate::volume::{self, VoxelGrid};
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
-/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 1.5 GiB.
-const MOST_BRICKS: u64 = 1 << 27;
-
 /// What the densities of a grid multiply.
 pub(super) struct Quantity {
     /// What it is called.
@@ -57,26 +54,26 @@ impl Volume<'_> {
         let key = |name: &str| format!("{table}.{name}");
         let path = self.document.folder().join(&grid.file);
         let look = |done, total| (self.look)(Loading::of(&path, done, total));
-        let voxels = volume::read(&path, grid.name.as_deref(), &look)?;
-        let bricks = bricks_spanned(&voxels.leaves);
-        let finding = format!("a grid whose voxels are so far apart that {bricks} bricks of 8x8x8 lie between them");
+        let file = self.files.read(&path, grid.name.as_deref(), &look)?;
+        let spanned = file.bricks_spanned;
+        let finding = format!("a grid whose voxels are so far apart that {spanned} bricks of 8x8x8 lie between them");
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
-        self.require(bricks <= MOST_BRICKS, &key("file"), finding, &remedy)?;
+        self.require(spanned <= MOST_BRICKS, &key("file"), finding, &remedy)?;
         let interpolation = match grid.interpolation {
             schema::Interpolation::Trilinear => Interpolation::Trilinear,
             schema::Interpolation::Nearest => Interpolation::Nearest,
         };
-        let to_world = to_world(grid, &voxels, origin);
+        let to_world = to_world(grid, &file, origin);
         let to_index = self.to_index(table, grid, &to_world)?;
-        let densities = Densities::of(&voxels, &to_world);
-        if densities.most == 0.0 {
-            let name = quoted(&voxels.name);
+        let densities = file.densities.placed(&to_world);
+        let Some(bricks) = file.bricks.clone() else {
+            let name = quoted(&densities.grid);
             let finding = format!("{}, whose grid {name} has no density above 0", quoted(&grid.file));
             self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
             return Ok(None);
-        }
+        };
         self.check_densities(table, grid, &densities, quantity, origin)?;
-        Ok(Some((Voxels::new(&voxels.leaves, &to_index, interpolation), densities)))
+        Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
     }
 
     /// The keys at `table` by which a grid is placed and scaled, on their own.
@@ -162,34 +159,10 @@ impl Volume<'_> {
     }
 }
 
-/// From index coordinates of `voxels`, placed as `grid` says, to positions counted from `origin`.
-fn to_world(grid: &schema::Grid, voxels: &VoxelGrid, origin: DVec3) -> DAffine3 {
+/// From index coordinates of a grid of a file, placed as `grid` says, to positions counted from `origin`.
+fn to_world(grid: &schema::Grid, file: &GridOfFile, origin: DVec3) -> DAffine3 {
     let [x, y, z] = grid.rotate_deg.map(f64::to_radians);
     let turned = DQuat::from_euler(EulerRot::XYZEx, x, y, z);
     let moved = DVec3::from(grid.translate) - origin;
-    DAffine3::from_scale_rotation_translation(DVec3::splat(grid.scale_by), turned, moved) * voxels.index_to_world
-}
-
-/// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.
-fn bricks_spanned(leaves: &[Leaf]) -> u64 {
-    let along = |axis: usize| {
-        let brick = |leaf: &Leaf| i64::from(leaf.origin[axis].div_euclid(8));
-        let (first, last) = (leaves.iter().map(brick).min(), leaves.iter().map(brick).max());
-        first.zip(last).map_or(0, |(first, last)| (last - first + 2) as u64)
-    };
-    (0..3).map(along).fold(1, u64::saturating_mul)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn voxels_far_apart_span_more_bricks_than_there_are() {
-        let leaf = |origin: [i32; 3]| Leaf { origin, values: Box::new([1.0; 512]) };
-        assert_eq!(bricks_spanned(&[leaf([0; 3])]), 8);
-        assert_eq!(bricks_spanned(&[leaf([-8, 0, 0]), leaf([8, 0, 16])]), 4 * 2 * 4);
-        let [least, most] = [i32::MIN, i32::MAX - 7];
-        assert!(bricks_spanned(&[leaf([least; 3]), leaf([most; 3])]) > MOST_BRICKS);
-    }
+    DAffine3::from_scale_rotation_translation(DVec3::splat(grid.scale_by), turned, moved) * file.index_to_world
 }

@@ -65,7 +65,7 @@ pub use map::Map;
 pub use shape::Shape;
 pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
 pub use volume::Volume;
-pub use voxels::{Interpolation, ToIndex, Voxels};
+pub use voxels::{Interpolation, ToIndex, Voxels, bytes_of};
 
 use known::{EvenPart, OneShape};
 use lattice::Lattice;
@@ -201,11 +201,15 @@ impl Field {
         self.volumes.iter().for_each(|placed| placed.volume.digest(digest));
     }
 
-    /// Bytes that it takes.
-    pub fn bytes(&self) -> usize {
-        self.volumes.iter().map(|placed| placed.volume.bytes()).sum::<usize>()
-            + self.cells.bytes()
-            + self.blocks.bytes()
+    /// The voxels of all its volumes.
+    pub fn voxels(&self) -> impl Iterator<Item = &Voxels> {
+        self.volumes.iter().flat_map(|placed| placed.volume.all_voxels())
+    }
+
+    /// Bytes that it takes besides voxels.
+    pub fn bytes_besides_voxels(&self) -> usize {
+        let volumes = self.volumes.iter().map(|placed| placed.volume.bytes_besides_voxels()).sum::<usize>();
+        volumes + self.cells.bytes() + self.blocks.bytes()
     }
 
     /// The part of rays of unit `direction` up to `length` within the box of all cells `[m]`; empty where the second is

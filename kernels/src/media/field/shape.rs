@@ -148,12 +148,11 @@ impl Shape {
         }
     }
 
-    /// Bytes that it takes beside itself.
-    pub fn bytes(&self) -> usize {
+    /// Bytes that it takes besides voxels.
+    pub fn bytes_besides_voxels(&self) -> usize {
         match self {
-            Self::Box { .. } | Self::Sphere { .. } => 0,
+            Self::Box { .. } | Self::Sphere { .. } | Self::Voxels(_) => 0,
             Self::Mesh(mesh) => mesh.bytes(),
-            Self::Voxels(voxels) => voxels.bytes(),
         }
     }
 }

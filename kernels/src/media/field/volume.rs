@@ -107,9 +107,18 @@ impl Volume {
         }
     }
 
-    /// Bytes that it takes beside itself.
-    pub fn bytes(&self) -> usize {
-        self.shape.as_ref().map_or(0, Shape::bytes) + self.voxels.as_ref().map_or(0, Voxels::bytes)
+    /// The voxels of its densities and of its shape.
+    pub fn all_voxels(&self) -> impl Iterator<Item = &Voxels> {
+        let of_shape = self
+            .shape
+            .as_ref()
+            .and_then(|shape| if let Shape::Voxels(voxels) = shape { Some(&**voxels) } else { None });
+        self.voxels.iter().chain(of_shape)
+    }
+
+    /// Bytes that it takes besides voxels.
+    pub fn bytes_besides_voxels(&self) -> usize {
+        self.shape.as_ref().map_or(0, Shape::bytes_besides_voxels)
     }
 }
 

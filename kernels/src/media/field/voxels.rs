@@ -1,5 +1,8 @@
 //! Densities between voxels, wherever they are in the world.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use glam::{DAffine3, DVec3};
 use wide::f32x8;
 
@@ -20,10 +23,10 @@ pub enum Interpolation {
 /// index coordinate i.
 pub type ToIndex = [[f64; 4]; 3];
 
-/// Voxels in the world.
+/// Voxels in the world. Copies, and others in other places, share their densities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Voxels {
-    pub(super) bricks: Bricks,
+    pub(super) bricks: Arc<Bricks>,
     pub(super) interpolation: Interpolation,
     /// From the world to voxels, counted from the first one.
     pub(super) to_own: DAffine3,
@@ -35,7 +38,14 @@ impl Voxels {
     /// # Panics
     /// If there is no leaf, or `to_index` has no inverse.
     pub fn new(leaves: &[Leaf], to_index: &ToIndex, interpolation: Interpolation) -> Self {
-        let bricks = Bricks::new(leaves);
+        Self::of(Arc::new(Bricks::new(leaves)), to_index, interpolation)
+    }
+
+    /// The densities of `bricks`.
+    ///
+    /// # Panics
+    /// If `to_index` has no inverse.
+    pub fn of(bricks: Arc<Bricks>, to_index: &ToIndex, interpolation: Interpolation) -> Self {
         // A voxel is half an index coordinate to either side of its centre.
         let half = if interpolation == Interpolation::Trilinear { 0.0 } else { 0.5 };
         let first = DVec3::from(bricks.origin.map(f64::from));
@@ -113,4 +123,10 @@ impl Voxels {
     pub fn bytes(&self) -> usize {
         self.bricks.bytes()
     }
+}
+
+/// Bytes that all of these take: those that share their densities once.
+pub fn bytes_of<'a>(all: impl Iterator<Item = &'a Voxels>) -> usize {
+    let different: BTreeMap<_, _> = all.map(|voxels| (Arc::as_ptr(&voxels.bricks), voxels.bytes())).collect();
+    different.values().sum()
 }
