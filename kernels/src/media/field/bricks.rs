@@ -1,27 +1,27 @@
 //! Voxels in sparse bricks of 8^3, each with an apron.
 //!
-//! A brick holds 9^3 values, those of its own voxels and the first ones of its neighbours behind, so that all eight
+//! A brick has 9^3 values, those of its own voxels and the first ones of its neighbours behind, so that all eight
 //! corners of an interpolation are in one brick: two loads from one cache line for each of four pairs. Values are
 //! 16-bit shares of the brick's own range: a brick takes 1458 bytes where its voxels would take 2048, and a value is
-//! off by at most 1/131070 of that range. Constant bricks, empty ones among them, share one.
+//! off by at most 1/131070 of that range. Constant bricks, empty ones among them, share one; of others, a [box](Kept)
+//! about all values that are not 0 is kept.
 
 use std::collections::HashMap;
 
 use wide::{f32x8, u32x8};
 
-use crate::lanes::{self, LANES, per_lane};
+use super::kept::{Kept, KeptX8};
+use crate::lanes::{self, per_lane};
 use crate::vec3x8::Vec3x8;
 
 /// Voxels along the edge of a brick.
 pub const SIDE: u32 = 8;
 /// Values along it, with the apron.
-const STRIDE: usize = SIDE as usize + 1;
+pub(super) const STRIDE: usize = SIDE as usize + 1;
 /// Values of a brick.
-const VALUES: usize = STRIDE * STRIDE * STRIDE;
+pub(super) const VALUES: usize = STRIDE * STRIDE * STRIDE;
 /// Largest 16-bit share.
 const WHOLE: f32 = u16::MAX as f32;
-/// Where the four pairs of an interpolation's corners are, each of two neighbours along x, from the first corner on.
-const PAIRS: [usize; 4] = [0, STRIDE, STRIDE * STRIDE, STRIDE * STRIDE + STRIDE];
 
 /// 8^3 voxels of a file or a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +33,32 @@ pub struct Leaf {
 }
 
 /// Where the values of a brick are, and what they mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Head {
-    /// First of them in the pool.
+    /// First of those that are kept in the pool.
     first: u32,
+    /// Which these are.
+    kept: Kept,
     /// Density of share 0.
     least: f32,
     /// Difference between neighbouring shares.
     step: f32,
+}
+
+/// The heads of eight bricks.
+struct HeadX8 {
+    first: u32x8,
+    kept: u32x8,
+    least: f32x8,
+    step: f32x8,
+}
+
+impl HeadX8 {
+    /// Where points between voxels and the next ones are in what is kept of their bricks.
+    #[inline(always)]
+    fn kept(&self, place: [u32x8; 3], share: [f32x8; 3]) -> KeptX8 {
+        KeptX8::new(self.kept, place.map(|voxel| voxel & u32x8::splat(SIDE - 1)), share)
+    }
 }
 
 /// Densities on a lattice, 0 outside.
@@ -65,6 +83,13 @@ pub struct Extent {
     pub mean: f32,
 }
 
+impl Head {
+    /// Of a brick of one density.
+    const fn constant(density: f32) -> Self {
+        Self { first: 0, kept: Kept::ALL, least: density, step: 0.0 }
+    }
+}
+
 impl Bricks {
     /// The bricks of `leaves`, no two of which have the same origin; those that are all zero are left out.
     ///
@@ -84,7 +109,7 @@ impl Bricks {
         let mut bricks = Self {
             origin: first.map(|component| component * SIDE as i32),
             dims,
-            heads: vec![Head::default(); usize::try_from(count).expect("fewer than 2^31 bricks")],
+            heads: vec![Head::constant(0.0); usize::try_from(count).expect("fewer than 2^31 bricks")],
             pool: vec![0; VALUES],
         };
         let touched = by_brick
@@ -114,11 +139,12 @@ impl Bricks {
         let most = values.iter().copied().fold(0.0, f32::max);
         let step = (most - least) / WHOLE;
         if step == 0.0 {
-            return Head { first: 0, least, step };
+            return Head::constant(least);
         }
         let first = u32::try_from(self.pool.len()).expect("fewer than 2^32 values");
-        self.pool.extend(values.iter().map(|value| ((value - least) / step).round() as u16));
-        Head { first, least, step }
+        let kept = Kept::around(values);
+        self.pool.extend(kept.of(values).map(|value| ((value - least) / step).round() as u16));
+        Head { first, kept, least, step }
     }
 
     /// What densities range over in the cube of `side` <= 8 voxels from `first` on, which is within one brick; with the
@@ -129,12 +155,13 @@ impl Bricks {
 
     /// The same of so many voxels along each axis.
     fn extent_of(&self, first: [u32; 3], sides: [u32; 3], smooth: bool) -> Extent {
-        let (head, start) = self.find(first);
+        let (head, first) = self.find(first);
         let layers = sides.map(|side| side as usize + usize::from(smooth));
         let (mut least, mut most, mut sum) = (u16::MAX, 0, 0_u64);
         for (z, y) in (0..layers[2]).flat_map(|z| (0..layers[1]).map(move |y| (z, y))) {
-            for share in &self.pool[start + (z * STRIDE + y) * STRIDE..][..layers[0]] {
-                (least, most, sum) = (least.min(*share), most.max(*share), sum + u64::from(*share));
+            for x in 0..layers[0] {
+                let share = self.share(head, [first[0] + x, first[1] + y, first[2] + z]);
+                (least, most, sum) = (least.min(share), most.max(share), sum + u64::from(share));
             }
         }
         let value = |share: f32| head.step.mul_add(share, head.least);
@@ -170,8 +197,8 @@ impl Bricks {
     pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         digest(bytemuck::cast_slice(&self.origin));
         digest(bytemuck::cast_slice(&self.dims));
-        for Head { first, least, step } in &self.heads {
-            digest(&[first.to_le_bytes(), least.to_le_bytes(), step.to_le_bytes()].concat());
+        for Head { first, kept, least, step } in &self.heads {
+            digest(&[first.to_le_bytes(), kept.bits().to_le_bytes(), least.to_le_bytes(), step.to_le_bytes()].concat());
         }
         digest(bytemuck::cast_slice(&self.pool));
     }
@@ -206,49 +233,60 @@ impl Bricks {
         inside.select(value, zero)
     }
 
-    /// The head and the first value's index for a voxel.
-    #[inline(always)]
-    fn find(&self, [x, y, z]: [u32; 3]) -> (&Head, usize) {
+    /// The head of the brick that a voxel is in, and its place there.
+    fn find(&self, [x, y, z]: [u32; 3]) -> (&Head, [usize; 3]) {
         let head = &self.heads[self.index([x / SIDE, y / SIDE, z / SIDE])];
-        let [x, y, z] = [x % SIDE, y % SIDE, z % SIDE].map(|local| local as usize);
-        (head, head.first as usize + (z * STRIDE + y) * STRIDE + x)
+        (head, [x % SIDE, y % SIDE, z % SIDE].map(|local| local as usize))
     }
 
-    /// The heads of the bricks that voxels are in, and the indices of their values: all heads first, so that the values,
-    /// which are farthest away, are waited for together.
+    /// The share of a value of a brick.
+    fn share(&self, head: &Head, at: [usize; 3]) -> u16 {
+        head.kept.index(at).map_or(0, |index| self.pool[head.first as usize + index])
+    }
+
+    /// The heads of the bricks that voxels are in: all of them first, so that the values, which are farthest away, are
+    /// waited for together.
     #[inline(always)]
-    fn find_x8(&self, [x, y, z]: [u32x8; 3]) -> ([&Head; LANES], [usize; LANES]) {
+    fn heads(&self, [x, y, z]: [u32x8; 3]) -> HeadX8 {
         let [width, height, _] = self.dims.map(u32x8::splat);
-        let in_brick = u32x8::splat(SIDE - 1);
-        let stride = u32x8::splat(STRIDE as u32);
         let [bx, by, bz] = [x, y, z].map(|v| v >> SIDE.ilog2());
         let brick = ((bz * height + by) * width + bx).to_array();
-        let local = (((z & in_brick) * stride + (y & in_brick)) * stride + (x & in_brick)).to_array();
         let heads = per_lane(|lane| &self.heads[brick[lane] as usize]);
-        (heads, per_lane(|lane| (heads[lane].first + local[lane]) as usize))
+        HeadX8 {
+            first: u32x8::new(per_lane(|lane| heads[lane].first)),
+            kept: u32x8::new(per_lane(|lane| heads[lane].kept.bits())),
+            least: f32x8::new(per_lane(|lane| heads[lane].least)),
+            step: f32x8::new(per_lane(|lane| heads[lane].step)),
+        }
     }
 
     #[inline(always)]
-    fn corners(&self, place: [u32x8; 3], [fx, fy, fz]: [f32x8; 3]) -> f32x8 {
-        let (heads, first) = self.find_x8(place);
-        let values: [&[u16]; LANES] = per_lane(|lane| &self.pool[first[lane]..][..PAIRS[3] + 2]);
-        let pair = |offset: usize| {
-            let of = |lane: usize| u32::from(values[lane][offset]) | u32::from(values[lane][offset + 1]) << 16;
+    fn corners(&self, place: [u32x8; 3], share: [f32x8; 3]) -> f32x8 {
+        let head = self.heads(place);
+        let KeptX8 { at: [x, y, z], share: [fx, fy, fz], steps: [row, layer] } = head.kept(place, share);
+        let first = head.first + z * layer + y * row + x;
+        let pair = |first: u32x8| {
+            let first = first.to_array();
+            let of = |lane: usize| {
+                let pair = &self.pool[first[lane] as usize..][..2];
+                u32::from(pair[0]) | u32::from(pair[1]) << 16
+            };
             let pair = u32x8::new(per_lane(of));
             mix(lanes::to_f32(pair & u32x8::splat(0xffff)), lanes::to_f32(pair >> 16_u32), fx)
         };
-        let [low, after_low, high, after_high] = PAIRS.map(pair);
-        let share = mix(mix(low, after_low, fy), mix(high, after_high, fy), fz);
-        let [least, step] = densities(heads);
-        share.mul_add(step, least)
+        let behind = first + layer;
+        let [low, after_low, high, after_high] = [first, first + row, behind, behind + row].map(pair);
+        mix(mix(low, after_low, fy), mix(high, after_high, fy), fz).mul_add(head.step, head.least)
     }
 
     #[inline(always)]
     fn voxel(&self, place: [u32x8; 3]) -> f32x8 {
-        let (heads, first) = self.find_x8(place);
-        let share = f32x8::new(per_lane(|lane| f32::from(self.pool[first[lane]])));
-        let [least, step] = densities(heads);
-        share.mul_add(step, least)
+        let head = self.heads(place);
+        let KeptX8 { at, share, steps: [row, layer] } = head.kept(place, [f32x8::ZERO; 3]);
+        let [x, y, z] = [0, 1, 2].map(|axis| at[axis] + bytemuck::cast::<_, u32x8>(share[axis].fast_trunc_int()));
+        let index = (head.first + z * layer + y * row + x).to_array();
+        let share = f32x8::new(per_lane(|lane| f32::from(self.pool[index[lane] as usize])));
+        share.mul_add(head.step, head.least)
     }
 
     /// Density of the voxel at `place`, counted from the first one; 0 outside. For twins.
@@ -257,15 +295,9 @@ impl Bricks {
         if (0..3).any(|axis| place[axis] < 0 || place[axis] >= voxels[axis]) {
             return 0.0;
         }
-        let (head, first) = self.find(place.map(|component| component as u32));
-        f64::from(head.step) * f64::from(self.pool[first]) + f64::from(head.least)
+        let (head, at) = self.find(place.map(|component| component as u32));
+        f64::from(head.step) * f64::from(self.share(head, at)) + f64::from(head.least)
     }
-}
-
-/// Densities of share 0, and differences between neighbouring shares.
-#[inline(always)]
-fn densities(heads: [&Head; LANES]) -> [f32x8; 2] {
-    [f32x8::new(per_lane(|lane| heads[lane].least)), f32x8::new(per_lane(|lane| heads[lane].step))]
 }
 
 #[inline(always)]

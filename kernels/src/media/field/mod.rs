@@ -42,6 +42,7 @@ mod blocks;
 mod bricks;
 mod cells;
 mod even;
+mod kept;
 mod known;
 mod lattice;
 mod map;
