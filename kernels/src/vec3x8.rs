@@ -8,7 +8,7 @@ use wide::f32x8;
 const LEAST_LENGTH: f32 = 1e-30;
 
 /// Eight vectors of R^3, one per lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vec3x8 {
     /// First components.
     pub x: f32x8,

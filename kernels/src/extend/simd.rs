@@ -1,26 +1,24 @@
 //! ```text
-//! for each disk:    t = ((c - o) . n) / (d . n);  hit if 0 < t < bound and |o + t d - c| <= R
-//! for each sphere:  t = b -+ sqrt(R^2 - |c - o - b d|^2),  b = (c - o) . d;  the smaller one that is positive
+//! for each disk and sphere:  t, where the ray meets it      (`trace::bodies`)
 //! keep the nearest; if there is none, and no triangle either, list all lights at infinity within |d - axis|^2 <= 4 S
 //! ```
 //!
-//! 1. Eight rays against one light at a time, so lanes are full whatever their number. Where lights are many, against
-//!    one box around some of them first, which is passed by if no ray enters it. Which it is, is settled outside the
-//!    loop.
+//! 1. Eight rays against one light at a time, so lanes are full whatever their number. Where lights are many, rays go
+//!    through a tree over them one by one. Which it is, is settled outside the loop.
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
 //! 3. In fog most batches meet nothing, and have nothing to list.
-//! 4. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
-//! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
+//! 4. Few rays go on to infinity, and each of them once: they are listed one by one.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::LANES;
-use crate::tables::lights::{Emitter, FAR, Lights, Shape};
-use crate::trace::{Hits, OneByOne, Rays, Search, Slabs};
+use crate::tables::lights::{Emitter, FAR, Lights};
+use crate::trace::bodies::{self, Bodies};
+use crate::trace::{Hits, OneByOne, Rays, Search};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -96,18 +94,13 @@ impl Nearest {
             }
             return found;
         };
-        let slabs = Slabs::new(&Rays { origin, direction, max }, tree.extent);
-        tree.visit(
-            &mut found,
-            |found, planes| lanes::bits(slabs.enter(planes, found.distance).1) & live != 0,
-            |found, index| found.meet(&lights.bodies()[index], index, origin, direction),
-        );
-        found
+        let bodies::Nearest { met, body, distance } = bodies::closest(tree, &Rays { origin, direction, max }, live);
+        Self { distance, met: body, any: lanes::mask(met) }
     }
 
     #[inline(always)]
     fn meet(&mut self, body: &Emitter, index: usize, origin: Vec3x8, direction: Vec3x8) {
-        let distance = crossing(body, origin, direction, self.distance);
+        let distance = Bodies::one(body).meet(body.shape, origin, direction, self.distance);
         let hit = distance.simd_lt(self.distance);
         self.distance = hit.select(distance, self.distance);
         self.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), self.met);
@@ -200,25 +193,4 @@ impl Beams {
         surface_hits.push_batch(on_surface, SurfaceHitBatch { lane, triangle, distance, second, third });
         on_surface
     }
-}
-
-/// Distance to a disk or sphere, or infinity where the ray does not meet it before `bound`.
-#[inline(always)]
-fn crossing(body: &Emitter, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
-    let from_center = origin - Vec3x8::splat(body.origin);
-    let radius_squared = f32x8::splat(body.radius * body.radius);
-    let (distance, inside) = if body.shape == Shape::Sphere {
-        let closest = -from_center.dot(direction);
-        let half_squared = radius_squared - direction.mul_add(closest, from_center).length_squared();
-        let half = half_squared.fast_max(f32x8::ZERO).sqrt();
-        let near = closest - half;
-        (near.simd_gt(f32x8::ZERO).select(near, closest + half), half_squared.simd_gt(f32x8::ZERO))
-    } else {
-        let normal = Vec3x8::splat(body.normal);
-        let distance = -from_center.dot(normal) / direction.dot(normal);
-        let across = direction.mul_add(distance, from_center).length_squared();
-        (distance, across.simd_le(radius_squared))
-    };
-    let hit = distance.simd_gt(f32x8::ZERO) & distance.simd_lt(bound) & inside;
-    hit.select(distance, f32x8::splat(f32::INFINITY))
 }

@@ -1,13 +1,10 @@
 //! ```text
 //! for each segment a -> b of start, inserted vertices .., point:
-//!     for each light, but the candidate's own where b is the point:
-//!         disk:    fa, fb = signed distances of a, b from its plane
-//!                  blocked if fa fb < 0 and the crossing a + (b - a) fa / (fa - fb) lies within the radius
-//!         sphere:  blocked if the point of the segment that is closest to the centre is within the radius
+//!     blocked if it crosses any disk or sphere, but the candidate's own where b is the point      (`trace::bodies`)
 //! ```
 //!
-//! 1. Rows of a bucket have the same number of segments, so lanes stay full. Where lights are many, boxes around some of
-//!    them that no segment enters are passed by.
+//! 1. Rows of a bucket have the same number of segments, so lanes stay full. Where lights are many, segments go through
+//!    a tree over them one by one.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
 //! 3. Triangles are traced for what no disk or sphere blocks; a row is done with at the first segment that is blocked.
 //!    How eight segments look for triangles is chosen once, outside the loop ([`Search`]).
@@ -17,8 +14,9 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::lanes::LANES;
-use crate::tables::lights::{Emitter, Lights, Shape};
-use crate::trace::{OneByOne, Rays, Search, Slabs};
+use crate::tables::lights::{Emitter, Lights};
+use crate::trace::bodies::{self, Bodies};
+use crate::trace::{OneByOne, Rays, Search};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -71,19 +69,13 @@ fn pass_bodies<const MANY: bool>(lights: &Lights, mut free: f32x8, from: Vec3x8,
         }
         return free;
     };
-    let slabs = Slabs::new(&Rays { origin: from, direction: to - from, max: f32x8::ONE }, tree.extent);
-    tree.visit(
-        &mut free,
-        |free, planes| (slabs.enter(planes, f32x8::ONE).1 & *free).any(),
-        |free, index| *free &= passes(&lights.bodies()[index], index, from, to, own),
-    );
-    free
+    free & !lanes::mask(bodies::blocked(tree, from, to, own, lanes::bits(free)))
 }
 
 /// Which segments the body of this index does not block, or is their own.
 #[inline(always)]
 fn passes(body: &Emitter, index: usize, from: Vec3x8, to: Vec3x8, own: u32x8) -> f32x8 {
-    lanes::as_mask(own.simd_eq(u32x8::splat(index as u32))) | !crosses(body, from, to)
+    lanes::as_mask(own.simd_eq(u32x8::splat(index as u32))) | !Bodies::one(body).cross(body.shape, from, to)
 }
 
 /// Which of the rows `free` of batch `b` no triangle hides.
@@ -121,20 +113,4 @@ fn own_triangles(lights: &Lights, live: u32, emitter: u32x8) -> u32x8 {
         lanes::each(live).for_each(|i| own[i] = lights.emitters()[emitter.to_array()[i] as usize].triangle);
     }
     u32x8::new(own)
-}
-
-/// Whether the segment from `a` to `b` crosses a disk or enters a sphere.
-#[inline(always)]
-fn crosses(body: &Emitter, a: Vec3x8, b: Vec3x8) -> f32x8 {
-    let (center, normal) = (Vec3x8::splat(body.origin), Vec3x8::splat(body.normal));
-    let (a, b) = (a - center, b - center);
-    if body.shape == Shape::Sphere {
-        let edge = b - a;
-        let closest = -a.dot(edge) / edge.length_squared().fast_max(f32x8::splat(f32::MIN_POSITIVE));
-        let closest = closest.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-        return edge.mul_add(closest, a).length_squared().simd_lt(f32x8::splat(body.radius * body.radius));
-    }
-    let (fa, fb) = (a.dot(normal), b.dot(normal));
-    let across = (b - a).mul_add(fa / (fa - fb), a).length_squared();
-    (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(f32x8::splat(body.radius * body.radius))
 }

@@ -10,9 +10,11 @@
 //! 2. Boxes are wider by the same bound as for single rays ([`ray`](super::ray)): `b r + c` with the origin moved
 //!    against the box. No ray is left out that would hit.
 
+use wide::f32x8;
+
 use super::rays::{Rays, Slabs};
 use crate::lanes;
-use crate::tables::geometry::Geometry;
+use crate::tables::geometry::{Geometry, Node};
 
 /// The rays that may meet a triangle, as bits. The others meet none.
 #[inline(always)]
@@ -22,12 +24,18 @@ pub fn may_meet(geometry: &Geometry, rays: &Rays) -> u32 {
         return 0;
     }
     let slabs = Slabs::new(rays, tree.extent);
-    let enter = |planes: [f32; 6]| lanes::bits(slabs.enter(&planes, rays.max).1);
     if tree.root.is_leaf() {
         let [[x, y, z], [u, v, w]] = tree.bounds;
-        return enter([x, y, z, u, v, w]);
+        return lanes::bits(slabs.enter(&[x, y, z, u, v, w], rays.max).1);
     }
-    let rows = tree.nodes.rows()[tree.root.index()].planes.map(|row| row.to_array());
+    enter_any(&tree.nodes.rows()[tree.root.index()], &slabs, rays.max)
+}
+
+/// The rays that enter any of the boxes of a node no later than `max`, as bits.
+#[inline(always)]
+pub fn enter_any(node: &Node, slabs: &Slabs, max: f32x8) -> u32 {
+    let rows = node.planes.map(|row| row.to_array());
     let taken = rows[0].iter().take_while(|lower| **lower < f32::INFINITY).count();
-    (0..taken).fold(0, |bits, child| bits | enter(rows.map(|row| row[child])))
+    let enter = |child: usize| lanes::bits(slabs.enter(&rows.map(|row| row[child]), max).1);
+    (0..taken).fold(0, |bits, child| bits | enter(child))
 }

@@ -19,6 +19,7 @@
 //!
 //! Both sides of a triangle are hit.
 
+pub mod bodies;
 pub mod cull;
 pub mod few;
 pub mod ray;
@@ -28,6 +29,7 @@ pub mod search;
 pub mod simd;
 pub mod surface;
 pub mod triangles;
+pub mod walk;
 
 pub use cull::may_meet;
 pub use rays::{Rays, Slabs};

@@ -29,7 +29,6 @@
 use wide::f32x8;
 
 use super::Ray;
-use crate::tables::geometry::Tree;
 
 /// Half a unit in the last place of 1.
 const UNIT: f32 = f32::EPSILON / 2.0;
@@ -41,16 +40,8 @@ pub(super) const LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
 /// Axes of the view by whether y is longest, + 2 if z is.
 pub(super) const VIEWS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
-/// What the tests need of a ray.
-pub(super) struct Ready {
-    /// The origin `[m]`.
-    pub origin: [f32x8; 3],
-    /// The ray itself.
-    pub ray: Ray,
-    /// Axes x, y and z of the view along the ray: z is the longest.
-    pub axes: [usize; 3],
-    /// `d_x / d_z`, `d_y / d_z` and `1 / d_z` along those axes.
-    pub shear: [f32x8; 3],
+/// A ray as boxes see it.
+pub struct Line {
     /// r: one over the direction.
     pub inverse: [f32x8; 3],
     /// c of near planes.
@@ -63,10 +54,42 @@ pub(super) struct Ready {
     pub far_planes: [usize; 3],
 }
 
-impl Ready {
-    /// `None` for a ray that has no direction.
+/// What the tests need of a ray.
+pub struct Ready {
+    /// Itself, as boxes see it.
+    pub line: Line,
+    /// The origin `[m]`.
+    pub origin: [f32x8; 3],
+    /// The ray itself.
+    pub ray: Ray,
+    /// Axes x, y and z of the view along the ray: z is the longest.
+    pub axes: [usize; 3],
+    /// `d_x / d_z`, `d_y / d_z` and `1 / d_z` along those axes.
+    pub shear: [f32x8; 3],
+}
+
+impl Line {
+    /// From r and the constants of lower and upper planes.
     #[inline(always)]
-    pub fn new(ray: &Ray, tree: &Tree) -> Option<Self> {
+    pub fn new(inverse: [f32; 3], lower: [f32; 3], upper: [f32; 3]) -> Self {
+        let backwards = inverse.map(f32::is_sign_negative);
+        let pick =
+            |axis: usize, near: bool| f32x8::splat(if backwards[axis] == near { upper[axis] } else { lower[axis] });
+        let plane = |axis: usize, near: bool| if backwards[axis] == near { 3 + axis } else { axis };
+        Self {
+            inverse: inverse.map(f32x8::splat),
+            near: [pick(0, true), pick(1, true), pick(2, true)],
+            far: [pick(0, false), pick(1, false), pick(2, false)],
+            near_planes: [plane(0, true), plane(1, true), plane(2, true)],
+            far_planes: [plane(0, false), plane(1, false), plane(2, false)],
+        }
+    }
+}
+
+impl Ready {
+    /// Of a ray that meets boxes whose coordinates have sizes of up to `extent`; `None` if it has no direction.
+    #[inline(always)]
+    pub fn new(ray: &Ray, extent: f32) -> Option<Self> {
         let (o, d) = (ray.origin, ray.direction);
         let [x, y, z] = d.map(f32::abs);
         // Without branches: directions of incoherent rays are not predicted.
@@ -77,22 +100,18 @@ impl Ready {
         }
         let least = LEAST * longest;
         let inverse = d.map(|d| 1.0 / d.abs().max(least).copysign(d));
-        let extent = tree.extent + o[0].abs().max(o[1].abs()).max(o[2].abs());
+        let extent = extent + o[0].abs().max(o[1].abs()).max(o[2].abs());
         let widening = WIDENING * extent;
-        let towards = |axis: usize| widening.copysign(d[axis]);
-        let constant = |axis: usize, sign: f32| f32x8::splat(-(o[axis] + sign * towards(axis)) * inverse[axis]);
-        let plane = |axis: usize, near: bool| if d[axis].is_sign_negative() == near { 3 + axis } else { axis };
+        // Every plane is moved away from the inside of its box.
+        let constant = |axis: usize, widening: f32| -(o[axis] + widening) * inverse[axis];
+        let constants = |widening: f32| [constant(0, widening), constant(1, widening), constant(2, widening)];
         let over_z = inverse[axes[2]];
         Some(Self {
+            line: Line::new(inverse, constants(widening), constants(-widening)),
             origin: o.map(f32x8::splat),
             ray: *ray,
             axes,
             shear: [d[axes[0]] * over_z, d[axes[1]] * over_z, over_z].map(f32x8::splat),
-            inverse: inverse.map(f32x8::splat),
-            near: [constant(0, 1.0), constant(1, 1.0), constant(2, 1.0)],
-            far: [constant(0, -1.0), constant(1, -1.0), constant(2, -1.0)],
-            near_planes: [plane(0, true), plane(1, true), plane(2, true)],
-            far_planes: [plane(0, false), plane(1, false), plane(2, false)],
         })
     }
 }

@@ -8,7 +8,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Ray;
-use super::ray::{LEAST, VIEWS, WIDENING};
+use super::ray::{LEAST, Line, VIEWS, WIDENING};
 use crate::vec3x8::Vec3x8;
 
 /// Eight rays: the points `origin + t direction` for t in `(0, max)`.
@@ -56,6 +56,13 @@ impl Slabs {
         let lower = [0, 1, 2].map(|axis| -(origin[axis] + widening) * inverse[axis]);
         let upper = [0, 1, 2].map(|axis| -(origin[axis] - widening) * inverse[axis]);
         Self { inverse, lower, upper }
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(super) fn line(&self, lane: usize) -> Line {
+        let row = |v: &[f32x8; 3]| [0, 1, 2].map(|axis: usize| v[axis].as_array()[lane]);
+        Line::new(row(&self.inverse), row(&self.lower), row(&self.upper))
     }
 
     /// Where the rays' lines enter the box with these lower and upper planes, and, as a mask, the rays that are in it

@@ -71,7 +71,7 @@ impl Child {
 }
 
 /// Eight boxes and where they lead: 256 bytes, four cache lines.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
 #[repr(C, align(64))]
 pub struct Node {
     /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. Vacant lanes are last; they have lower +inf and upper

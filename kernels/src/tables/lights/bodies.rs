@@ -1,16 +1,18 @@
 //! Disks and spheres where there are many: groups of neighbours, and a tree of boxes over them.
 //!
 //! Connections choose among *groups* as among lights, by what all of a group shines, and then one of its bodies in
-//! constant time. The *tree* has the same halves as the [groups](super::neighbours), down to a few bodies. It is a list of
-//! nodes in the order in which they are visited, each of which knows the one behind all that is in its box (a threaded
-//! tree; Smits, Efficiency Issues for Ray Tracing, 1998), so that eight rays go through it together and without a stack.
+//! constant time. The *tree* has the same halves as the [groups](super::neighbours), three of them at a time: nodes of
+//! eight boxes like those over triangles, and leaves of up to eight bodies, which one ray meets together.
 
 use core::ops::Range;
 
 use glam::DVec3;
 
 use super::Emitter;
-use super::neighbours::{self, LEAF, half};
+use super::neighbours::{self, half};
+use crate::lanes::LANES;
+use crate::tables::geometry::{Child, Node};
+use crate::trace::bodies::BodyLeaf;
 
 /// Most bodies that are lights of their own and need no tree; and most groups, a power of two.
 pub const FEW: usize = 16;
@@ -18,23 +20,17 @@ pub const FEW: usize = 16;
 /// By how much of its radius the box around a body is larger.
 const MARGIN: f64 = 1e-3;
 
-/// Boxes around bodies.
+/// A tree over bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyTree {
-    nodes: Vec<Node>,
+    /// Inner nodes, parents before their children.
+    pub nodes: Vec<Node>,
+    /// Leaves, in the order of their bodies.
+    pub leaves: Vec<BodyLeaf>,
+    /// Where rays start.
+    pub root: Child,
     /// Size of the largest coordinate of any box `[m]`.
     pub extent: f32,
-}
-
-/// A box.
-#[derive(Clone, Debug, PartialEq)]
-struct Node {
-    /// Its lower and upper planes `[m]`.
-    planes: [f32; 6],
-    /// The node to go on with behind all that is in it.
-    beyond: u32,
-    /// Bodies to be looked at, if it is not divided; or else none.
-    bodies: Range<u32>,
 }
 
 impl BodyTree {
@@ -43,53 +39,52 @@ impl BodyTree {
         if bodies.len() <= FEW {
             return None;
         }
-        let mut tree = Self { nodes: Vec::new(), extent: 0.0 };
-        tree.add(bodies, 0..bodies.len());
-        let planes = tree.nodes.iter().flat_map(|node| node.planes);
-        tree.extent = planes.fold(0.0, |extent, plane| extent.max(plane.abs()));
+        let extent = planes(bodies).as_flattened().iter().fold(0.0_f32, |extent, plane| extent.max(plane.abs()));
+        let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), root: Child::node(0), extent };
+        tree.root = tree.add(bodies, 0..bodies.len());
         Some(tree)
     }
 
-    /// Adds the node of a range of bodies, and all below it.
-    fn add(&mut self, bodies: &[Emitter], range: Range<usize>) {
-        let place = self.nodes.len();
-        let planes = planes(&bodies[range.clone()]);
-        let is_leaf = range.len() <= LEAF;
-        let held = if is_leaf { range.start as u32..range.end as u32 } else { 0..0 };
-        self.nodes.push(Node { planes, beyond: 0, bodies: held });
-        if !is_leaf {
-            let middle = range.start + half(range.len());
-            self.add(bodies, range.start..middle);
-            self.add(bodies, middle..range.end);
-        }
-        self.nodes[place].beyond = self.nodes.len() as u32;
+    /// The node with the largest boxes.
+    #[inline(always)]
+    pub fn top(&self) -> &Node {
+        &self.nodes[0]
     }
 
-    /// Meets all bodies in boxes that are entered, in their order; both questions may look at what has been `found` so
-    /// far.
-    #[inline(always)]
-    pub fn visit<F>(&self, found: &mut F, enters: impl Fn(&F, &[f32; 6]) -> bool, mut meet: impl FnMut(&mut F, usize)) {
-        let mut place = 0;
-        while let Some(node) = self.nodes.get(place) {
-            if !enters(found, &node.planes) {
-                place = node.beyond as usize;
-                continue;
-            }
-            node.bodies.clone().for_each(|body| meet(found, body as usize));
-            place += 1;
+    /// Adds all that is in a range of bodies.
+    fn add(&mut self, bodies: &[Emitter], range: Range<usize>) -> Child {
+        if range.len() <= LANES {
+            self.leaves.push(BodyLeaf::new(&bodies[range.clone()], range.start as u32));
+            return Child::leaf(self.leaves.len() - 1);
         }
+        let place = self.nodes.len();
+        self.nodes.push(Node::VACANT);
+        for (lane, part) in parts(range).into_iter().enumerate() {
+            let planes = planes(&bodies[part.clone()]);
+            let child = self.add(bodies, part);
+            self.nodes[place].set(lane, planes, child);
+        }
+        Child::node(place)
     }
 }
 
-/// Planes of the box around some bodies.
-fn planes(bodies: &[Emitter]) -> [f32; 6] {
+/// A range in up to eight parts: halves of halves of halves, as far as they do not fit a leaf.
+fn parts(range: Range<usize>) -> Vec<Range<usize>> {
+    let halves = |range: Range<usize>| {
+        let middle = range.start + half(range.len());
+        if range.len() <= LANES { vec![range] } else { vec![range.start..middle, middle..range.end] }
+    };
+    (0..3).fold(vec![range], |parts, _| parts.into_iter().flat_map(halves).collect())
+}
+
+/// Lower and upper corner of the box around some bodies `[m]`.
+fn planes(bodies: &[Emitter]) -> [[f32; 3]; 2] {
     let balls = bodies.iter().map(Emitter::bounds);
     let (low, high) = balls.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (center, radius)| {
         let reach = radius * (1.0 + MARGIN);
         (low.min(center - reach), high.max(center + reach))
     });
-    let [low, high] = [low, high].map(|corner| corner.as_vec3().to_array());
-    [low[0], low[1], low[2], high[0], high[1], high[2]]
+    [low, high].map(|corner| corner.as_vec3().to_array())
 }
 
 /// The order of `bodies` and their groups: as they are, and one each, where they are few.
@@ -104,7 +99,12 @@ pub fn grouped(bodies: &[Emitter]) -> (Vec<u32>, Vec<Vec<Emitter>>) {
 
 #[cfg(test)]
 mod tests {
+    use wide::{f32x8, u32x8};
+
     use super::*;
+    use crate::trace::Rays;
+    use crate::trace::bodies::{self as trace, Bodies};
+    use crate::vec3x8::Vec3x8;
 
     fn bodies(count: u32) -> Vec<Emitter> {
         let number = |i: u32, axis: u32| crate::random::uniform(crate::random::words(i, axis, 3, 4)[0]);
@@ -116,7 +116,7 @@ mod tests {
     fn few_bodies_are_left_alone() {
         let all = bodies(16);
         assert_eq!(grouped(&all), ((0..16).collect(), all.iter().map(|body| vec![*body]).collect()));
-        assert_eq!(BodyTree::new(&all), None);
+        assert!(BodyTree::new(&all).is_none());
     }
 
     #[test]
@@ -127,40 +127,95 @@ mod tests {
             assert_eq!(groups.len(), FEW);
             assert_eq!(groups.concat(), order.iter().map(|index| all[*index as usize]).collect::<Vec<_>>());
             let extent = |bodies: &[Emitter]| {
-                let [a, b, c, x, y, z] = planes(bodies);
-                (x - a) * (y - b) * (z - c)
+                let [low, high] = planes(bodies);
+                (0..3).map(|axis| high[axis] - low[axis]).product::<f32>()
             };
             let parts = groups.iter().map(|group| extent(group)).sum::<f32>();
             assert!(count < 1000 || parts < 2.0 * extent(&all), "{parts} of {}", extent(&all));
         }
     }
 
-    #[test]
-    fn every_body_is_in_every_box_above_it_and_visited_once() {
-        let all = grouped(&bodies(333)).1.concat();
-        let tree = BodyTree::new(&all).expect("many");
-        for (target, body) in all.iter().enumerate() {
-            let (center, radius) = body.bounds();
-            let holds = |planes: &[f32; 6]| {
-                (0..3).all(|axis| {
-                    let (low, high) = (f64::from(planes[axis]), f64::from(planes[3 + axis]));
-                    low <= center[axis] - radius && center[axis] + radius <= high
-                })
-            };
-            let mut met = Vec::new();
-            tree.visit(&mut met, |_, planes| holds(planes), |met, index| met.push(index));
-            assert_eq!(met.iter().filter(|index| **index == target).count(), 1);
-            assert!(met.is_sorted());
+    /// Hands the bodies below a child, and the boxes around them, to `leaf`.
+    fn visit(
+        tree: &BodyTree,
+        child: Child,
+        boxes: &[[[f32; 3]; 2]],
+        leaf: &mut dyn FnMut(&BodyLeaf, &[[[f32; 3]; 2]]),
+    ) {
+        if child.is_leaf() {
+            return leaf(&tree.leaves[child.index()], boxes);
         }
-        let mut count = 0;
-        tree.visit(
-            &mut count,
-            |_, _| true,
-            |count, index| {
-                assert_eq!(*count, index);
-                *count += 1;
-            },
-        );
-        assert_eq!(count, all.len());
+        let node = &tree.nodes[child.index()];
+        for lane in 0..LANES {
+            let corner = |first: usize| [0, 1, 2].map(|axis| node.planes[first + axis].to_array()[lane]);
+            if corner(0)[0] < f32::INFINITY {
+                let within = [boxes, &[[corner(0), corner(3)]]].concat();
+                visit(tree, Child::from_bits(node.children[lane]), &within, leaf);
+            }
+        }
+    }
+
+    #[test]
+    fn every_body_is_in_every_box_above_it_and_there_once() {
+        for count in [17, 64, 65, 333, 1000] {
+            let all = grouped(&bodies(count)).1.concat();
+            let tree = BodyTree::new(&all).expect("many");
+            let mut next = 0;
+            visit(&tree, tree.root, &[], &mut |leaf, boxes| {
+                let end = (next + LANES).min(all.len());
+                let held = (next + 1..=end).find(|end| *leaf == BodyLeaf::new(&all[next..*end], next as u32));
+                let held = next..held.expect("some bodies");
+                for (center, radius) in all[held.clone()].iter().map(Emitter::bounds) {
+                    for [low, high] in boxes {
+                        let holds = |axis: usize| {
+                            let (low, high) = (f64::from(low[axis]), f64::from(high[axis]));
+                            low <= center[axis] - radius && center[axis] + radius <= high
+                        };
+                        assert!((0..3).all(holds));
+                    }
+                }
+                next = held.end;
+            });
+            assert_eq!(next, all.len());
+        }
+    }
+
+    #[test]
+    fn a_ray_finds_in_the_tree_what_it_finds_among_all() {
+        let all = grouped(&bodies(333)).1.concat();
+        // Some are disks.
+        let disk = |body: &Emitter| Emitter::disk(body.bounds().0, DVec3::new(1.0, 0.3, -0.5), 0.06, [1.0; 3]);
+        let all: Vec<Emitter> =
+            all.iter().enumerate().map(|(i, body)| if i % 3 == 0 { disk(body) } else { *body }).collect();
+        let tree = BodyTree::new(&all).expect("many");
+        let (mut met, mut crossed) = (0, 0);
+        for i in 0..2000 {
+            let ends = [0, 1].map(|end| {
+                let words = crate::random::words(i, end, 5, 6);
+                DVec3::from([0, 1, 2].map(|axis| crate::random::uniform(words[axis]))) * DVec3::new(1.0, 2.0, 3.0)
+            });
+            let [from, to] = ends.map(|end| end.as_vec3().to_array());
+            let direction = (ends[1] - ends[0]).normalize().as_vec3().to_array();
+            let max = if i % 2 == 0 { f32::INFINITY } else { 0.7 };
+            let [origin, direction] = [from, direction].map(Vec3x8::splat);
+            let rays = Rays { origin, direction, max: f32x8::splat(max) };
+            let distances =
+                all.iter().map(|body| Bodies::one(body).meet(body.shape, origin, direction, rays.max).to_array()[0]);
+            let nearest = (0..).zip(distances).filter(|(_, distance)| *distance < max);
+            let nearest = nearest.min_by(|(_, a), (_, b)| a.total_cmp(b));
+            let found = trace::closest(&tree, &rays, 1 << 3);
+            let found = (found.met == 8).then(|| (found.body.to_array()[3], found.distance.to_array()[3]));
+            assert_eq!(found, nearest, "ray {i}");
+            let [a, b] = [from, to].map(Vec3x8::splat);
+            let crosses = |body: &Emitter| Bodies::one(body).cross(body.shape, a, b).any();
+            let blockers: Vec<usize> = (0..all.len()).filter(|index| crosses(&all[*index])).collect();
+            let own = blockers.first().map_or(7, |index| *index as u32);
+            for (own, expected) in [(u32::MAX, !blockers.is_empty()), (own, blockers.len() > 1)] {
+                let found = trace::blocked(&tree, a, b, u32x8::splat(own), 1 << 5);
+                assert_eq!(found, u32::from(expected) << 5, "segment {i} but {own}");
+            }
+            (met, crossed) = (met + usize::from(nearest.is_some()), crossed + usize::from(blockers.len() == 1));
+        }
+        assert!(met > 200 && crossed > 100, "{met}, {crossed}");
     }
 }

@@ -1,0 +1,195 @@
+//! Rays and segments against disks and spheres.
+//!
+//! ```text
+//! ray o + t d, |d| = 1:
+//!     disk:    t = ((c - o) . n) / (d . n);  met if 0 < t < bound and |o + t d - c| <= R
+//!     sphere:  t = b -+ sqrt(R^2 - |c - o - b d|^2),  b = (c - o) . d;  the smaller one that is positive
+//! segment a .. b:
+//!     disk:    fa, fb = signed distances of a, b from its plane
+//!              crossed if fa fb < 0 and the crossing a + (b - a) fa / (fa - fb) lies within the radius
+//!     sphere:  crossed if the point of the segment that is closest to the centre is within the radius
+//! ```
+//!
+//! 1. Lanes are rays against one body, or bodies against one ray: the arithmetic is the same.
+//! 2. Where bodies are many, rays go through their tree one at a time ([`walk`](super::walk)), as those of a scattering
+//!    medium share few boxes; but for the first eight, which eight rays meet together.
+//! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
+
+use wide::{f32x8, u32x8};
+
+use super::cull::enter_any;
+use super::{Ray, Rays, Slabs, walk};
+use crate::lanes::{self, LANES};
+use crate::tables::lights::{BodyTree, Emitter, Shape};
+use crate::vec3x8::Vec3x8;
+
+/// Eight disks or spheres; or one, eight times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bodies {
+    center: Vec3x8,
+    normal: Vec3x8,
+    radius_squared: f32x8,
+}
+
+impl Bodies {
+    /// Those of eight lanes. A vacant lane is never met.
+    pub fn new(bodies: &[Emitter]) -> Self {
+        let number = |of: &dyn Fn(&Emitter) -> f32, vacant: f32| {
+            f32x8::new(core::array::from_fn(|lane| bodies.get(lane).map_or(vacant, of)))
+        };
+        let vector = |of: fn(&Emitter) -> [f32; 3]| {
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| number(&|body| of(body)[axis], 0.0));
+            Vec3x8::new(x, y, z)
+        };
+        Self {
+            center: vector(|body| body.origin),
+            normal: vector(|body| body.normal),
+            radius_squared: number(&|body| body.radius * body.radius, -1.0),
+        }
+    }
+
+    /// One body in all lanes.
+    #[inline(always)]
+    pub fn one(body: &Emitter) -> Self {
+        Self {
+            center: Vec3x8::splat(body.origin),
+            normal: Vec3x8::splat(body.normal),
+            radius_squared: f32x8::splat(body.radius * body.radius),
+        }
+    }
+
+    /// Distance at which rays meet bodies of one shape before `bound`; infinite where they do not.
+    #[inline(always)]
+    pub fn meet(&self, shape: Shape, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
+        let from_center = origin - self.center;
+        let (distance, inside) = if shape == Shape::Sphere {
+            let closest = -from_center.dot(direction);
+            let half_squared = self.radius_squared - direction.mul_add(closest, from_center).length_squared();
+            let half = half_squared.fast_max(f32x8::ZERO).sqrt();
+            let near = closest - half;
+            (near.simd_gt(f32x8::ZERO).select(near, closest + half), half_squared.simd_gt(f32x8::ZERO))
+        } else {
+            let distance = -from_center.dot(self.normal) / direction.dot(self.normal);
+            let across = direction.mul_add(distance, from_center).length_squared();
+            (distance, across.simd_le(self.radius_squared))
+        };
+        let hit = distance.simd_gt(f32x8::ZERO) & distance.simd_lt(bound) & inside;
+        hit.select(distance, f32x8::splat(f32::INFINITY))
+    }
+
+    /// Which segments from `a` to `b` cross bodies of one shape.
+    #[inline(always)]
+    pub fn cross(&self, shape: Shape, a: Vec3x8, b: Vec3x8) -> f32x8 {
+        let (a, b) = (a - self.center, b - self.center);
+        if shape == Shape::Sphere {
+            let edge = b - a;
+            let closest = -a.dot(edge) / edge.length_squared().fast_max(f32x8::splat(f32::MIN_POSITIVE));
+            let closest = closest.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            return edge.mul_add(closest, a).length_squared().simd_lt(self.radius_squared);
+        }
+        let (fa, fb) = (a.dot(self.normal), b.dot(self.normal));
+        let across = (b - a).mul_add(fa / (fa - fb), a).length_squared();
+        (fa * fb).simd_lt(f32x8::ZERO) & across.simd_le(self.radius_squared)
+    }
+}
+
+/// Some bodies of a tree, of both shapes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyLeaf {
+    bodies: Bodies,
+    /// Which are spheres, as bits.
+    spheres: u32,
+    /// Index of the first.
+    first: u32,
+}
+
+impl BodyLeaf {
+    /// Of at most eight bodies that follow each other from number `first` on.
+    pub fn new(bodies: &[Emitter], first: u32) -> Self {
+        debug_assert!((1..=LANES).contains(&bodies.len()), "{} bodies", bodies.len());
+        // What a vacant lane is does not matter: here, what its neighbour is.
+        let is_sphere = |lane: &usize| bodies[(*lane).min(bodies.len() - 1)].shape == Shape::Sphere;
+        let spheres = (0..LANES).filter(is_sphere).fold(0, |bits, lane| bits | 1 << lane);
+        Self { bodies: Bodies::new(bodies), spheres, first }
+    }
+
+    /// What `of` says of bodies, each asked for its own shape.
+    #[inline(always)]
+    fn by_shape(&self, of: impl Fn(&Bodies, Shape) -> f32x8) -> f32x8 {
+        let of = |shape: Shape| of(&self.bodies, shape);
+        match self.spheres {
+            0 => of(Shape::Disk),
+            lanes::ALL => of(Shape::Sphere),
+            spheres => lanes::mask(spheres).select(of(Shape::Sphere), of(Shape::Disk)),
+        }
+    }
+
+    /// Takes the body that a ray meets first, if that is nearer than the `best` one, or as near and of a smaller index;
+    /// gives the new bound.
+    #[inline(always)]
+    fn improve(&self, best: &mut Option<(u32, f32)>, bound: f32, origin: Vec3x8, direction: Vec3x8) -> f32 {
+        let met = self.by_shape(|bodies, shape| bodies.meet(shape, origin, direction, f32x8::splat(f32::INFINITY)));
+        let (distances, mut bound) = (met.to_array(), bound);
+        for lane in lanes::each(lanes::bits(met.simd_le(f32x8::splat(bound)))) {
+            let (distance, index) = (distances[lane], self.first + lane as u32);
+            let wins_draw = best.is_some_and(|(other, at)| distance == at && index < other);
+            if distance < bound || wins_draw {
+                (*best, bound) = (Some((index, distance)), distance);
+            }
+        }
+        bound
+    }
+
+    /// Whether a segment crosses any of the bodies but number `own` of all.
+    #[inline(always)]
+    fn blocks(&self, from: Vec3x8, to: Vec3x8, own: u32) -> bool {
+        let crossed = lanes::bits(self.by_shape(|bodies, shape| bodies.cross(shape, from, to)));
+        let own = own.wrapping_sub(self.first);
+        crossed & !(if own < LANES as u32 { 1 << own } else { 0 }) != 0
+    }
+}
+
+/// The nearest bodies on rays of unit direction.
+pub struct Nearest {
+    /// Rays that meet one, as bits.
+    pub met: u32,
+    /// Their indices; on equal distances the smaller one.
+    pub body: u32x8,
+    /// How far away they are; bounds where there is none `[m]`.
+    pub distance: f32x8,
+}
+
+/// The nearest bodies of a tree on the `live` ones of eight rays of unit direction.
+#[inline(always)]
+pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
+    let slabs = Slabs::new(rays, tree.extent);
+    let mut found = Nearest { met: 0, body: u32x8::splat(0), distance: rays.max };
+    for lane in lanes::each(live & enter_any(tree.top(), &slabs, rays.max)) {
+        let Ray { origin, direction, max } = rays.at(lane);
+        let (origin, direction) = (Vec3x8::splat(origin), Vec3x8::splat(direction));
+        let mut best = None;
+        walk::nearest(&tree.nodes, tree.root, &slabs.line(lane), max, |leaf, bound| {
+            tree.leaves[leaf].improve(&mut best, bound, origin, direction)
+        });
+        let Some((body, distance)) = best else { continue };
+        found.met |= 1 << lane;
+        (found.body.as_mut_array()[lane], found.distance.as_mut_array()[lane]) = (body, distance);
+    }
+    found
+}
+
+/// Which of the `free` ones of eight segments cross any body of a tree but their `own` one, as bits; `u32::MAX` for none.
+#[inline(always)]
+pub fn blocked(tree: &BodyTree, from: Vec3x8, to: Vec3x8, own: u32x8, free: u32) -> u32 {
+    let rays = Rays { origin: from, direction: to - from, max: f32x8::ONE };
+    let slabs = Slabs::new(&rays, tree.extent);
+    let (from, to, own) = (from.to_arrays(), to.to_arrays(), own.to_array());
+    let point = |of: &[[f32; LANES]; 3], lane: usize| Vec3x8::splat(of.map(|component| component[lane]));
+    let crosses = |lane: &usize| {
+        let (from, to, own) = (point(&from, *lane), point(&to, *lane), own[*lane]);
+        let meets = |leaf: usize| tree.leaves[leaf].blocks(from, to, own);
+        walk::any(&tree.nodes, tree.root, &slabs.line(*lane), 1.0, meets)
+    };
+    let near = free & enter_any(tree.top(), &slabs, rays.max);
+    lanes::each(near).filter(crosses).fold(0, |bits, lane| bits | 1 << lane)
+}
