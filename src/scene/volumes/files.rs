@@ -28,10 +28,13 @@ pub struct GridOfFile {
     pub bricks: Option<Arc<Bricks>>,
 }
 
-/// The grids that have been read, by file and the name that was asked for.
+/// A file, and the name of the grid that was asked for.
+type Source = (PathBuf, Option<String>);
+
+/// The grids that have been read.
 #[derive(Default)]
 pub struct GridFiles {
-    read: RefCell<BTreeMap<(PathBuf, Option<String>), Rc<GridOfFile>>>,
+    read: RefCell<BTreeMap<Source, Rc<GridOfFile>>>,
 }
 
 impl GridFiles {

@@ -135,13 +135,11 @@ mod tests {
         }
     }
 
+    /// The lower and the upper corner of a box.
+    type Corners = [[f32; 3]; 2];
+
     /// Hands the bodies below a child, and the boxes around them, to `leaf`.
-    fn visit(
-        tree: &BodyTree,
-        child: Child,
-        boxes: &[[[f32; 3]; 2]],
-        leaf: &mut dyn FnMut(&BodyLeaf, &[[[f32; 3]; 2]]),
-    ) {
+    fn visit(tree: &BodyTree, child: Child, boxes: &[Corners], leaf: &mut dyn FnMut(&BodyLeaf, &[Corners])) {
         if child.is_leaf() {
             return leaf(&tree.leaves[child.index()], boxes);
         }
