@@ -24,7 +24,7 @@ pub fn exposure(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
     let (frame, region) = frame.small(size, SIDE);
     let frame = Frame { seed: SEED, roulette: 0.0, ..frame }.with_walk(STARTS, 1.0);
     let film = Film::new(&frame, region, tile_size(region));
-    renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &monitor.uncounted());
+    renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &monitor.of_looks());
     let pixels: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
     Exposure::metered(pixels.iter().copied())
 }

@@ -10,7 +10,7 @@
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
-//! is not that of the one which leaves least to luck, most starts and longest walks, found something else than the
+//! is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found something else than the
 //! image.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
@@ -138,10 +138,11 @@ impl Trial {
         (self.mean - other.mean).abs() <= AGREEMENT * self.mean_error.hypot(other.mean_error)
     }
 
-    /// Less to luck first: by starts, then by survival.
-    fn compare_walks(&self, other: &Self) -> Ordering {
+    /// What leaves most to luck first: by starts, by survival, then by roulette.
+    fn compare_luck(&self, other: &Self) -> Ordering {
         let [a, b] = [self.setting, other.setting];
-        a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)))
+        let walks = a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)));
+        walks.then(b.roulette.total_cmp(&a.roulette))
     }
 }
 
@@ -161,7 +162,7 @@ pub fn choose(
     monitor: &Monitor,
 ) -> (Frame, Vec<Trial>) {
     let mut choices = choices.that_matter(frame);
-    let monitor = &monitor.uncounted();
+    let monitor = &monitor.of_looks();
     let pilot = Pilot::new(frame, size, renderer, monitor);
     let mut search = Search { pilot, trials: Vec::new(), setting: Setting::of(frame) };
     if frame.wanders() && choices.survival {
@@ -264,11 +265,11 @@ impl Search<'_> {
 /// one with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and
 /// more of everything has fewer surprises.
 pub fn best(trials: &[Trial]) -> Option<Trial> {
-    let fullest = trials.iter().max_by(|a, b| a.compare_walks(b))?;
+    let fullest = trials.iter().max_by(|a, b| a.compare_luck(b))?;
     let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));
     let most = sound().map(Trial::efficiency).fold(0.0, f64::max);
     let good = sound().filter(|trial| trial.efficiency() >= NEARLY * most);
-    good.copied().max_by(|a, b| a.compare_walks(b).then(b.setting.roulette.total_cmp(&a.setting.roulette)))
+    good.copied().max_by(|a, b| a.compare_luck(b))
 }
 
 struct Pilot<'a> {

@@ -88,8 +88,10 @@ impl Blocks {
 /// How a caller watches and stops a running render.
 #[derive(Debug, Default)]
 pub struct Monitor {
-    /// Set to stop: workers finish the block at hand.
+    /// Set to stop: workers finish the block at hand, unless nobody will keep it.
     pub stop: Arc<AtomicBool>,
+    /// Whether a block that is not finished is left as it is: nobody keeps what was rendered before a stop.
+    is_all_or_nothing: bool,
     /// Camera paths finished so far.
     pub samples: AtomicU64,
     /// Their contributions that were not finite.
@@ -101,9 +103,14 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// One that stops when this one does, and counts for itself.
-    pub fn uncounted(&self) -> Self {
-        Self { stop: Arc::clone(&self.stop), ..Self::default() }
+    /// One that stops when this one does, and counts for itself, of looks that are of no use once it says stop.
+    pub fn of_looks(&self) -> Self {
+        Self { stop: Arc::clone(&self.stop), is_all_or_nothing: true, ..Self::default() }
+    }
+
+    /// Whether workers go on with a block at hand.
+    fn finishes_blocks(&self) -> bool {
+        !(self.is_all_or_nothing && self.stops())
     }
 
     /// Contributions so far that were not finite, and so were dropped.
@@ -212,7 +219,9 @@ impl Renderer {
                 let own = is_noted.then(|| Stats { detailed: true, ..empty.clone() });
                 let others = own.map(|own| core::mem::replace(&mut wavefront.stats, own));
                 let (before, dropped) = (wavefront.stats.samples, wavefront.stats.dropped.count);
-                wavefront.render(block, &mut tile);
+                if !wavefront.render_while(block, &mut tile, || monitor.finishes_blocks()) {
+                    break;
+                }
                 drop(tile);
                 monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
                 let Dropped { count, first } = wavefront.stats.dropped;
@@ -254,10 +263,10 @@ impl Renderer {
                 }
                 let mut tile = Tile::new(radiance, film.tile(index).region());
                 for start in samples.clone().step_by(SAMPLES_PER_BLOCK as usize) {
-                    if monitor.stops() {
+                    let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+                    if monitor.stops() || !wavefront.render_while(block, &mut tile, || monitor.finishes_blocks()) {
                         return;
                     }
-                    wavefront.render(start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK)), &mut tile);
                 }
                 let cells = adaptive::cells(&tile);
                 found.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(cells);

@@ -1,10 +1,12 @@
 //! The same bits whatever the threads, the wavefront, the tiles and the split of the samples.
 
+use bumpalo::Bump;
 use fogbow::film::{Film, Pixel, Region, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
 use fogbow::render::{Monitor, Renderer, Samples, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow::wavefront::Wavefront;
 use fogbow_kernels::pipeline::{Pipeline, SIMD};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -99,6 +101,21 @@ fn a_split_of_the_samples_merges_to_the_same_bits_in_any_order() {
             }
             assert_eq!(whole, pixels(&film), "order {order:?}");
         }
+    }
+}
+
+#[test]
+fn a_block_that_is_given_up_counts_no_samples() {
+    let frame = frames::three_lights(0.6, Selection::IntensityDistance, SIZE);
+    for bounces in [0, 1, 3, 1000] {
+        let (film, arena) = (Film::new(&frame, Region::whole(SIZE[0], SIZE[1]), TILE_SIZE), Bump::new());
+        let (mut wavefront, mut tile) = (Wavefront::new_in(&arena, &frame, &SIMD, 64), film.tile(0));
+        let mut before = 0;
+        let is_done = wavefront.render_while(0..4, &mut tile, || {
+            before += 1;
+            before <= bounces
+        });
+        assert_eq!((is_done, tile.samples()), if bounces == 1000 { (true, 4) } else { (false, 0) });
     }
 }
 

@@ -162,6 +162,19 @@ fn the_best_trial_is_efficient_agrees_and_has_most_starts_of_those_as_good() {
     assert_eq!(chosen(&[near, trial(2, 3.0, 2.0), full]), Some(1));
 }
 
+#[test]
+fn a_roulette_that_finds_another_image_is_not_played() {
+    let with_roulette = |roulette: f32, mean: f64, cost: f64| {
+        let full = trial(u32::MAX, 1.0, cost);
+        Trial { setting: Setting { roulette, ..full.setting }, mean, ..full }
+    };
+    let chosen = |mean: f64| {
+        let trials = [with_roulette(0.0, 1.0, 20.0), with_roulette(1.0, mean, 2.0)];
+        pilot::best(&trials).map(|trial| trial.setting.roulette)
+    };
+    assert_eq!([0.96, 0.9].map(chosen), [Some(1.0), Some(0.0)]);
+}
+
 /// Where scattering is all but straight back, light comes by many segments, and few starts find it rarely or not at
 /// all: five looks out of six that one start takes see next to nothing, with so little variance that it would be the
 /// most efficient by far. That no more than two of twelve do has a probability of 10^-6.

@@ -7,13 +7,13 @@ use fogbow::film::Film;
 use fogbow::frame::Frame;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::media::Medium;
-use fogbow_kernels::media::field::{Field, Interpolation};
+use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Panorama, Selection, Source};
 use fogbow_kernels::tables::surfaces::Material;
 use fogbow_testing::agreement::{assert_stages_agree, assert_whole_paths_agree};
-use fogbow_testing::frames::clouds::{IN_FIELDS, cloud};
+use fogbow_testing::frames::clouds::{IN_FIELDS, centred, cloud, leaves};
 use fogbow_testing::frames::{self, Active, skies};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::statistics::z_of_means;
@@ -107,6 +107,23 @@ fn a_white_cloud_is_invisible_under_an_even_sky() {
             assert_image_is(&format!("{name}, {active:?}, 1 start"), &few, 64, 1.0);
         }
     }
+}
+
+/// Within a voxel, extinction goes from 0 to 30 mean free paths: what a mean of that says of optical depths is wrong by
+/// many of them.
+#[test]
+fn light_comes_through_the_rim_of_what_is_dense() {
+    let center = DVec3::new(0.0, 1.0, 0.0);
+    let cube = Voxels::new(&leaves(2, |_| 1.0), &centred(16, 1.0, center), Interpolation::Trilinear);
+    let medium = Medium::of_field(Field::grid(cube, 480.0), [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
+    let base = world(&[Source::Sky([1.0; 3])], 60);
+    let camera = Camera::new(DVec3::new(0.0, 1.0, -4.0), DVec3::Z, DVec3::Y, 0.2, 0.0, SMALL);
+    let connected = Frame { camera, roulette: 1.0, ..frames::with_medium(&base, medium) };
+    let walked = Frame { techniques: Techniques::default(), roulette: 0.0, ..connected.clone() };
+    let [connected, walked] = [connected, walked].map(|frame| green(&rendered("cube", &frame, 512)));
+    let z = z_of_means(connected, walked);
+    assert!(z.abs() < 4.0, "{connected:?} with connections, {walked:?} without: {z} standard errors");
+    assert!(connected.1 < 0.01 * walked.0, "{connected:?} says little");
 }
 
 /// A floor that fills the view of a camera which looks down at it.

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use fogbow::volume::{GridSummary, Leaf, VoxelGrid, list, list_bytes, read, read_bytes, read_listed};
 use fogbow_testing::volume_writer;
@@ -207,7 +208,7 @@ fn progress_ends_with_all_leaves() {
 fn what_tests_write_is_read() {
     let leaf = |origin: [i32; 3]| {
         let value = |index: usize| if index.is_multiple_of(3) { 0.0 } else { (index as i32 + origin[0]) as f32 };
-        Leaf { origin, values: Box::new(core::array::from_fn(value)) }
+        Leaf { origin, values: Arc::new(core::array::from_fn(value)) }
     };
     let leaves = [[0; 3], [0, 8, 120], [136, 4088, 16], [4088; 3]].map(leaf);
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -11,7 +11,7 @@ use super::say;
 use crate::error::Result;
 use crate::figures::{length, number, point};
 use crate::gltf::quoted;
-use crate::scene::Loading;
+use crate::scene::{Densities, Loading};
 use crate::volume::{self, GridSummary, VoxelGrid};
 
 /// Lists the grids in the file at `path`.
@@ -27,12 +27,12 @@ pub fn describe(path: &Path) -> Result<()> {
     }
 }
 
-fn describe_grid(path: &Path, number: usize, grid: GridSummary) -> Result<()> {
+fn describe_grid(path: &Path, place: usize, grid: GridSummary) -> Result<()> {
     let half = if grid.is_half { " saved as half floats" } else { "" };
     let class = if grid.class == "unknown" { "unknown class" } else { &grid.class };
     let compression = if grid.compression == "none" { "not compressed" } else { &grid.compression };
     say(format!("grid {}: {}{half}, {class}, {compression}", quoted(&grid.name), grid.value_type))?;
-    let grid = completed(path, number, grid);
+    let (grid, densities) = completed(path, place, grid);
     match grid.active_voxels {
         Some(voxels) => say(format!("  active voxels: {voxels}{}", taken(voxels, grid.bits_per_voxel())))?,
         None => say("  active voxels: the file does not say how many")?,
@@ -47,25 +47,33 @@ fn describe_grid(path: &Path, number: usize, grid: GridSummary) -> Result<()> {
     if let Some([min, max]) = grid.world_bounds() {
         say(format!("  world bounds: {} to {} m", point(min), point(max)))?;
     }
+    if let Some(Densities { mean, most, .. }) = densities {
+        say(format!(
+            "  densities: {} at most, {} on average of active voxels",
+            number(most.into(), 4),
+            number(mean, 4)
+        ))?;
+    }
     grid.obstacle.map_or(Ok(()), |obstacle| say(format!("  cannot be rendered: {obstacle}")))
 }
 
-/// The same with what the file does not say of a grid that can be read: what its voxels say, or why they cannot be read
+/// The same with what the file does not say of a grid that can be read: what its voxels are, or why they cannot be read
 /// after all.
-fn completed(path: &Path, number: usize, grid: GridSummary) -> GridSummary {
-    let is_complete = grid.index_bounds.is_some() || grid.active_voxels == Some(0);
-    if grid.obstacle.is_some() || (is_complete && grid.active_voxels.is_some()) {
-        return grid;
+fn completed(path: &Path, number: usize, grid: GridSummary) -> (GridSummary, Option<Densities>) {
+    if grid.obstacle.is_some() {
+        return (grid, None);
     }
     match read(path, number) {
         Ok(found) => {
-            let index_bounds = grid.index_bounds.or(found.index_bounds());
-            let nothing = index_bounds.is_none().then(|| "it has no density above 0".to_string());
-            GridSummary { active_voxels: Some(found.active_voxels), index_bounds, obstacle: nothing, ..grid }
+            let densities = Some(Densities::of(&found)).filter(|densities| densities.most > 0.0);
+            let index_bounds = grid.index_bounds.or_else(|| found.index_bounds());
+            let active_voxels = grid.active_voxels.or(Some(found.active_voxels));
+            let obstacle = densities.is_none().then(|| "it has no density above 0".to_string());
+            (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities)
         }
         Err(error) => {
             let place = error.place.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&error.place).to_string();
-            GridSummary { obstacle: Some(format!("{place}: {}", error.finding)), ..grid }
+            (GridSummary { obstacle: Some(format!("{place}: {}", error.finding)), ..grid }, None)
         }
     }
 }

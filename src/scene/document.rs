@@ -13,6 +13,7 @@ use toml::de::DeTable;
 use toml::{Table, Value};
 
 use crate::error::{Error, Kind, Result};
+use crate::volume;
 pub use overrides::Override;
 use overrides::{LONGEST_KEY, Step, display, enter, steps};
 pub(super) use parser_messages::words;
@@ -75,8 +76,12 @@ impl Document {
     /// # Errors
     /// If the file cannot be read or is not TOML.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = read_small(path)?;
         let file = path.display().to_string();
+        if volume::is_volume(path) && path.is_file() {
+            let remedy = "name it in a scene, as the grid of a volume: [[volume]] grid = { file = \"..\" }";
+            return Err(Error::failure(file, "is an OpenVDB file, not a scene", remedy));
+        }
+        let bytes = read_small(path)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]);
             let remedy = "give a scene: a TOML file in UTF-8, a glTF file, or a folder with a scene.toml";

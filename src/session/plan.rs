@@ -42,7 +42,7 @@ impl Session {
         let pipeline = self.settings.reference.pipeline();
         let level = self.settings.first_sample + level;
         while let Some(probes) = { self.plan().wanted(level) } {
-            let monitor = self.monitor.uncounted();
+            let monitor = self.monitor.of_looks();
             let found = self.renderer.probe(&self.scene.frame, &pipeline, &self.film, probes, &monitor);
             let Some(cells) = found else { return false };
             self.plan().add(Probing::new(&adaptive::variances(&cells)));

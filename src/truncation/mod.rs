@@ -10,6 +10,9 @@
 //! there is nothing to build one to. To walks, small lights in open fog are as wide as half a mean free path:
 //! after so many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
 //!
+//! Looks are taken as the frame is rendered otherwise, with the roulette on contributions that the pilot found to pay:
+//! where transmittances have to be estimated, nearly all of their time would go to what counts next to nothing.
+//!
 //! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than
 //! the one before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with
 //! the power -3/2 of the length, so that every doubling brings at least 1 - 1/sqrt(2) less than the one before. Where
@@ -181,7 +184,7 @@ pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
     if frame.stays_straight() || (frame.lights.emitters().is_empty() && !frame.emits()) {
         return None;
     }
-    let looker = Looker { frame, size, renderer, monitor: &monitor.uncounted() };
+    let looker = Looker { frame, size, renderer, monitor: &monitor.of_looks() };
     let limit = frame.lengths.max;
     let Some(light) = looker.look() else { return Some(Truncation::unknown(limit)) };
     if light.is_black() && frame.medium.never_scatters() {
@@ -247,8 +250,7 @@ impl Looker<'_> {
         let (frame, region) = self.frame.small(self.size, side);
         let samples = way.samples.div_ceil(region.pixels() as u32);
         let lengths = PathLengths { max: longest, ..frame.lengths };
-        let frame =
-            Frame { lengths, techniques, seed: SEED, roulette: 0.0, ..frame }.with_walk(way.starts, way.survival);
+        let frame = Frame { lengths, techniques, seed: SEED, ..frame }.with_walk(way.starts, way.survival);
         let look = |number: u32| {
             let tile = if longest > LONGEST[1] { side / 2 } else { tile_size(region) };
             let film = Film::new(&frame, region, tile);

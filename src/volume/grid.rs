@@ -1,5 +1,7 @@
 //! One grid: its nodes, the values of its leaves, and leaves for its constant regions.
 
+use std::sync::Arc;
+
 use super::archive::{Archive, Entry};
 use super::chunks::Packing;
 use super::input::{DAMAGED, Input};
@@ -82,17 +84,17 @@ fn leaf(input: &mut Input, values: &mut Values, cube: Cube, active: &Mask) -> Ch
     require(mask == *active, || format!("has a leaf at {:?} with two different masks", cube.origin), DAMAGED)?;
     let mut saved = [0.0; 512];
     values.read(input, &mask, &mut saved)?;
-    let mut ordered = Box::new([0.0; 512]);
+    let mut ordered = [0.0; 512];
     for (index, value) in saved.into_iter().enumerate() {
         check(value, bit(&mask, index), || cube.part(index, 0))?;
         let [x, y, z] = [index >> 6, index >> 3 & 7, index & 7];
         ordered[(z * 8 + y) * 8 + x] = value;
     }
-    Ok(Leaf { origin: cube.origin, values: ordered })
+    Ok(Leaf { origin: cube.origin, values: ordered.into() })
 }
 
 /// The leaves of a constant region.
 fn constant(tile: Cube, value: f32) -> impl Iterator<Item = Leaf> {
-    let count = 1_usize << (3 * (tile.log_edge - LEAF));
-    (0..count).map(move |index| Leaf { origin: tile.part(index, LEAF).origin, values: Box::new([value; 512]) })
+    let (count, values) = (1_usize << (3 * (tile.log_edge - LEAF)), Arc::new([value; 512]));
+    (0..count).map(move |index| Leaf { origin: tile.part(index, LEAF).origin, values: Arc::clone(&values) })
 }

@@ -228,22 +228,40 @@ impl<'q> Wavefront<'q> {
 
     /// Takes the sample numbers `samples` of every pixel of `tile`. Dead lanes are refilled until nothing is left.
     pub fn render(&mut self, samples: core::ops::Range<u32>, tile: &mut Tile) {
-        self.advance(samples.clone(), tile, u32::MAX);
-        tile.count(samples.len() as u32);
+        self.render_while(samples, tile, || true);
+    }
+
+    /// The same as long as `goes_on` says so before every segment, and whether it always did: if not, the tile has part
+    /// of them, and paths are left in flight.
+    pub fn render_while(
+        &mut self,
+        samples: core::ops::Range<u32>,
+        tile: &mut Tile,
+        mut goes_on: impl FnMut() -> bool,
+    ) -> bool {
+        self.step.clock = FIRST_CLOCK;
+        let count = samples.len() as u32;
+        let mut work = Work::new(tile.region(), samples);
+        while goes_on() {
+            self.collect(tile);
+            self.refill(&mut work);
+            if self.live.is_empty() {
+                tile.count(count);
+                return true;
+            }
+            self.bounce();
+        }
+        false
     }
 
     /// The same from the start, but for at most `bounces` segments: a look into the middle of a render.
     pub fn advance(&mut self, samples: core::ops::Range<u32>, tile: &mut Tile, bounces: u32) {
-        self.step.clock = FIRST_CLOCK;
-        let mut work = Work::new(tile.region(), samples);
-        for _ in 0..bounces {
-            self.collect(tile);
-            self.refill(&mut work);
-            if self.live.is_empty() {
-                break;
-            }
-            self.bounce();
-        }
+        let mut left = bounces;
+        self.render_while(samples, tile, || {
+            let is_left = left > 0;
+            left = left.saturating_sub(1);
+            is_left
+        });
     }
 
     /// Hands what ended paths have found to their pixels.

@@ -203,27 +203,36 @@ fn shapes_with_keys_of_others_are_refused() {
 
 #[test]
 fn keys_out_of_range_and_missing_grids_are_refused() {
-    for (keys, beginning) in [
-        (", scale = 0", "scene.toml:10:38: volume[0].grid.scale is 0.0"),
+    for (keys, finding) in [
+        (", scale = 0", "volume[0].grid.scale is 0.0"),
         (", scale = 1e9", "volume[0].grid.scale is 1000000000.0, which makes an extinction of"),
         (", scale_by = -1", "volume[0].grid.scale_by is -1.0"),
         (", rotate_deg = [0, 0, 999]", "volume[0].grid.rotate_deg is [0.0, 0.0, 999.0]"),
         (", translate = [1e10, 0, 0]", "volume[0].grid.translate is [10000000000.0, 0.0, 0.0]"),
-        (", name = \"smoke\"", "smoke"),
+        (", name = \"smoke\"", "volume[0].grid.file: cloud.vdb: has no grid \"smoke\""),
     ] {
         let run = with_cloud(keys).run(&["render", "scene.toml"]);
-        let finding = beginning.rsplit(": ").next().expect("a finding");
         assert!(run.code == Some(1) && run.stderr.contains(finding), "{keys}: {run}");
     }
     let folder = with_cloud("");
     folder.write("cloud.vdb", "no voxels");
-    folder.refused(&["render", "scene.toml"], 1, "cloud.vdb: ");
+    let place = format!("{}: volume[0].grid.file: ", folder.place("file ="));
+    folder.refused(&["render", "scene.toml"], 1, &format!("{place}cloud.vdb: is not an OpenVDB file\n"));
+    std::fs::remove_file(folder.path("cloud.vdb")).expect("a file");
+    let run = folder.refused(&["render", "scene.toml"], 1, &folder.place("file ="));
+    assert!(run.stderr.contains("volume[0].grid.file is \"cloud.vdb\", but there is no file cloud.vdb\n"), "{run}");
+}
+
+#[test]
+fn a_volume_is_no_scene() {
+    let run = with_cloud("").refused(&["render", "cloud.vdb"], 1, "cloud.vdb: is an OpenVDB file, not a scene\n");
+    assert!(run.stderr.contains("[[volume]] grid = { file = \"..\" }"), "{run}");
 }
 
 /// The test scene with a cloud, `empty.vdb` beside it, in which no density is above 0.
 fn with_nothing() -> Folder {
     let folder = with_cloud(", translate = [0, 0, 1.5]");
-    let leaf = fogbow::volume::Leaf { origin: [0; 3], values: Box::new([0.0; 512]) };
+    let leaf = fogbow::volume::Leaf { origin: [0; 3], values: [0.0; 512].into() };
     fogbow_testing::volume_writer::write(&folder.path("empty.vdb"), 0.25, &[leaf]);
     folder
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::time::Duration;
 
 use fogbow::frame::Frame;
@@ -44,7 +45,7 @@ fn clouds_far_apart() -> Vec<Leaf> {
     };
     let leaves = origins.filter(is_near).map(|origin| {
         let at = |i: usize| [0, 1, 2].map(|axis| origin[axis] + [i & 7, i >> 3 & 7, i >> 6][axis] as i32);
-        Leaf { origin, values: Box::new(core::array::from_fn(|i| density(at(i)))) }
+        Leaf { origin, values: Arc::new(core::array::from_fn(|i| density(at(i)))) }
     });
     leaves.filter(|leaf| leaf.values.iter().any(|value| *value > 0.0)).collect()
 }

@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn voxels_far_apart_span_more_bricks_than_there_are() {
-        let leaf = |origin: [i32; 3]| Leaf { origin, values: Box::new([1.0; 512]) };
+        let leaf = |origin: [i32; 3]| Leaf { origin, values: [1.0; 512].into() };
         assert_eq!(bricks_spanned(&[leaf([0; 3])]), 8);
         assert_eq!(bricks_spanned(&[leaf([-8, 0, 0]), leaf([8, 0, 16])]), 4 * 2 * 4);
         let [least, most] = [i32::MIN, i32::MAX - 7];

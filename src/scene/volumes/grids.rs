@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::Volume;
 use super::files::{GridOfFile, MOST_BRICKS};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::figures::point;
 use crate::gltf::quoted;
 use crate::scene::filling::Densities;
@@ -53,8 +53,12 @@ impl Volume<'_> {
         self.check_keys(table, grid)?;
         let key = |name: &str| format!("{table}.{name}");
         let path = self.document.folder().join(&grid.file);
+        let finding = format!("{}, but there is no file {}", quoted(&grid.file), path.display());
+        let remedy = "give the path of an OpenVDB file, relative to the folder of the scene";
+        self.require(path.exists(), &key("file"), finding, remedy)?;
         let look = |done, total| (self.look)(Loading::of(&path, done, total));
-        let file = self.files.read(&path, grid.name.as_deref(), &look)?;
+        let file =
+            self.files.read(&path, grid.name.as_deref(), &look).map_err(|error| self.of_file(&key("file"), error))?;
         let spanned = file.bricks_spanned;
         let finding = format!("a grid whose voxels are so far apart that {spanned} bricks of 8x8x8 lie between them");
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
@@ -74,6 +78,12 @@ impl Volume<'_> {
         };
         self.check_densities(table, grid, &densities, quantity, origin)?;
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
+    }
+
+    /// An error in the file that `key` names.
+    fn of_file(&self, key: &str, Error { place, finding, remedy, kind }: Error) -> Error {
+        let path = format!("{}.{key}", self.table);
+        Error { kind, ..self.document.error(&path, format!("{path}: {place}: {finding}"), remedy) }
     }
 
     /// The keys at `table` by which a grid is placed and scaled, on their own.

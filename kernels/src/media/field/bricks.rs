@@ -7,6 +7,7 @@
 //! about all values that are not 0 is kept.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use wide::{f32x8, u32x8};
 
@@ -28,8 +29,8 @@ const WHOLE: f32 = u16::MAX as f32;
 pub struct Leaf {
     /// Index coordinates of the first voxel: multiples of 8.
     pub origin: [i32; 3],
-    /// Densities, each finite and >= 0; x runs fastest, then y.
-    pub values: Box<[f32; 512]>,
+    /// Densities, each finite and >= 0; x runs fastest, then y. Leaves of constant regions share them.
+    pub values: Arc<[f32; 512]>,
 }
 
 /// Where the values of a brick are, and what they mean.
@@ -87,6 +88,11 @@ impl Head {
     /// Of a brick of one density.
     const fn constant(density: f32) -> Self {
         Self { first: 0, kept: Kept::ALL, least: density, step: 0.0 }
+    }
+
+    /// Whether it is one.
+    const fn is_constant(&self) -> bool {
+        self.step == 0.0
     }
 }
 
@@ -156,6 +162,9 @@ impl Bricks {
     /// The same of so many voxels along each axis.
     fn extent_of(&self, first: [u32; 3], sides: [u32; 3], smooth: bool) -> Extent {
         let (head, first) = self.find(first);
+        if head.is_constant() {
+            return Extent { least: head.least, most: head.least, mean: head.least };
+        }
         let layers = sides.map(|side| side as usize + usize::from(smooth));
         let (mut least, mut most, mut sum) = (u16::MAX, 0, 0_u64);
         for (z, y) in (0..layers[2]).flat_map(|z| (0..layers[1]).map(move |y| (z, y))) {

@@ -13,6 +13,12 @@ use crate::vec3x8::Vec3x8;
 /// made smaller: what weights make of coarser means costs more than it saves.
 pub const THICKNESS: f32 = 2.0;
 
+/// Optical depth by which the mean of a cell may exceed its least extinction along its edge. Where it does by more, as at
+/// the border of something dense, light comes by the thin part of the cell, of which the mean says nothing: an optical
+/// depth that is much too large gives a connection next to no weight, until what comes through multiplies it by e to
+/// that. Too small a one only has others count more.
+const UNSURE: f32 = 1.0;
+
 /// Edges of cells, as powers of two in voxels.
 const SIDES: core::ops::RangeInclusive<u32> = 1..=7;
 
@@ -49,7 +55,7 @@ pub struct Survey {
     pub volumes: Vec<u32>,
 }
 
-/// Mean extinctions of cells of one size in a box.
+/// Mean extinctions of cells of one size in a box, less where they are [unsure](UNSURE).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     layout: Layout,
@@ -135,7 +141,7 @@ impl Cells {
         let layout = Layout { dims: survey.dims };
         let mut means = vec![survey.outside; layout.count()];
         for (place, extent) in survey.places().zip(&survey.extents) {
-            means[layout.index(place)] = extent.mean;
+            means[layout.index(place)] = extent.mean.min(extent.least + UNSURE / survey.edge);
         }
         Self { layout, means }
     }

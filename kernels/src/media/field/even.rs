@@ -209,7 +209,7 @@ mod tests {
     /// A cube of 32^3 voxels of one density, from -1 to 1 m along each axis; and a box.
     fn fields() -> [Field; 2] {
         let origins = (0..64).map(|leaf| [0, 1, 2].map(|axis: usize| 8 * (leaf >> (2 * axis) & 3)));
-        let leaves: Vec<Leaf> = origins.map(|origin| Leaf { origin, values: Box::new([1.0; 512]) }).collect();
+        let leaves: Vec<Leaf> = origins.map(|origin| Leaf { origin, values: [1.0; 512].into() }).collect();
         let to_index = [0, 1, 2].map(|axis| {
             let mut row = [0.0, 0.0, 0.0, 15.5];
             row[axis] = 16.0;

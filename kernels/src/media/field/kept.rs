@@ -113,6 +113,8 @@ impl KeptX8 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::media::field::bricks::{Bricks, Leaf};
     use crate::random;
@@ -120,10 +122,11 @@ mod tests {
 
     /// Two leaves side by side with `count` voxels that are not 0.
     fn sparse(seed: u32, count: u32) -> Vec<Leaf> {
-        let mut leaves = [0, 8].map(|x| Leaf { origin: [x, 0, 0], values: Box::new([0.0; 512]) });
+        let mut leaves = [0, 8].map(|x| Leaf { origin: [x, 0, 0], values: [0.0; 512].into() });
         for voxel in 0..count {
             let [leaf, index, density, _] = random::words(seed, voxel, 3, 4);
-            leaves[leaf as usize % 2].values[index as usize % 512] = 1.0 + random::uniform(density) as f32;
+            let values = Arc::make_mut(&mut leaves[leaf as usize % 2].values);
+            values[index as usize % 512] = 1.0 + random::uniform(density) as f32;
         }
         leaves.to_vec()
     }

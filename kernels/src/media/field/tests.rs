@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::DVec3;
 use wide::f32x8;
 
@@ -17,12 +19,12 @@ fn leaves(density: impl Fn([i32; 3]) -> f32) -> Vec<Leaf> {
     let corners = (0..8).map(|corner| [0, 1, 2].map(|axis| 8 * (corner >> axis & 1)));
     corners
         .map(|origin| {
-            let mut values = Box::new([0.0; 512]);
+            let mut values = [0.0; 512];
             for (index, value) in values.iter_mut().enumerate() {
                 let local = [index % 8, index / 8 % 8, index / 64].map(|component| component as i32);
                 *value = density([0, 1, 2].map(|axis| origin[axis] + local[axis]));
             }
-            Leaf { origin, values }
+            Leaf { origin, values: values.into() }
         })
         .collect()
 }
@@ -255,9 +257,9 @@ fn a_constant_grid_leaves_nothing_to_chance() {
 fn bricks_take_less_than_their_voxels() {
     let many: Vec<Leaf> = (0..1000)
         .map(|i| {
-            let values =
-                core::array::from_fn(|j| crate::random::uniform(crate::random::words(i, j as u32, 0, 0)[0]) as f32);
-            Leaf { origin: [i % 10, i / 10 % 10, i / 100].map(|c| 8 * c as i32), values: Box::new(values) }
+            let value = |j: usize| crate::random::uniform(crate::random::words(i, j as u32, 0, 0)[0]) as f32;
+            let values = Arc::new(core::array::from_fn(value));
+            Leaf { origin: [i % 10, i / 10 % 10, i / 100].map(|c| 8 * c as i32), values }
         })
         .collect();
     let grid = Field::grid(Voxels::new(&many, &TO_INDEX, Interpolation::Trilinear), 1.0);

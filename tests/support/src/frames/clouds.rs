@@ -10,7 +10,7 @@ pub fn leaves(side: i32, density: impl Fn([i32; 3]) -> f32) -> Vec<Leaf> {
     let leaf = |place: [i32; 3]| {
         let origin = place.map(|component| 8 * component);
         let voxel = |i: usize| density([0, 1, 2].map(|axis| origin[axis] + (i >> (3 * axis) & 7) as i32));
-        Leaf { origin, values: Box::new(core::array::from_fn(voxel)) }
+        Leaf { origin, values: Arc::new(core::array::from_fn(voxel)) }
     };
     places.map(leaf).collect()
 }
