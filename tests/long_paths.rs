@@ -15,7 +15,7 @@ use fogbow_testing::checked::{CHECKED, take_log};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, green, render, render_here};
 use fogbow_testing::statistics::z_of_means;
-use fogbow_testing::truths::slabs;
+use fogbow_testing::truths::{sheet, slabs};
 
 fn scene(folder: &str, settings: &[String]) -> LoadedScene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
@@ -99,6 +99,29 @@ fn slabs_reflect_and_transmit_as_adding_and_doubling_says() {
             let off = (mean - truth).abs();
             assert!(off < 4.0 * error + 0.002 * truth, "{albedo} {g} {tau}: {mean} +- {error} instead of {truth}");
             assert!(error < 0.02 * truth, "{albedo} {g} {tau}: {mean} +- {error} says little");
+        }
+    }
+}
+
+/// Light goes through hundreds of scatterings in milk, which absorbs little, and extinctions differ by channel.
+#[test]
+fn sheets_of_milk_and_wax_reflect_and_transmit_as_adding_and_doubling_says() {
+    for (preset, samples) in [("milk", 600), ("wax", 300)] {
+        for (truths, light) in sheet(preset).into_iter().zip([[-0.0005, 1.0], [0.00505, -1.0]]) {
+            let [distance, normal] = light;
+            let settings = [
+                format!("volume[0].preset={preset}"),
+                format!("light[0].center=[0,0,{distance:?}]"),
+                format!("light[0].normal=[0,0,{normal:?}]"),
+            ];
+            let scene = scene("tests/data/sheet", &settings);
+            let (means, errors) = render(&piloted(&scene), scene.scene.film.size, 0..samples).0.mean();
+            for ((mean, error), truth) in means.into_iter().zip(errors).zip(truths) {
+                let off = (mean - truth).abs();
+                println!("{preset}: {mean} +- {error}, {truth}");
+                assert!(off < 4.0 * error + 0.002 * truth, "{preset}: {mean} +- {error} instead of {truth}");
+                assert!(error < 0.02 * truth, "{preset}: {mean} +- {error} says little");
+            }
         }
     }
 }

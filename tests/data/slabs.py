@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reflectance and transmittance of slabs, by adding and doubling (van de Hulst 1980): writes slabs.csv.
+"""Reflectance and transmittance of slabs, by adding and doubling (van de Hulst 1980): writes slabs.csv and presets.csv.
 
 A slab of optical thickness tau scatters with the albedo and the Henyey-Greenstein function of mean cosine g; nothing is
 reflected at its faces. It is lit from one side by the same radiance from all directions. The columns reflected and
@@ -13,6 +13,12 @@ CASES = [
     (1.0, 0.0, 2.0), (1.0, 0.75, 2.0), (1.0, 0.7, 20.0), (1.0, 0.0, 16.0), (1.0, 0.9, 64.0),
     (0.9, 0.75, 2.0), (0.99, 0.7, 20.0), (0.9, 0.0, 256.0),
 ]
+
+# Scattering and absorption per metre in three channels, g, and the thickness in metres.
+PRESETS = {
+    "milk": ([8947.0, 11260.0, 13230.0], [1.1, 2.4, 14.0], 0.715, 0.005),
+    "wax": ([1500.0, 1500.0, 1500.0], [30.0, 100.0, 200.0], 0.8, 0.005),
+}
 
 
 def radau(n):
@@ -79,3 +85,8 @@ if __name__ == "__main__":
         table.write("albedo,g,tau,reflected,transmitted\n")
         for case in CASES:
             table.write("%g,%g,%g,%.6f,%.6f\n" % (case + slab(*case)))
+    with open(__file__.replace("slabs.py", "presets.csv"), "w") as table:
+        table.write("preset,channel,reflected,transmitted\n")
+        for name, (scattering, absorption, g, thickness) in PRESETS.items():
+            for channel, (s, a) in enumerate(zip(scattering, absorption)):
+                table.write("%s,%d,%.6f,%.6f\n" % ((name, channel) + slab(s / (s + a), g, thickness * (s + a))))

@@ -80,6 +80,18 @@ pub fn slabs() -> Vec<Slab> {
     table.lines().skip(1).map(row).collect()
 }
 
+/// What a sheet of 5 mm of a preset reflects and transmits of a beam along its normal, in three channels, by adding and
+/// doubling.
+pub fn sheet(preset: &str) -> [[f64; 3]; 2] {
+    let table = std::fs::read_to_string(data("presets.csv")).unwrap_or_else(|error| panic!("{error}"));
+    let row = |channel: usize| {
+        let row = table.lines().find_map(|line| line.strip_prefix(&format!("{preset},{channel},"))).expect("a row");
+        row.split(',').map(|number| number.parse().expect("a number")).collect::<Vec<f64>>()
+    };
+    let rows = [0, 1, 2].map(row);
+    [0, 1].map(|column| [0, 1, 2].map(|channel: usize| rows[channel][column]))
+}
+
 /// Complete paths with density ratios.
 #[derive(Debug, Deserialize)]
 pub struct DensityRatios {
