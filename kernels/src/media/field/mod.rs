@@ -15,7 +15,8 @@
 //!        n = the cells it is long, rounded up, at most 64
 //! ```
 //!
-//! and no more than 60, so that nothing overflows.
+//! and no more than 60, so that nothing overflows. Where a cell's mean is farther above its least extinction than one mean
+//! free path along its edge, tau~ takes that much less for it.
 //!
 //! A ball or a box of one extinction is known: its tau~ is its optical depth, and nothing is estimated. So are segments
 //! within a box of cells that are all alike.
