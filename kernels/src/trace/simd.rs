@@ -1,4 +1,4 @@
-//! One ray at a time, eight boxes ([`walk`](super::walk)) and eight triangles ([`ray`](super::ray),
+//! One ray at a time, eight boxes ([`walk`]) and eight triangles ([`ray`](super::ray),
 //! [`triangles`](super::triangles)).
 //!
 //! ```text

@@ -55,7 +55,7 @@ pub struct Survey {
     pub volumes: Vec<u32>,
 }
 
-/// Mean extinctions of cells of one size in a box, less where they are [unsure](UNSURE).
+/// Mean extinctions of cells of one size in a box, less in a cell that is thick and uneven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     layout: Layout,
