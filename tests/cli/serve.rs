@@ -282,7 +282,8 @@ fn whoever_keeps_connections_open_keeps_nobody_waiting() {
         }
         let start = Instant::now();
         assert_eq!(served.get("/status").code, 200, "{request:?}");
-        assert!(start.elapsed() < Duration::from_secs(5), "{request:?}: took {:?}", start.elapsed());
+        // Whoever came first would keep it waiting for ten seconds each.
+        assert!(start.elapsed() < PATIENCE, "{request:?}: took {:?}", start.elapsed());
     }
     assert!(count("task") <= threads, "{} threads, {threads} before", count("task"));
     assert!(count("fd") <= files + 30, "{} files, {files} before", count("fd"));
