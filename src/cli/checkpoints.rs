@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::RenderArgs;
+use super::outputs::ImageOutput;
 use super::progress::Reporter;
-use super::values::{Checkpoints, ImageOutput};
+use super::values::Checkpoints;
 use crate::error::{Error, Result};
 use crate::figures::percent;
 use crate::output;

@@ -1,8 +1,8 @@
 //! `--denoise`: images without noise beside those with it.
 
 use super::destinations::Destination;
+use super::outputs::ImageOutput;
 use super::progress::Reporter;
-use super::values::ImageOutput;
 use crate::denoise::{Denoiser, beside};
 use crate::error::{Error, Result};
 use crate::film::Film;

@@ -1,7 +1,7 @@
 //! Whether results are there already.
 
 use super::destinations::Destination;
-use super::values::ImageOutput;
+use super::outputs::ImageOutput;
 use crate::image::Format;
 use crate::output;
 use crate::session::{Limits, Session};

@@ -14,6 +14,7 @@ mod keeper;
 mod loading;
 mod merge;
 mod onlookers;
+mod outputs;
 mod paper;
 mod parts;
 mod paths;
@@ -39,7 +40,8 @@ use crate::scene::document::Override;
 use crate::scene::schema::MOST_SAMPLES;
 use crate::session::Reference;
 use crate::warning::Warning;
-use values::{Checkpoints, FrameRange, ImageOutput, SampleRange};
+use outputs::ImageOutput;
+use values::{Checkpoints, FrameRange, SampleRange};
 
 /// Renders light in fog, clouds, smoke, milk and wax, among lamps, fires and diffuse surfaces, under sun and sky.
 #[derive(Debug, Parser)]
@@ -113,7 +115,7 @@ struct RenderArgs {
     scene: Option<PathBuf>,
     /// Where to write the image: a name that ends in .exr or .png, or exr:PATH or png:PATH for any other name. May be
     /// repeated. Default: the scene's name with .exr.
-    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", value_parser = values::image())]
+    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", value_parser = outputs::image())]
     output: Vec<ImageOutput>,
     /// Connection technique, or several separated by commas: path, nee, mvnee, omnee, bridge, lis.
     #[arg(long, value_name = "T[,T]")]
@@ -231,7 +233,7 @@ struct CompareArgs {
     json: bool,
     /// Write a picture of the difference: red where the first image is brighter, blue where it is darker. A name that
     /// ends in .png, a pipe, or png:PATH. If it is standard output, the comparison is on standard error.
-    #[arg(long, value_name = "DIFF.png", value_parser = values::difference())]
+    #[arg(long, value_name = "DIFF.png", value_parser = outputs::difference())]
     png: Option<PathBuf>,
 }
 
@@ -251,7 +253,7 @@ struct MergeArgs {
     parts: Vec<PathBuf>,
     /// Where to write the image: a name that ends in .exr or .png, or exr:PATH or png:PATH for any other name. May be
     /// repeated.
-    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", required = true, value_parser = values::image())]
+    #[arg(short, long = "output", value_name = "OUT.exr|OUT.png", required = true, value_parser = outputs::image())]
     output: Vec<ImageOutput>,
     /// Exposure of PNG images in stops, or auto, which makes the log-average luminance of the merged image middle grey.
     /// Default: what the scene of the parts says.

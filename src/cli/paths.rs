@@ -7,8 +7,9 @@ use fogbow_kernels::connect::Technique;
 use glam::DVec3;
 
 use super::destinations::{self, Destination};
+use super::outputs::{self, DrawingFormat, DrawingOutput};
 use super::progress::Reporter;
-use super::values::{DrawingFormat, DrawingOutput, LightChoice};
+use super::values::LightChoice;
 use super::{loading, tell, values, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::number;
@@ -38,7 +39,7 @@ pub struct PathsArgs {
     /// Where to draw to: a name that ends in .svg, .png (without letters) or .csv (a table of all vertices, in
     /// metres). May be repeated.
     #[arg(short, long = "output", value_name = "OUT.svg|OUT.png|OUT.csv", required = true)]
-    #[arg(value_parser = values::drawing())]
+    #[arg(value_parser = outputs::drawing())]
     output: Vec<DrawingOutput>,
     /// Where paths begin, in metres. Default: the camera.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]

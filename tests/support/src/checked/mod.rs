@@ -67,16 +67,16 @@ pub const CHECKED: Pipeline = Pipeline {
     generate: walk::check_generate,
     outline: walk::check_outline,
     remember: walk::check_remember,
-    medium_sample: walk::check_medium_sample,
+    medium_sample: flights::check_medium_sample,
     features: first::check_features,
-    first_flight: walk::check_first_flight,
+    first_flight: flights::check_first_flight,
     extend: walk::check_extend,
     glow: walk::check_glow,
     light_hit: walk::check_light_hit,
     prune: walk::check_prune,
-    flight_weight: walk::check_flight_weight,
-    spectral_weight: walk::check_spectral_weight,
-    flight_hue: walk::check_flight_hue,
+    flight_weight: flights::check_flight_weight,
+    spectral_weight: flights::check_spectral_weight,
+    flight_hue: flights::check_flight_hue,
     scatter: walk::check_scatter,
     surface: walk::check_surface,
     passage: walk::check_passage,
@@ -126,6 +126,7 @@ macro_rules! run_both {
 
 mod connect;
 mod first;
+mod flights;
 mod walk;
 mod weigh;
 
