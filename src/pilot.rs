@@ -10,8 +10,8 @@
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
-//! is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found something else than the
-//! image.
+//! is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found something else
+//! than the image.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.

@@ -110,11 +110,8 @@ fn a_block_that_is_given_up_counts_no_samples() {
     for bounces in [0, 1, 3, 1000] {
         let (film, arena) = (Film::new(&frame, Region::whole(SIZE[0], SIZE[1]), TILE_SIZE), Bump::new());
         let (mut wavefront, mut tile) = (Wavefront::new_in(&arena, &frame, &SIMD, 64), film.tile(0));
-        let mut before = 0;
-        let is_done = wavefront.render_while(0..4, &mut tile, || {
-            before += 1;
-            before <= bounces
-        });
+        let mut left = 0..bounces;
+        let is_done = wavefront.render_while(0..4, &mut tile, || left.next().is_some());
         assert_eq!((is_done, tile.samples()), if bounces == 1000 { (true, 4) } else { (false, 0) });
     }
 }

@@ -118,7 +118,6 @@ fn sheets_of_milk_and_wax_reflect_and_transmit_as_adding_and_doubling_says() {
             let (means, errors) = render(&piloted(&scene), scene.scene.film.size, 0..samples).0.mean();
             for ((mean, error), truth) in means.into_iter().zip(errors).zip(truths) {
                 let off = (mean - truth).abs();
-                println!("{preset}: {mean} +- {error}, {truth}");
                 assert!(off < 4.0 * error + 0.002 * truth, "{preset}: {mean} +- {error} instead of {truth}");
                 assert!(error < 0.02 * truth, "{preset}: {mean} +- {error} says little");
             }

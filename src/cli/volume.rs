@@ -27,12 +27,12 @@ pub fn describe(path: &Path) -> Result<()> {
     }
 }
 
-fn describe_grid(path: &Path, place: usize, grid: GridSummary) -> Result<()> {
+fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<()> {
     let half = if grid.is_half { " saved as half floats" } else { "" };
     let class = if grid.class == "unknown" { "unknown class" } else { &grid.class };
     let compression = if grid.compression == "none" { "not compressed" } else { &grid.compression };
     say(format!("grid {}: {}{half}, {class}, {compression}", quoted(&grid.name), grid.value_type))?;
-    let (grid, densities) = completed(path, place, grid);
+    let (grid, densities) = completed(path, index, grid);
     match grid.active_voxels {
         Some(voxels) => say(format!("  active voxels: {voxels}{}", taken(voxels, grid.bits_per_voxel())))?,
         None => say("  active voxels: the file does not say how many")?,
@@ -59,11 +59,11 @@ fn describe_grid(path: &Path, place: usize, grid: GridSummary) -> Result<()> {
 
 /// The same with what the file does not say of a grid that can be read: what its voxels are, or why they cannot be read
 /// after all.
-fn completed(path: &Path, number: usize, grid: GridSummary) -> (GridSummary, Option<Densities>) {
+fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Option<Densities>) {
     if grid.obstacle.is_some() {
         return (grid, None);
     }
-    match read(path, number) {
+    match read(path, index) {
         Ok(found) => {
             let densities = Some(Densities::of(&found)).filter(|densities| densities.most > 0.0);
             let index_bounds = grid.index_bounds.or_else(|| found.index_bounds());

@@ -256,12 +256,8 @@ impl<'q> Wavefront<'q> {
 
     /// The same from the start, but for at most `bounces` segments: a look into the middle of a render.
     pub fn advance(&mut self, samples: core::ops::Range<u32>, tile: &mut Tile, bounces: u32) {
-        let mut left = bounces;
-        self.render_while(samples, tile, || {
-            let is_left = left > 0;
-            left = left.saturating_sub(1);
-            is_left
-        });
+        let mut left = 0..bounces;
+        self.render_while(samples, tile, || left.next().is_some());
     }
 
     /// Hands what ended paths have found to their pixels.

@@ -11,8 +11,8 @@
 //! ```
 //!
 //! 1. Lanes are rays against one body, or bodies against one ray: the arithmetic is the same.
-//! 2. Where bodies are many, rays go through their tree one at a time ([`walk`]), as those of a scattering
-//!    medium share few boxes; but for the first eight, which eight rays meet together.
+//! 2. Where bodies are many, rays go through their tree one at a time ([`walk`]), as those of a scattering medium share
+//!    few boxes; but for the first eight, which eight rays meet together.
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};

@@ -1,5 +1,4 @@
-//! One ray at a time, eight boxes ([`walk`]) and eight triangles ([`ray`](super::ray),
-//! [`triangles`](super::triangles)).
+//! One ray at a time, eight boxes ([`walk`]) and eight triangles ([`ray`](super::ray), [`triangles`](super::triangles)).
 //!
 //! ```text
 //! for each leaf on the way, from near to far:
