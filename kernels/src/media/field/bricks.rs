@@ -3,8 +3,8 @@
 //! A brick has 9^3 values, those of its own voxels and the first ones of its neighbours behind, so that all eight
 //! corners of an interpolation are in one brick: two loads from one cache line for each of four pairs. Values are
 //! 16-bit shares of the brick's own range: a brick takes 1458 bytes where its voxels would take 2048, and a value is
-//! off by at most 1/131070 of that range. Constant bricks, empty ones among them, share one; of others, a [box](Kept)
-//! about all values that are not 0 is kept.
+//! off by at most 1/131070 of that range. Constant bricks, empty ones among them, share one; of others, the least
+//! [box](Kept) that holds all values that are not 0 is kept.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -100,57 +100,40 @@ impl Bricks {
     /// The bricks of `leaves`, no two of which have the same origin; those that are all zero are left out.
     ///
     /// # Panics
-    /// If there is no leaf, or they are farther apart than 2^31 bricks.
+    /// If no density is above 0, or there are more than 2^31 bricks from one end to the other.
     pub fn new(leaves: &[Leaf]) -> Self {
         let brick_of = |leaf: &Leaf| leaf.origin.map(|component| component.div_euclid(SIDE as i32));
         let by_brick: HashMap<[i32; 3], &Leaf> = leaves.iter().map(|leaf| (brick_of(leaf), leaf)).collect();
-        let bound = |pick: fn(i32, i32) -> i32| {
-            let ends = by_brick.keys().copied().reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis])));
-            ends.expect("a grid has leaves")
-        };
-        // The apron of a brick below the first leaf reaches into it.
-        let (first, last) = (bound(i32::min).map(|component| component - 1), bound(i32::max));
-        let dims = [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32);
-        let count: u64 = dims.iter().map(|dim| u64::from(*dim)).product();
-        let mut bricks = Self {
-            origin: first.map(|component| component * SIDE as i32),
-            dims,
-            heads: vec![Head::constant(0.0); usize::try_from(count).expect("fewer than 2^31 bricks")],
-            pool: vec![0; VALUES],
-        };
+        // The apron of the brick before a leaf reaches into it.
         let touched = by_brick
             .keys()
             .flat_map(|brick| (0..8).map(|corner: i32| [0, 1, 2].map(|axis| brick[axis] - (corner >> axis & 1))));
         let mut touched: Vec<[i32; 3]> = touched.collect();
         touched.sort_unstable_by_key(|[x, y, z]| [*z, *y, *x]);
         touched.dedup();
-        for brick in touched {
-            let values = gather(&by_brick, brick);
-            let place = [0, 1, 2].map(|axis| (brick[axis] - first[axis]) as u32);
-            let index = bricks.index(place);
-            bricks.heads[index] = bricks.store(&values);
+        let mut pool = vec![0; VALUES];
+        let stored = touched.into_iter().map(|brick| (brick, store(&mut pool, &gather(&by_brick, brick))));
+        let filled: Vec<([i32; 3], Head)> = stored.filter(|(_, head)| *head != Head::constant(0.0)).collect();
+        pool.shrink_to_fit();
+        let bound = |pick: fn(i32, i32) -> i32| {
+            let ends = filled.iter().map(|(brick, _)| *brick);
+            ends.reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis]))).expect("a density above 0")
+        };
+        let (first, last) = (bound(i32::min), bound(i32::max));
+        let dims = [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32);
+        let count: u64 = dims.iter().map(|dim| u64::from(*dim)).product();
+        let heads = vec![Head::constant(0.0); usize::try_from(count).expect("fewer than 2^31 bricks")];
+        let mut bricks = Self { origin: first.map(|component| component * SIDE as i32), dims, heads, pool };
+        for (brick, head) in filled {
+            let index = bricks.index([0, 1, 2].map(|axis| (brick[axis] - first[axis]) as u32));
+            bricks.heads[index] = head;
         }
-        bricks.pool.shrink_to_fit();
         bricks
     }
 
     fn index(&self, [x, y, z]: [u32; 3]) -> usize {
         let [width, height, _] = self.dims.map(|dim| dim as usize);
         (z as usize * height + y as usize) * width + x as usize
-    }
-
-    /// Adds the values of a brick to the pool.
-    fn store(&mut self, values: &[f32; VALUES]) -> Head {
-        let least = values.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = values.iter().copied().fold(0.0, f32::max);
-        let step = (most - least) / WHOLE;
-        if step == 0.0 {
-            return Head::constant(least);
-        }
-        let first = u32::try_from(self.pool.len()).expect("fewer than 2^32 values");
-        let kept = Kept::around(values);
-        self.pool.extend(kept.of(values).map(|value| ((value - least) / step).round() as u16));
-        Head { first, kept, least, step }
     }
 
     /// What densities range over in the cube of `side` <= 8 voxels from `first` on, which is within one brick; with the
@@ -272,7 +255,7 @@ impl Bricks {
     #[inline(always)]
     fn corners(&self, place: [u32x8; 3], share: [f32x8; 3]) -> f32x8 {
         let head = self.heads(place);
-        let KeptX8 { at: [x, y, z], share: [fx, fy, fz], steps: [row, layer] } = head.kept(place, share);
+        let KeptX8 { at: [x, y, z], share: [fx, fy, fz], left, steps: [row, layer] } = head.kept(place, share);
         let first = head.first + z * layer + y * row + x;
         let pair = |first: u32x8| {
             let first = first.to_array();
@@ -285,17 +268,18 @@ impl Bricks {
         };
         let behind = first + layer;
         let [low, after_low, high, after_high] = [first, first + row, behind, behind + row].map(pair);
-        mix(mix(low, after_low, fy), mix(high, after_high, fy), fz).mul_add(head.step, head.least)
+        // Where something is not kept, the least density is 0.
+        mix(mix(low, after_low, fy), mix(high, after_high, fy), fz).mul_add(left * head.step, head.least)
     }
 
     #[inline(always)]
     fn voxel(&self, place: [u32x8; 3]) -> f32x8 {
         let head = self.heads(place);
-        let KeptX8 { at, share, steps: [row, layer] } = head.kept(place, [f32x8::ZERO; 3]);
+        let KeptX8 { at, share, left, steps: [row, layer] } = head.kept(place, [f32x8::ZERO; 3]);
         let [x, y, z] = [0, 1, 2].map(|axis| at[axis] + bytemuck::cast::<_, u32x8>(share[axis].fast_trunc_int()));
         let index = (head.first + z * layer + y * row + x).to_array();
         let share = f32x8::new(per_lane(|lane| f32::from(self.pool[index[lane] as usize])));
-        share.mul_add(head.step, head.least)
+        share.mul_add(left * head.step, head.least)
     }
 
     /// Density of the voxel at `place`, counted from the first one; 0 outside. For twins.
@@ -312,6 +296,20 @@ impl Bricks {
 #[inline(always)]
 fn mix(a: f32x8, b: f32x8, share: f32x8) -> f32x8 {
     (b - a).mul_add(share, a)
+}
+
+/// Adds the values of a brick to the pool.
+fn store(pool: &mut Vec<u16>, values: &[f32; VALUES]) -> Head {
+    let least = values.iter().copied().fold(f32::INFINITY, f32::min);
+    let most = values.iter().copied().fold(0.0, f32::max);
+    let step = (most - least) / WHOLE;
+    if step == 0.0 {
+        return Head::constant(least);
+    }
+    let first = u32::try_from(pool.len()).expect("fewer than 2^32 values");
+    let kept = Kept::around(values);
+    pool.extend(kept.of(values).map(|value| ((value - least) / step).round() as u16));
+    Head { first, kept, least, step }
 }
 
 /// The values of a brick and its apron.

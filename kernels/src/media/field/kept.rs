@@ -2,12 +2,14 @@
 //!
 //! ```text
 //! low, high: first and last value along an axis, low < high
-//! outside of them everything is 0, and so are the layers low, if low > 0, and high, if it is not the last one
-//! a point between l and l + 1, at the share f:  l' = min(max(l, low), high - 1),  f' = min(max(f + l - l', 0), 1)
+//! outside of them everything is 0
+//! a point between l and l + 1, at the share f:  l' = min(max(l, low), high - 1),  d = f + l - l'
+//!                                               f' = min(max(d, 0), 1),           w = min(max(3/2 - |d - 1/2|, 0), 1)
 //! ```
 //!
-//! Points outside of the box are moved to its border, where the density is 0 as well. Values of the box are in sequence, x
-//! first, so that steps from one to the next along y and z differ from brick to brick.
+//! Points outside of the box are moved to its border, d is how far they are beyond l'; from the border on, the density falls
+//! to 0 over one edge of a voxel: w is what is left of it, and the density is what is mixed at f' times the three w. Values
+//! of the box are in sequence, x first, so that steps from one to the next along y and z differ from brick to brick.
 
 use wide::{f32x8, i32x8, u32x8};
 
@@ -28,6 +30,8 @@ pub struct KeptX8 {
     pub at: [u32x8; 3],
     /// How far each point is from there to the next one, in [0, 1].
     pub share: [f32x8; 3],
+    /// What is left, in [0, 1], of the density there: less than all of it beyond the border.
+    pub left: f32x8,
     /// Values along x, and along x and y.
     pub steps: [u32x8; 2],
 }
@@ -40,16 +44,19 @@ impl Kept {
         Self(a | b << BITS | c << (2 * BITS) | d << (3 * BITS) | e << (4 * BITS) | f << (5 * BITS))
     }
 
-    /// The least box of at least two values along each axis, of which some value is not 0.
+    /// The least box, of at least two values along each axis, outside of which all are 0.
     pub fn around(values: &[f32; VALUES]) -> Self {
-        let last = STRIDE - 1;
-        let (mut low, mut high) = ([last; 3], [0; 3]);
+        let (mut low, mut high) = ([STRIDE - 1; 3], [0; 3]);
         for (index, _) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
             let place = [index % STRIDE, index / STRIDE % STRIDE, index / (STRIDE * STRIDE)];
             for axis in 0..3 {
-                low[axis] = low[axis].min(place[axis].saturating_sub(1));
-                high[axis] = high[axis].max((place[axis] + 1).min(last));
+                low[axis] = low[axis].min(place[axis]);
+                high[axis] = high[axis].max(place[axis]);
             }
+        }
+        for axis in 0..3 {
+            low[axis] = low[axis].min(STRIDE - 2);
+            high[axis] = high[axis].max(low[axis] + 1);
         }
         Self::new(low.map(|c| c as u32), high.map(|c| c as u32))
     }
@@ -93,13 +100,16 @@ impl KeptX8 {
     pub fn new(kept: u32x8, at: [u32x8; 3], share: [f32x8; 3]) -> Self {
         let coordinate = |nth: u32| (kept >> (nth * BITS)) & u32x8::splat(ONE);
         let one = u32x8::splat(1);
-        let mut found = Self { at, share, steps: [one; 2] };
+        let mut found = Self { at, share, left: f32x8::ONE, steps: [one; 2] };
         for axis in 0..3 {
             let (low, high) = (coordinate(axis as u32), coordinate(axis as u32 + 3));
             let inside = at[axis].max(low).min(high - one);
             let moved: i32x8 = bytemuck::cast(at[axis] - inside);
             found.at[axis] = inside - low;
-            found.share[axis] = (share[axis] + f32x8::from_i32x8(moved)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            let beyond = share[axis] + f32x8::from_i32x8(moved);
+            found.share[axis] = beyond.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+            let left = f32x8::splat(1.5) - (beyond - f32x8::HALF).abs();
+            found.left *= left.fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
             if axis < 2 {
                 found.steps[1] *= high - low + one;
             }
@@ -174,9 +184,9 @@ mod tests {
         let mut values = [0.0; VALUES];
         values[STRIDE * STRIDE * 4 + STRIDE * 8] = 1.0;
         let kept = Kept::around(&values);
-        assert_eq!(kept.bounds(), [[0, 1], [7, 8], [3, 5]]);
-        assert_eq!(kept.of(&values).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!([kept.index([0, 8, 4]), kept.index([0, 8, 6]), kept.index([2, 8, 4])], [Some(6), None, None]);
+        assert_eq!(kept.bounds(), [[0, 1], [7, 8], [4, 5]]);
+        assert_eq!(kept.of(&values).collect::<Vec<_>>(), [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!([kept.index([0, 8, 4]), kept.index([0, 8, 6]), kept.index([2, 8, 4])], [Some(2), None, None]);
         values.fill(1.0);
         assert_eq!(Kept::around(&values), Kept::ALL);
         assert_eq!(Kept::ALL.of(&values).count(), VALUES);
