@@ -1,10 +1,14 @@
 //! Multiple-vertex next event estimation: what its kernels make against the densities of the twin.
 
+use std::collections::BTreeSet;
+
 use fogbow::frame::Frame;
-use fogbow::wavefront::{Candidates, Wavefront};
-use fogbow_kernels::PathLengths;
-use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset};
-use fogbow_testing::frames;
+use fogbow::wavefront::{Candidates, Source, Wavefront};
+use fogbow_kernels::connect::light_sample::Scope;
+use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset, Seeds};
+use fogbow_kernels::media::reference::{Medium as _, extinction_along};
+use fogbow_kernels::{PathLengths, random};
+use fogbow_testing::frames::{self, clouds};
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
 use fogbow_testing::walks::{after_walks, vector};
@@ -126,4 +130,66 @@ fn any_density_over_the_samplers_has_mean_one() {
         p_values.push(p_of_z(z));
     }
     assert!(p_values.len() == 6 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
+}
+
+/// Three lights in and about a cloud with holes, and vacuum around it; paths may be as long as they like.
+fn cloudy_frame(mesc: f64, seeds: Seeds) -> Frame {
+    let [(_, mut frame), _] = clouds::clouds([64, 64]);
+    frame.lengths = PathLengths { min: 1, max: 60 };
+    frame.techniques.mvnee = Some(Mvnee { seeds, ..Mvnee::new(&frame.medium, mesc, Offset::Ggx) });
+    frame
+}
+
+#[test]
+fn a_cloud_is_connected_through_up_to_the_depth_of_the_axis_that_mesc_says() {
+    let mesc = 0.5;
+    let frame = cloudy_frame(mesc, Seeds::Coarse);
+    let mvnee = frame.techniques.mvnee.expect("MVNEE");
+    let (mut nearer, mut deeper) = (0, 0);
+    after_walks(&frame, 1 << 14, 1, |wavefront| {
+        wavefront.light_sample(Scope::new(random::MVNEE_LIGHT));
+        wavefront.join(&mvnee, frame.lengths, wavefront.step);
+        let Wavefront { buckets, candidates: Candidates { connections, bridged, .. }, .. } = &*wavefront;
+        let rows = buckets.buckets().iter().flat_map(|bucket| bucket.rows());
+        let joined: BTreeSet<u32> = rows.map(|row| bridged.lane.rows()[row]).collect();
+        for row in 0..connections.len {
+            let [start, point] = [connections.start.row(row), connections.point.row(row)].map(vector);
+            let depth = frame.medium.twin(0).optical_depth(start, point);
+            if (depth - mesc).abs() > 1e-3 {
+                let is_near = depth < mesc;
+                *(if is_near { &mut nearer } else { &mut deeper }) += 1;
+                assert_eq!(joined.contains(&connections.lane.rows()[row]), is_near, "an axis of depth {depth}");
+            }
+        }
+    });
+    assert!(nearer > 500 && deeper > 500, "{nearer} nearer, {deeper} deeper");
+}
+
+#[test]
+fn seeds_are_in_the_cloud_and_vertices_in_vacuum_end_a_connection() {
+    for (seeds, all_in_cloud) in [(Seeds::Coarse, true), (Seeds::Fast, false)] {
+        let frame = cloudy_frame(f64::INFINITY, seeds);
+        let (medium, mvnee) = (frame.medium.twin(0), frame.techniques.mvnee.expect("MVNEE"));
+        let [mut within, mut in_vacuum, mut beside] = [0; 3];
+        after_walks(&frame, 1 << 14, 1, |wavefront| {
+            recorded::build_mvnee(wavefront, &mvnee);
+            for index in 0..wavefront.buckets.buckets().len() {
+                let bucket = wavefront.buckets.buckets()[index];
+                wavefront.sift(Source::Bridged, bucket);
+                let Wavefront { candidates: Candidates { bridged, .. }, chains, worth, .. } = &*wavefront;
+                for row in bucket.rows() {
+                    let [start, point] = [bridged.start.row(row), bridged.point.row(row)].map(vector);
+                    let (axis, strata) = ((point - start).normalize(), medium.strata(start, point));
+                    let chain = || chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
+                    let coarse = |vertex: DVec3| extinction_along(&strata, (vertex - start).dot(axis));
+                    beside += chain().take(if all_in_cloud { 60 } else { 1 }).filter(|v| coarse(*v) == 0.0).count();
+                    let is_lost = chain().any(|vertex| medium.extinction(vertex) == 0.0);
+                    *(if is_lost { &mut in_vacuum } else { &mut within }) += 1;
+                    // Others may arrive at the dark side of their lamp.
+                    assert!(!is_lost || worth.weight.rows()[row] == 0.0, "{seeds:?}: a vertex in vacuum counts");
+                }
+            }
+        });
+        assert!(within > 500 && in_vacuum > 50 && beside == 0, "{seeds:?}: {within}, {in_vacuum}, {beside}");
+    }
 }
