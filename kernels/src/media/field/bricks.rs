@@ -97,10 +97,11 @@ impl Head {
 }
 
 impl Bricks {
-    /// The bricks of `leaves`, no two of which have the same origin; those that are all zero are left out.
+    /// The bricks of `leaves`, no two of which have the same origin; those that are all zero are left out, but for one
+    /// if there is no other.
     ///
     /// # Panics
-    /// If no density is above 0, or there are more than 2^31 bricks from one end to the other.
+    /// If there are more than 2^31 bricks from one end to the other.
     pub fn new(leaves: &[Leaf]) -> Self {
         let brick_of = |leaf: &Leaf| leaf.origin.map(|component| component.div_euclid(SIDE as i32));
         let by_brick: HashMap<[i32; 3], &Leaf> = leaves.iter().map(|leaf| (brick_of(leaf), leaf)).collect();
@@ -117,7 +118,7 @@ impl Bricks {
         pool.shrink_to_fit();
         let bound = |pick: fn(i32, i32) -> i32| {
             let ends = filled.iter().map(|(brick, _)| *brick);
-            ends.reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis]))).expect("a density above 0")
+            ends.reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis]))).unwrap_or_default()
         };
         let (first, last) = (bound(i32::min), bound(i32::max));
         let dims = [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32);

@@ -180,6 +180,19 @@ mod tests {
     }
 
     #[test]
+    fn densities_that_are_next_to_nothing_are_nothing() {
+        for density in [0.0, f32::from_bits(1)] {
+            let mut leaves = sparse(0, 0);
+            Arc::make_mut(&mut leaves[1].values)[77] = density;
+            let bricks = Bricks::new(&leaves);
+            assert_eq!(bricks.dims, [1; 3]);
+            for at in [[0.0; 3], [13.0, 1.0, 1.0], [-3.0, 4.5, 7.5]] {
+                assert_eq!(bricks.density(Vec3x8::splat(at), true), f32x8::ZERO);
+            }
+        }
+    }
+
+    #[test]
     fn a_box_is_as_small_as_its_values_allow() {
         let mut values = [0.0; VALUES];
         values[STRIDE * STRIDE * 4 + STRIDE * 8] = 1.0;
