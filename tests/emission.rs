@@ -22,6 +22,8 @@ use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
 const EMISSION: [f32; 3] = [4.0, 2.0, 0.5];
+/// Extinction per channel over the largest, where it is coloured.
+const HUES: [f32; 3] = [0.5, 1.0, 0.2];
 
 /// A camera so narrow that it is one ray along +z.
 fn ray_camera() -> Camera {
@@ -46,8 +48,12 @@ fn lone(volume: Volume) -> Medium {
 
 /// Fog of this extinction and albedo that emits the same everywhere.
 fn fog(extinction: f32, albedo: f32, emission: [f32; 3]) -> Medium {
-    Medium::homogeneous(extinction, [albedo; 3], PhaseFunction::henyey_greenstein(0.5))
-        .with_glow(Glow::everywhere(emission))
+    coloured_fog([extinction; 3], [albedo; 3], emission)
+}
+
+/// The same in colour.
+fn coloured_fog(extinction: [f32; 3], albedo: [f32; 3], emission: [f32; 3]) -> Medium {
+    Medium::coloured(extinction, albedo, PhaseFunction::henyey_greenstein(0.5)).with_glow(Glow::everywhere(emission))
 }
 
 /// The lumps of the cloud in other units, as densities.
@@ -57,11 +63,15 @@ fn flame(center: DVec3, size: f64) -> Voxels {
 
 /// What the only pixel of `frame` shows is `truth` times the emission, within the noise and rounding.
 fn assert_radiance(case: &str, frame: &Frame, samples: u32, emission: [f32; 3], truth: f64) {
+    assert_radiances(case, frame, samples, emission.map(|emission| f64::from(emission) * truth));
+}
+
+/// The same of radiances per channel.
+fn assert_radiances(case: &str, frame: &Frame, samples: u32, expected: [f64; 3]) {
     let (film, stats) = render(frame, [1, 1], 0..samples);
     assert_eq!(stats.dropped.count, 0);
     let pixel = film.pixel(0, 0);
-    for (c, emission) in emission.into_iter().enumerate() {
-        let expected = f64::from(emission) * truth;
+    for (c, expected) in expected.into_iter().enumerate() {
         let (mean, error) = (pixel.mean[c], pixel.standard_error[c]);
         let off = (mean - expected).abs();
         assert!(off < 4.2 * error + 1e-5 * expected, "{case}, channel {c}: {mean} +- {error}, expected {expected}");
@@ -86,6 +96,29 @@ fn what_absorbs_and_emits_shines_as_the_closed_form_says() {
     }
 }
 
+/// Every channel has the closed form of its own extinction, although only a third of the flights are its own.
+#[test]
+fn what_absorbs_in_colour_shines_as_the_closed_form_says_in_every_channel() {
+    let (center, block) = (DVec3::new(0.0, 0.0, 3.0), Shape::block([[-1.0, -1.0, 2.0], [1.0, 1.0, 4.5]]));
+    let extinction = HUES.map(|hue| 0.7 * hue);
+    let lone = |volume: Volume| {
+        let field = Field::new(vec![volume], 0.0).coloured(HUES);
+        absorbing(field, vec![Source::constant(EMISSION)])
+    };
+    for (case, medium, length) in [
+        ("ball", lone(ball(center, 1.5, 0.7)), 3.0),
+        ("box", lone(solid(block, 0.7)), 2.5),
+        ("box around the camera", lone(solid(Shape::block([[-2.0; 3], [2.0; 3]]), 0.7)), 2.0),
+        ("endless fog", coloured_fog(extinction, [0.0; 3], EMISSION), f64::INFINITY),
+    ] {
+        let expected = [0, 1, 2].map(|c| {
+            let [emission, extinction] = [EMISSION[c], extinction[c]].map(f64::from);
+            emission * (1.0 - (-extinction * length).exp()) / extinction
+        });
+        assert_radiances(case, &ray_through(medium, 5), 60_000, expected);
+    }
+}
+
 #[test]
 fn flames_need_no_extinction() {
     let block = lone(solid(Shape::block([[-1.0, -1.0, 2.0], [1.0, 1.0, 4.5]]), 0.0));
@@ -103,18 +136,20 @@ fn the_first_of_several_volumes_emits() {
     assert_radiance("a core in a hull", &ray_through(medium, 3), 4_000, [1.0; 3], 3.0 + 2.0);
 }
 
-/// The integral of emission times transmittance along the camera's ray, over the emission of density 1.
-fn quadrature(medium: &Medium, length: f64) -> f64 {
+/// The integral of emission times transmittance along the camera's ray, per channel.
+fn quadrature(medium: &Medium, length: f64) -> [f64; 3] {
     const STEPS: u32 = 100_000;
     let (field, glow) = (medium.field().expect("a field"), medium.glow.as_ref().expect("emission"));
-    let (step, mut depth, mut sum) = (length / f64::from(STEPS), 0.0_f64, 0.0);
+    let (step, mut depth, mut sums) = (length / f64::from(STEPS), 0.0_f64, [0.0; 3]);
     for i in 0..STEPS {
         let at = (f64::from(i) + 0.5) * step * DVec3::Z;
         let (who, extinction) = field.here(field.cells_of(at));
-        sum += glow.at_point(who, at)[0] / f64::from(EMISSION[0]) * (-depth - 0.5 * extinction * step).exp() * step;
+        for ((sum, emission), hue) in sums.iter_mut().zip(glow.at_point(who, at)).zip(field.hues()) {
+            *sum += emission * (-f64::from(hue) * (depth + 0.5 * extinction * step)).exp() * step;
+        }
         depth += extinction * step;
     }
-    sum
+    sums
 }
 
 #[test]
@@ -127,11 +162,15 @@ fn grids_of_emission_shine_as_quadrature_says() {
         ("in a ball", absorbing(Field::new(vec![ball(center, 1.0, 0.8)], 0.0), vec![lumpy()])),
         ("by itself", absorbing(Field::new(vec![solid(own, 0.5)], 0.0), vec![lumpy()])),
         ("in fog", absorbing(Field::new(vec![ball(center, 1.0, 0.0)], 0.3), vec![lumpy()])),
+        (
+            "in a coloured cloud",
+            absorbing(cloud(3.0, center, 2.0, Interpolation::Trilinear).coloured(HUES), vec![lumpy()]),
+        ),
     ];
     for (case, medium) in media {
         let truth = quadrature(&medium, 8.0);
-        assert!(truth > 0.05, "{case}: {truth}");
-        assert_radiance(case, &ray_through(medium, 3), 60_000, EMISSION, truth);
+        assert!((0..3).all(|c| truth[c] > 0.05 * f64::from(EMISSION[c])), "{case}: {truth:?}");
+        assert_radiances(case, &ray_through(medium, 3), 60_000, truth);
     }
 }
 
@@ -143,6 +182,10 @@ fn furnaces_are_as_bright_as_black_bodies() {
     let medium = || fog(extinction, albedo, emission);
     let truth = f64::from(1.0 / (extinction * (1.0 - albedo)));
     assert_radiance("endless fog", &ray_through(medium(), 60), 20_000, emission, truth);
+    let (extinctions, albedos) = (HUES.map(|hue| hue * extinction), [0.7, 0.3, 0.6]);
+    let emissions = [0, 1, 2].map(|c| extinctions[c] * (1.0 - albedos[c]) * brightness);
+    let coloured = ray_through(coloured_fog(extinctions, albedos, emissions), 60);
+    assert_radiances("endless coloured fog", &coloured, 60_000, [f64::from(brightness); 3]);
     let wall = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.0]];
     let [a, b, c, d] = wall;
     let mut white: Vec<_> = frames::walls().into_iter().flatten().collect();
@@ -156,8 +199,14 @@ fn furnaces_are_as_bright_as_black_bodies() {
     assert_radiance("white room, walks that end early", &gone, 60_000, emission, truth);
 }
 
-/// Fog, a room and a cloud that emit among lights, and a flame that is all there is.
-fn variety() -> [(&'static str, Frame); 4] {
+/// A cloud of this `extinction` where it is densest [1/m].
+fn a_cloud(extinction: f32) -> Field {
+    cloud(4.0, DVec3::new(0.1, 0.0, 1.6), extinction, Interpolation::Trilinear)
+}
+
+/// Fog, a room and a cloud that emit among lights, and a flame that is all there is; in coloured extinction, a room and a
+/// cloud.
+fn variety() -> [(&'static str, Frame); 6] {
     let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
     let room = frames::room(0.5, Selection::IntensityDistance, SMALL);
     let glowing = |frame: &Frame, glow: Glow| frames::with_medium(frame, frame.medium.clone().with_glow(glow));
@@ -167,18 +216,23 @@ fn variety() -> [(&'static str, Frame); 4] {
     );
     let flame = || Source { emission: EMISSION, voxels: Some(flame(DVec3::new(0.1, 0.0, 1.6), 3.0)) };
     let glow = Glow::of_field(&field, [0.2, 0.1, 0.3], vec![Source::constant([1.0, 0.5, 0.2]), flame()]);
-    let cloudy = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear);
+    let cloudy = a_cloud(9.0);
     let fire = Glow::of_field(&cloudy, [0.0; 3], vec![flame()]);
     let of = |frame: &Frame, field: Field, glow: Glow| {
         let Medium { albedo, phase, .. } = frame.medium.clone();
         frames::with_medium(frame, Medium::of_field(field, albedo, phase).with_glow(glow))
     };
+    let [_, (_, coloured_room)] = frames::coloured(SMALL);
+    let tinted = cloudy.clone().coloured(HUES);
+    let flames = Glow::of_field(&tinted, [0.0; 3], vec![flame()]);
     let dark = Frame { lights: Lights::new(Vec::new(), Selection::Uniform), ..lights.clone() };
     [
         ("fog", glowing(&lights, Glow::everywhere([0.5, 0.2, 0.1]))),
         ("room", glowing(&room, Glow::everywhere([0.1, 0.2, 0.3]))),
         ("volumes", of(&lights, field, glow)),
         ("fire", of(&dark, cloudy, fire)),
+        ("coloured room", glowing(&coloured_room, Glow::everywhere([0.1, 0.2, 0.3]))),
+        ("coloured cloud", of(&lights, tinted, flames)),
     ]
 }
 
@@ -217,6 +271,37 @@ fn mean(frame: &Frame, samples: u32) -> (f64, f64) {
     assert_eq!(stats.dropped.count, 0, "{:?}", stats.dropped.first);
     let (mean, error) = film.mean();
     (mean.iter().sum(), error.iter().map(|error| error * error).sum::<f64>().sqrt())
+}
+
+/// `frame` in grey extinction: that of one channel.
+fn grey(frame: &Frame, channel: usize) -> Frame {
+    let Medium { albedo, phase, glow, .. } = frame.medium.clone();
+    let medium = match frame.medium.field() {
+        None => Medium::homogeneous(frame.medium.extinctions()[channel], albedo, phase),
+        Some(field) => Medium::of_field(a_cloud(9.0 * field.hues()[channel]), albedo, phase),
+    };
+    frames::with_medium(frame, Medium { glow, ..medium })
+}
+
+/// All light, that of lamps and of flames, is in every channel what it is in grey extinction.
+#[test]
+fn coloured_media_are_as_bright_as_grey_ones_in_every_channel() {
+    let per_channel = |frame: &Frame, samples: u32| render(frame, SMALL, 0..samples).0.mean();
+    for (name, frame) in variety().into_iter().filter(|(_, frame)| frame.medium.is_coloured()) {
+        let truth = [0, 1, 2].map(|c| {
+            let grey = Frame { seed: 77 + c as u32, ..with(&grey(&frame, c), Active::Nee) };
+            let (mean, error) = per_channel(&grey, 2000);
+            (mean[c], error[c])
+        });
+        for active in TECHNIQUES {
+            let (mean, error) = per_channel(&with(&frame, active).with_walk(u32::MAX, 0.9), 1000);
+            for c in 0..3 {
+                let z = z_of_means((mean[c], error[c]), truth[c]);
+                let found = (mean[c], error[c]);
+                assert!(z.abs() < 4.2, "{name}, {active:?}, channel {c}: {found:?} for {:?}, z = {z}", truth[c]);
+            }
+        }
+    }
 }
 
 #[test]
@@ -275,5 +360,9 @@ fn sums_hold_the_faintest_and_the_brightest_emission() {
         let block = solid(Shape::block([[-1.0, -1.0, 2.0], [1.0, 1.0, 4.5]]), 0.0);
         let medium = absorbing(Field::new(vec![block], 0.0), vec![Source::constant(emission)]);
         assert_radiance("box", &ray_through(medium, 2), 8, emission, 2.5);
+        let extinctions = HUES.map(|hue| 0.5 * hue);
+        let expected = [0, 1, 2].map(|c| f64::from(emission[c] / extinctions[c]));
+        let coloured = coloured_fog(extinctions, [0.0; 3], emission);
+        assert_radiances("coloured fog", &ray_through(coloured, 2), 60_000, expected);
     }
 }

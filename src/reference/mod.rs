@@ -268,7 +268,11 @@ impl Walk<'_> {
         let ray = (self.last(), self.direction);
         let met = glow::reference::along(&self.frame.medium, glow, ray, flown, &self.draws());
         let reached = reach(&self.frame.walk, self.depth() as usize + 1);
-        let radiance = [0, 1, 2].map(|c| met[c] * self.throughput[c] / reached);
+        let shares = match self.frame.medium.is_coloured() {
+            true => glow::reference::of_hero(self.hero, self.throughput, self.log_posterior),
+            false => self.throughput,
+        };
+        let radiance = [0, 1, 2].map(|c| met[c] * shares[c] / reached);
         if radiance != [0.0; 3] && radiance.iter().all(|channel| channel.is_finite()) {
             self.found.push(Contribution { segments: self.depth() + 1, technique: None, radiance });
         }

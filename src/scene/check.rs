@@ -152,10 +152,9 @@ impl Check<'_> {
     /// these hold.
     fn medium_of(&self, scene: &Scene, sources: &Sources<'_>, origin: DVec3) -> Result<(Medium, Vec<Option<Filling>>)> {
         let around = scene.medium.as_ref().map_or(Ok(Medium::vacuum()), |medium| self.medium("medium", medium))?;
-        let finding = "given, but the medium has no extinction, so that endless ways would meet light without end";
-        let remedy = "give scattering or absorption, or put the emission into a [[volume]], which needs none";
-        let ends = around.glow.is_none() || around.largest_extinction() > 0.0;
-        self.require(ends, "medium.emission", finding, remedy)?;
+        if let Some(medium) = &scene.medium {
+            self.ends(medium)?;
+        }
         if scene.volume.is_empty() {
             return Ok((around, Vec::new()));
         }
@@ -169,6 +168,21 @@ impl Check<'_> {
         };
         let volumes: Vec<Volume<'_>> = scene.volume.iter().enumerate().map(volume).collect::<Result<_>>()?;
         volumes::medium(self.document, around, &volumes, origin)
+    }
+
+    /// An error if endless ways through `medium`, which is around everything, meet light without end.
+    fn ends(&self, medium: &schema::Medium) -> Result<()> {
+        let extinction = |c: usize| medium.scattering.0[c] + medium.absorption.0[c];
+        let Some(channel) = (0..3).find(|c| medium.emission.0[*c] > 0.0 && extinction(*c) == 0.0) else {
+            return Ok(());
+        };
+        let everywhere = (0..3).all(|c| extinction(c) == 0.0);
+        let place = if everywhere { String::new() } else { format!(" in {}", ["red", "green", "blue"][channel]) };
+        let finding = format!(
+            "given, but the medium has no extinction{place}, so that endless ways would meet light without end"
+        );
+        let remedy = "give scattering or absorption, or put the emission into a [[volume]], which needs none";
+        Err(self.wrong("medium.emission", finding, remedy))
     }
 
     /// The homogeneous medium of the keys at `table`.
@@ -192,9 +206,6 @@ impl Check<'_> {
         let path = format!("{table}.emission");
         let ok = emission.0.iter().all(|x| (0.0..=LARGEST_EMISSION).contains(x));
         self.require(ok, &path, emission, "give a finite emission from 0 to 1e20 W/(m^3 sr)")?;
-        let finding = "given, but emission needs extinction that is the same in all channels, so far";
-        let remedy = "make scattering + absorption the same in all channels; the shares of the two may differ";
-        self.require(!medium.is_coloured(), &path, finding, remedy)?;
         Ok(medium.with_glow(Glow::everywhere(emission.0.map(|channel| channel as f32))))
     }
 

@@ -93,7 +93,6 @@ pub fn medium(
         return Err(document.error("volume", finding, "leave some out, or join grids"));
     }
     let hues = common_hues(&around, volumes)?;
-    uncoloured(document, &around, volumes, hues)?;
     let (mut placed, mut fillings) = (Vec::new(), Vec::new());
     for (index, volume) in volumes.iter().enumerate() {
         let filled = volume.placed(origin)?;
@@ -149,19 +148,6 @@ fn common_hues(around: &Medium, volumes: &[Volume<'_>]) -> Result<[f32; 3]> {
 fn phases<'a>(media: impl Iterator<Item = &'a Medium> + Clone) -> Vec<PhaseFunction> {
     let Some(first) = media.clone().find(|medium| !medium.never_scatters()) else { return Vec::new() };
     media.map(|medium| if medium.never_scatters() { first.phase.clone() } else { medium.phase.clone() }).collect()
-}
-
-/// The error that something emits where extinction is coloured.
-fn uncoloured(document: &Document, around: &Medium, volumes: &[Volume<'_>], hues: [f32; 3]) -> Result<()> {
-    let own = volumes.iter().map(|volume| (&volume.medium, volume.table.as_str()));
-    let mut all = [(around, "medium")].into_iter().chain(own);
-    let Some((_, table)) = all.find(|(medium, _)| medium.glow.is_some()).filter(|_| hues != [1.0; 3]) else {
-        return Ok(());
-    };
-    let path = format!("{table}.emission");
-    let finding = format!("{path} is given, but emission needs extinction that is the same in all channels, so far");
-    let remedy = "make scattering + absorption of all media the same in all channels; the shares of the two may differ";
-    Err(document.error(&path, finding, remedy))
 }
 
 /// Extinction per channel over that of the channel in which it is largest.

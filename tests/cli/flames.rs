@@ -22,7 +22,8 @@ const FLAME: &str = "[[volume]]\nemission = [3, 2, 1]\nemission_grid = { file = 
 
 #[test]
 fn flames_are_all_the_light_that_a_scene_needs() {
-    for medium in [FLAME, "[medium]\nscattering = 0.7\nabsorption = 0.3\nemission = 2"] {
+    let coloured = format!("{FLAME}\nscattering = [0.3, 0.2, 0.1]\nabsorption = [0.2, 0.2, 0.3]");
+    for medium in [FLAME, &format!("{MEDIUM}\nemission = 2"), &coloured] {
         let folder = with(medium, false);
         for technique in ["path", "nee", "bridge", "mvnee,omnee"] {
             let run = folder.done(&["render", "scene.toml", "--technique", technique, "-o", "a.exr", "-o", "a.png"]);
@@ -47,12 +48,8 @@ fn emission_that_cannot_be_is_refused_with_a_reason() {
         (format!("{MEDIUM}\nemission = 1e21"), "medium.emission is 1e21"),
         ("[medium]\nemission = 1".into(), "medium.emission is given, but the medium has no extinction"),
         (
-            "[medium]\nscattering = [1, 2, 3]\nemission = 1".into(),
-            "medium.emission is given, but emission needs extinction that is the same in all channels, so far",
-        ),
-        (
-            format!("{block}scattering = [1, 2, 3]\n{block}emission = 1"),
-            "volume[1].emission is given, but emission needs extinction that is the same in all channels, so far",
+            "[medium]\nscattering = [1, 0, 3]\nemission = [1, 2, 0]".into(),
+            "medium.emission is given, but the medium has no extinction in green",
         ),
         (
             format!("{block}emission_grid = {{ file = \"blob.vdb\" }}"),

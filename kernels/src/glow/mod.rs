@@ -8,7 +8,13 @@
 //! ```
 //!
 //! No majorant is asked for, emission without extinction counts as well, and nothing else makes such paths, so that there
-//! is nothing to weigh them against. The integral along the way flown is estimated by one point in each of some strata
+//! is nothing to weigh them against.
+//!
+//! Where extinction is [coloured](crate::media::spectral), the flight is one of the path's hero h, and such flights are as
+//! frequent as `posterior_h P`: what one has passed counts in channel h alone, as `T_h / posterior_h`, so that the mean
+//! over heroes is right in every channel, and no transmittance of another one is asked for.
+//!
+//! The integral along the way flown is estimated by one point in each of some strata
 //! of equal length within the box of all volumes; that of the constant emission around them is known.
 
 pub mod reference;
@@ -16,7 +22,7 @@ pub mod simd;
 
 use crate::accumulate::Dropped;
 use crate::columns::parts::PartTable;
-use crate::columns::paths::{PathColumns, RayColumns, VertexColumns};
+use crate::columns::paths::{ImmersionColumns, PathColumns, RayColumns, VertexColumns};
 use crate::columns::queues::{HitQueue, SurfaceHitQueue};
 use crate::columns::{Column, Spectrum};
 use crate::lanes::LaneSet;
@@ -55,6 +61,10 @@ pub struct Columns<'a, 'q> {
     pub surface_hits: &'a SurfaceHitQueue<'q>,
     /// Read, in the channels in use.
     pub throughput: &'a Spectrum<'q>,
+    /// Read where extinction is coloured: hero.
+    pub immersion: &'a ImmersionColumns<'q>,
+    /// Read where extinction is coloured: ln posterior_c, before the flight.
+    pub log_posterior: &'a Spectrum<'q>,
     /// Scratch: how far they go `[m]`.
     pub flown: &'a mut Column<'q, f32>,
     /// Filled for live lanes, in the channels in use: what they add [W/(m^2 sr)].
@@ -71,7 +81,8 @@ pub struct Columns<'a, 'q> {
 
 /// Adds `T / reach(depth + 1)` times the integral of emission along the way flown to the radiance of every live path,
 /// as light of a path of `depth + 1` segments, unless that is outside `lengths`; and once more to the parts of the
-/// radiance that it belongs to.
+/// radiance that it belongs to. Where extinction is coloured, it is `T / (posterior reach(depth + 1))` in the channel of
+/// the hero, and nothing in the others.
 ///
 /// The way within the box of all cells has `n = ceil(length * rate)` strata, 1 to [`MOST_POINTS`]; number i of the
 /// [stream](crate::random::Stream) 0 of the block `GLOW` says where in stratum i its point is.

@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! t = flight, or distance of what ends it
-//! C = T / reach(depth + 1) * (sum_{i < n} e(x + (t0 + (i + u_i) / n (t1 - t0)) w) (t1 - t0) / n + e_around (t - (t1 - t0)))
+//! C = S / reach(depth + 1) * (sum_{i < n} e(x + (t0 + (i + u_i) / n (t1 - t0)) w) (t1 - t0) / n + e_around (t - (t1 - t0)))
+//! S_c = T_c                                  in grey extinction
+//! S_c = T_c / posterior_c if c = h, else 0   in coloured one
 //! ```
 
 use glam::DVec3;
@@ -19,7 +21,8 @@ use crate::{Step, accumulate};
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
+    let Columns { surface_hits, throughput, immersion, log_posterior, flown, glowing, .. } = columns;
+    let Columns { radiance, origin, parts, dropped, .. } = columns;
     for lane in live.each() {
         let free = f64::from(flight.rows()[lane]);
         let body = (0..hits.len).map(|row| hits.row(row)).find(|hit| {
@@ -38,8 +41,12 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             [vertex.position.row(lane), ray.direction.row(lane)].map(|v| DVec3::from(v.map(f64::from)));
         let met = along(medium, glow, (from, direction), f64::from(flown.rows()[lane]), &Draws::new(step, paths, lane));
         let reached = reach(walk, depth as usize + 1);
-        let throughput = throughput.row(lane);
-        let found = [0, 1, 2].map(|c| (met[c] * f64::from(throughput[c]) / reached) as f32);
+        let mut shares = throughput.row(lane).map(f64::from);
+        if medium.is_coloured() {
+            let hero = immersion.hero.rows()[lane] as usize;
+            shares = of_hero(hero, shares, log_posterior.row(lane).map(f64::from));
+        }
+        let found = [0, 1, 2].map(|c| (met[c] * shares[c] / reached) as f32);
         if found[..radiance.channels().len()].iter().any(|channel| !channel.is_finite()) {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             continue;
@@ -52,6 +59,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             part.set_row(lane, [0, 1, 2].map(|c| before[c] + found[c]));
         }
     }
+}
+
+/// What light that a flight has passed counts for where extinction is coloured: `T_h / posterior_h` in the channel of the
+/// `hero`, whose flight it is, and nothing in the others.
+pub fn of_hero(hero: usize, throughput: [f64; CHANNELS], log_posterior: [f64; CHANNELS]) -> [f64; CHANNELS] {
+    let mut shares = [0.0; CHANNELS];
+    shares[hero] = throughput[hero] * (-log_posterior[hero]).exp();
+    shares
 }
 
 /// An estimate of the integral of emission along a ray (origin, unit direction) up to `length`, per channel.

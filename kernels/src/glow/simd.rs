@@ -2,7 +2,8 @@
 //! t = flight, or distance of what ends it
 //! sum = 0
 //! for i in 0 .. n:  sum += e(x + (t0 + (i + u_i) stratum) w)             stratum = (t1 - t0) / n
-//! radiance += T / reach(depth + 1) (sum stratum + e_around (t - (t1 - t0)))
+//! radiance += S / reach(depth + 1) (sum stratum + e_around (t - (t1 - t0)))
+//! S_c = T_c, or in coloured extinction  c = h ? T_c / posterior_c : 0
 //! ```
 //!
 //! 1. Hits are few, and scattered to their lanes first.
@@ -20,16 +21,18 @@ use crate::media::{Field, Glow};
 use crate::random::{self, Stream, uniform_x8};
 use crate::survival::LogSurvival;
 use crate::tables::lights::{Lights, Shape};
+use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
+    let Columns { surface_hits, throughput, immersion, log_posterior, flown, glowing, .. } = columns;
+    let Columns { radiance, origin, parts, dropped, .. } = columns;
     live.each_batch().for_each(|(b, _)| flown.set_batch(b, flight.batch(b)));
     shorten(flown, lights, hits, surface_hits);
-    let survival = LogSurvival::of(&walk.survival);
+    let (survival, is_coloured) = (LogSurvival::of(&walk.survival), medium.is_coloured());
     for (b, bits) in live.each_batch() {
         let (birth, pixel, sample) = (paths.birth.batch(b), paths.pixel.batch(b), paths.sample.batch(b));
         let depth = u32x8::splat(step.clock) - birth;
@@ -43,7 +46,15 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             None => glow.around().map(|emission| f32x8::splat(emission) * way.length),
         };
         let reach = survival.reach(segments);
-        let found = |c: usize| met[c] * throughput.channels()[c].batch(b) / reach;
+        let share = |c: usize| {
+            let throughput = throughput.channels()[c].batch(b);
+            if !is_coloured {
+                return throughput;
+            }
+            let own = lanes::as_mask(immersion.hero.batch(b).simd_eq(u32x8::splat(c as u32)));
+            own.select(throughput * exp(-log_posterior.channels()[c].batch(b)), f32x8::ZERO)
+        };
+        let found = |c: usize| met[c] * share(c) / reach;
         let used = radiance.channels().len();
         let finite =
             (0..used).map(|c| lanes::bits(found(c).is_finite())).fold(lanes::ALL, |all, channel| all & channel);

@@ -237,8 +237,11 @@ impl Medium {
     /// About the largest radiance that a flight meets of what it emits [W/(m^2 sr)].
     pub fn largest_radiance(&self) -> f32 {
         let Some(glow) = &self.glow else { return 0.0 };
-        let around = self.field().map_or_else(|| self.largest_extinction(), Field::around);
-        glow.largest_radiance(1.0 / around, self.field().map_or(0.0, Field::extent) as f32)
+        let longest = match &self.kind {
+            Kind::Homogeneous(_) => self.mean_free_path() as f32,
+            Kind::Field(field) => 1.0 / (field.around() * field.clearest()),
+        };
+        glow.largest_radiance(longest, self.field().map_or(0.0, Field::extent) as f32)
     }
 
     /// Whether extinction differs between channels.

@@ -185,6 +185,8 @@ impl Wavefront<'_> {
                 hits: &self.hits,
                 surface_hits: &self.surface_hits,
                 throughput: &self.throughput,
+                immersion: &self.immersion,
+                log_posterior: &self.log_posterior,
                 flown: &mut self.flown,
                 glowing: &mut self.glowing,
                 radiance: &mut self.radiance,

@@ -95,7 +95,8 @@ pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
 
 pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
     let glow::Columns { medium, glow, lights, lengths, walk, live, paths, vertex, ray, flight, hits, .. } = columns;
-    let glow::Columns { surface_hits, throughput, flown, glowing, radiance, origin, parts, dropped, .. } = columns;
+    let glow::Columns { surface_hits, throughput, immersion, log_posterior, flown, glowing, .. } = columns;
+    let glow::Columns { radiance, origin, parts, dropped, .. } = columns;
     let [flown_both, dropped_both, glowing_both, radiance_both, parts_both] = run_both!(
         glow(step),
         [flown, dropped, glowing, radiance, parts],
@@ -113,6 +114,8 @@ pub(super) fn check_glow(step: Step, columns: glow::Columns<'_, '_>) {
             hits,
             surface_hits,
             throughput,
+            immersion,
+            log_posterior,
             flown: &mut *flown,
             glowing: &mut *glowing,
             radiance: &mut *radiance,
