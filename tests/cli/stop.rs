@@ -187,7 +187,7 @@ fn a_reader_that_comes_late_gets_the_whole_image() {
 #[test]
 fn a_signal_ends_a_long_preparation_at_once() {
     let folder = Folder::with_scene();
-    let settings = ["--max-segments", "1024", "--set", "medium.scattering=60", "--size", "200x200"];
+    let settings = ["--max-segments", "1024", "--set", "medium.scattering=600", "--size", "200x200"];
     let flags = ["--technique", "bridge", "--samples", "1000000", "--progress", "json"];
     let child = started(&folder, &[&settings[..], &flags].concat());
     sleep(Duration::from_secs(2));
