@@ -5,6 +5,7 @@ use fogbow::scene::LoadedScene;
 use fogbow::session::checkpoint::Checkpoint;
 use fogbow::session::{End, Limits, Session, Settings};
 use fogbow::{Scene, Target};
+use fogbow_testing::suite::IS_LONG;
 
 /// Fog in which paths rarely find a lamp: heavy tails, and noise that differs between tiles.
 fn scene(seed: u32, size: u32) -> LoadedScene {
@@ -106,7 +107,7 @@ fn compare(seeds: u32, limits: Limits) {
 
 #[test]
 fn few_samples_have_the_mean_of_all() {
-    compare(if cfg!(feature = "long") { 4000 } else { 300 }, Target::Samples(24).into());
+    compare(if IS_LONG { 4000 } else { 300 }, Target::Samples(24).into());
 }
 
 #[cfg(feature = "long")]

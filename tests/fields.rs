@@ -31,6 +31,7 @@ use fogbow_testing::quadrature::henyey_greenstein;
 use fogbow_testing::recorded::wavefront;
 use fogbow_testing::render::{WORKERS, render_here, render_with};
 use fogbow_testing::statistics::z_of_means;
+use fogbow_testing::suite::{IS_LONG, some};
 use glam::DVec3;
 
 /// All that varies, and a block of equal voxels, in which most of what paths come to is even.
@@ -123,8 +124,9 @@ fn images_do_not_depend_on_threads_or_lanes() {
 
 #[test]
 fn all_techniques_have_the_same_means_at_short_lengths() {
-    clouds(SMALL).iter().for_each(|(name, cloud)| assert_equal_means(name, cloud, 2..=3));
-    volumes(SMALL).iter().for_each(|(name, several)| assert_equal_means(name, several, 2..=3));
+    for (turn, (name, frame)) in clouds(SMALL).into_iter().chain(volumes(SMALL)).enumerate() {
+        some(2..=3, turn, 2).for_each(|segments| assert_equal_means(name, &frame, segments..=segments));
+    }
 }
 
 /// Majorants, means and the size of cells are our own affair. On long paths through means that are twice too large, what
@@ -135,15 +137,17 @@ fn the_coarse_field_changes_no_mean() {
         (name, Frame { lengths: PathLengths { min: 1, max: 4 }, ..frame }, &[Active::Lis][..])
     };
     let whole = all().map(|(name, frame)| (name, frame, &[Active::Both, Active::Bridge][..]));
-    for (name, base, techniques) in whole.chain(all().map(shorter)) {
+    for (turn, (name, base, techniques)) in whole.chain(all().map(shorter)).enumerate() {
         let grid = base.medium.field().expect("a cloud").clone();
         let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 3200);
-        for (change, other) in [
-            ("majorants doubled", grid.clone().with_cells(3, 2.0, 1.0)),
-            ("means halved", grid.clone().with_cells(2, 1.0, 0.5)),
-            ("means doubled", grid.clone().with_cells(3, 1.0, 2.0)),
-            ("larger cells", grid.clone().with_cells(5, 1.0, 1.0)),
-        ] {
+        let changes = [
+            ("majorants doubled", (3, 2.0, 1.0)),
+            ("means halved", (2, 1.0, 0.5)),
+            ("means doubled", (3, 1.0, 2.0)),
+            ("larger cells", (5, 1.0, 1.0)),
+        ];
+        for (change, (log_side, factor, mean)) in some(changes, turn, 2) {
+            let other = grid.clone().with_cells(log_side, factor, mean);
             for active in techniques.iter().copied() {
                 let frame = frames::with_techniques(&with_field(&base, other.clone()), active, 4.0);
                 assert_same(&format!("{name}, {change}, {active:?}"), means(&frame, 1000), truth);
@@ -159,9 +163,10 @@ fn the_stand_in_of_phase_functions_changes_no_mean() {
         volumes(SMALL).into_iter().find(|(_, frame)| frame.medium.phases.is_some()).expect("one of them");
     let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Path, 4.0) }, 6000);
     let one_of_them = base.medium.all_phases()[1].clone();
-    for stand_in in [base.medium.phase.clone(), one_of_them, PhaseFunction::henyey_greenstein(-0.2)] {
+    let stand_ins = [base.medium.phase.clone(), one_of_them, PhaseFunction::henyey_greenstein(-0.2)];
+    for (turn, stand_in) in stand_ins.into_iter().enumerate() {
         let changed = frames::with_medium(&base, Medium { phase: stand_in.clone(), ..base.medium.clone() });
-        for active in [Active::Nee, Active::Mvnee, Active::Omnee, Active::Bridge] {
+        for active in some([Active::Nee, Active::Mvnee, Active::Omnee, Active::Bridge], turn, 2) {
             let frame = frames::with_techniques(&changed, active, 4.0);
             assert_same(&format!("{name}, {stand_in:?}, {active:?}"), means(&frame, 1500), truth);
         }
@@ -247,7 +252,7 @@ fn a_constant_grid_is_fog() {
         Field::grid(Voxels::new(&everywhere, &centred(32, 60.0, DVec3::ZERO), Interpolation::Nearest), 2.0 * 1.7);
     let grey = with_field(&fog, grid);
     // A twentieth, and what few samples leave open.
-    let (samples, off) = if cfg!(feature = "long") { (8000, 0.05) } else { (2000, 0.07) };
+    let (samples, off) = if IS_LONG { (8000, 0.05) } else { (2000, 0.07) };
     for active in IN_FIELDS {
         let [fog, grid] = [&fog, &grey].map(|frame| {
             let mut frame = frames::with_techniques(frame, active, 4.0);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_testing::render::{green, render};
+use fogbow_testing::suite::IS_LONG;
 
 fn folders() -> Vec<PathBuf> {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
@@ -41,6 +42,7 @@ fn every_scene_has_the_mean_that_its_readme_promises() {
         let (expected, known) = promised(&folder, "expected image mean");
         // Bridges need fewer samples where there is less fog, and take longer where there is more to hit.
         let samples = if scene.frame.surfaces.is_empty() { 6000 } else { 600 };
+        let samples = if IS_LONG { samples } else { samples / 3 };
         let (mean, error) = green(&render(&scene.frame, scene.scene.film.size, 0..samples).0);
         let z = (mean - expected) / error.hypot(known);
         assert!(z.abs() < 4.0, "{}: {mean} +- {error} instead of {expected} +- {known}", scene.name);

@@ -10,6 +10,7 @@ use fogbow::kernels::accumulate::Dropped;
 use fogbow::session::checkpoint::Checkpoint;
 use fogbow::session::{Session, Settings, State, Step};
 use fogbow::{Limits, Scene, Target};
+use fogbow_testing::suite::IS_LONG;
 
 use super::support::Folder;
 
@@ -158,9 +159,9 @@ mod on_signals {
     use super::*;
 
     /// Kills that a render survives.
-    const KILLS: u32 = if cfg!(feature = "long") { 20 } else { 5 };
+    const KILLS: u32 = if IS_LONG { 20 } else { 5 };
     /// Samples of a render that is not done before the last of them.
-    const SAMPLES: &str = if cfg!(feature = "long") { "2400" } else { "600" };
+    const SAMPLES: &str = if IS_LONG { "2400" } else { "600" };
 
     /// What a render in one go leaves.
     fn whole(folder: &Folder, more: &[&str]) {

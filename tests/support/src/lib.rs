@@ -15,6 +15,7 @@ pub mod rays;
 pub mod recorded;
 pub mod render;
 pub mod statistics;
+pub mod suite;
 pub mod tolerances;
 pub mod truths;
 pub mod volume_writer;
