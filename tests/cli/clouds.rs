@@ -220,6 +220,10 @@ fn shapes_with_keys_of_others_are_refused() {
 fn keys_out_of_range_and_missing_grids_are_refused() {
     for (keys, finding) in [
         (", scale = 1e9", "volume[0].grid.scale is 1000000000.0, which makes an extinction of"),
+        (
+            ", scale = 1e6",
+            "volume[0].grid.scale is 1000000.0, which makes 2.441e6 mean free paths from a voxel to the next",
+        ),
         (", scale_by = -1", "volume[0].grid.scale_by is -1.0"),
         (", rotate_deg = [0, 0, 999]", "volume[0].grid.rotate_deg is [0.0, 0.0, 999.0]"),
         (", translate = [1e10, 0, 0]", "volume[0].grid.translate is [10000000000.0, 0.0, 0.0]"),

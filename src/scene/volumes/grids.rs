@@ -15,6 +15,9 @@ use crate::scene::schema::{self, ShapeKind};
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
+/// Most mean free paths from a voxel to the next: more make a wall of it, and rays beside it take as many steps.
+const MOST_PER_VOXEL: f64 = 1e4;
+
 /// What the densities of a grid multiply.
 pub(super) struct Quantity {
     /// What it is called.
@@ -25,18 +28,27 @@ pub(super) struct Quantity {
     factor: f64,
     /// Largest one.
     largest: f64,
+    /// Largest product with the length of a voxel's edge.
+    most_per_voxel: f64,
 }
 
 impl Quantity {
     /// An extinction [1/m].
     pub fn extinction(of_one: f32) -> Self {
-        Self { name: "extinction", unit: "/m", factor: f64::from(of_one), largest: LARGEST }
+        Self {
+            name: "extinction",
+            unit: "/m",
+            factor: f64::from(of_one),
+            largest: LARGEST,
+            most_per_voxel: MOST_PER_VOXEL,
+        }
     }
 
     /// An emission per channel.
     pub fn emission(of_one: [f32; 3]) -> Self {
         let factor = f64::from(of_one.into_iter().fold(0.0, f32::max));
-        Self { name: "emission", unit: " W/(m^3 sr)", factor, largest: LARGEST_EMISSION }
+        let (largest, most_per_voxel) = (LARGEST_EMISSION, f64::INFINITY);
+        Self { name: "emission", unit: " W/(m^3 sr)", factor, largest, most_per_voxel }
     }
 }
 
@@ -76,7 +88,7 @@ impl Volume<'_> {
             self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
             return Ok(None);
         };
-        self.check_densities(table, grid, &densities, quantity, origin)?;
+        self.check_densities(table, grid, &densities, quantity, (&to_world, origin))?;
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
     }
 
@@ -102,14 +114,14 @@ impl Volume<'_> {
         Ok(())
     }
 
-    /// What `densities` are in their place, times `quantity`.
+    /// What `densities` are in their place, which `to_world` and the `origin` say, times `quantity`.
     fn check_densities(
         &self,
         table: &str,
         grid: &schema::Grid,
         densities: &Densities,
         quantity: &Quantity,
-        origin: DVec3,
+        (to_world, origin): (&DAffine3, DVec3),
     ) -> Result<()> {
         let key = |name: &str| format!("{table}.{name}");
         let [low, high] = densities.bounds.map(|corner| corner + origin);
@@ -119,11 +131,17 @@ impl Volume<'_> {
             format!("{:?}, which puts the densities of {} at {low} to {high} m", grid.scale_by, quoted(&grid.file));
         let remedy = "give a smaller scale_by or another translate: coordinates go from -1e9 to 1e9 m";
         self.require(is_near, &key("scale_by"), finding, remedy)?;
-        let Quantity { name, unit, factor, largest } = quantity;
+        let Quantity { name, unit, factor, largest, most_per_voxel } = quantity;
         let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
         let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);
         let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
         self.require(most <= *largest, &key("scale"), finding, &remedy)?;
+        let axes = to_world.matrix3;
+        let edge = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let finding =
+            format!("{:?}, which makes {:.3e} mean free paths from a voxel to the next", grid.scale, most * edge);
+        let remedy = format!("give a smaller number, or resample the grid: {most_per_voxel} is the most");
+        self.require(most * edge <= *most_per_voxel, &key("scale"), finding, &remedy)?;
         Ok(())
     }
 

@@ -215,6 +215,31 @@ fn transmittances_are_those_of_the_twin() {
     }
 }
 
+/// A voxel so dense, and rays from so far away, that the way to the next candidate is lost to rounding: rays beside the
+/// voxel, in its block, come through all the same.
+#[test]
+fn no_block_is_too_dense_to_leave() {
+    let lone = leaves(|voxel| if voxel == [8; 3] { 1.0 } else { 0.0 });
+    let grid = Field::grid(Voxels::new(&lone, &TO_INDEX, Interpolation::Nearest), 1e9).with_cells(4, 1.0, 1.0);
+    let beside = Ray {
+        origin: [-1e5, 0.25, 0.25],
+        direction: [1.0, 0.0, 0.0],
+        stream: Stream::new(1, 5, 6, 7, 0),
+        hues: [1.0; 3],
+    };
+    let mut ended = 0;
+    tracking::flights(&grid, batches(&[beside]), |_, _, flights| {
+        assert_eq!(flights.to_array()[0], f32::INFINITY);
+        ended += 1;
+    });
+    let whole = Ray { direction: [1e5 + 1.0, 0.0, 0.0], ..beside };
+    tracking::transmittances(&grid, batches(&[whole]), |_, [product], known| {
+        assert_eq!((product, known), (1.0, 0.0));
+        ended += 1;
+    });
+    assert_eq!(ended, 2);
+}
+
 #[test]
 fn flights_and_transmittances_have_the_means_of_the_integral() {
     for (number, grid) in grids().iter().enumerate() {

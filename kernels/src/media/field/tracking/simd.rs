@@ -219,7 +219,9 @@ impl<const N: usize> Lanes<N> {
             return self.through;
         }
         let way = self.budget / rates[0];
-        self.t = arrived.select((way / self.scale) + self.t, self.t);
+        // However dense a block is, no candidate is where the last one was: there might be no end to them.
+        let ahead = (way / self.scale + self.t).fast_max(next_up(self.t));
+        self.t = arrived.select(ahead, self.t);
         self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
         let (even, mut extinction) = Q::even(&field.blocks, self.block, rates);
         if (arrived & !even).any() {
@@ -246,6 +248,12 @@ impl<const N: usize> Lanes<N> {
             self.block += bytemuck::cast::<f32x8, i32x8>(here) & self.stride[axis];
         }
     }
+}
+
+/// The next larger numbers, of `x` >= 0.
+#[inline(always)]
+fn next_up(x: f32x8) -> f32x8 {
+    bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(x) + u32x8::splat(1))
 }
 
 /// `T' e^{hue depth}` for an estimate of the transmittance as [`transmittances`] gives it, and the `depth` that weights
