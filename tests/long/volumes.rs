@@ -162,7 +162,7 @@ fn light_diffuses_from_a_point_in_endless_fog() {
             let scene = scene::load(&folder, overrides).unwrap_or_else(|error| panic!("{error}"));
             let (renderer, size) = (Renderer::new(WORKERS).expect("threads start"), scene.scene.film.size);
             let frame = pilot::choose(&scene.frame, size, scene.choices(), &renderer, &Monitor::default()).0;
-            green(&render(&frame, size, 0..4000).0)
+            green(&render(&frame, size, 0..1500).0)
         });
         let (mean, error) = (0.5 * (toward.0 + away.0), 0.5 * toward.1.hypot(away.1));
         println!("absorption {absorption}: {mean} +- {error}, diffusion {expected}");
