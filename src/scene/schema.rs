@@ -165,8 +165,8 @@ pub struct Medium {
     /// Absorption coefficient [1/m], >= 0.
     #[serde(default)]
     pub absorption: Spectrum,
-    /// What the medium emits by itself [W/(m^3 sr)], >= 0: radiance per metre. It needs extinction around it, the same in
-    /// all channels.
+    /// What the medium emits by itself [W/(m^3 sr)], >= 0: radiance per metre. It needs extinction in every channel
+    /// that emits.
     #[serde(default, skip_serializing_if = "Spectrum::is_black")]
     #[schemars(extend("default" = 0.0))]
     pub emission: Spectrum,

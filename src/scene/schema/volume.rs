@@ -24,7 +24,7 @@ pub struct Volume {
     #[serde(default)]
     pub absorption: Spectrum,
     /// What it emits by itself where the density of emission_grid is 1, or everywhere in the volume without one
-    /// [W/(m^3 sr)], >= 0: radiance per metre. It needs no extinction, and what there is must be the same in all channels.
+    /// [W/(m^3 sr)], >= 0: radiance per metre. It needs no extinction.
     #[serde(default, skip_serializing_if = "Spectrum::is_black")]
     #[schemars(extend("default" = 0.0))]
     pub emission: Spectrum,
