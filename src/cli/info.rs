@@ -136,7 +136,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
         say(format!("volume{name}: {what}, {inside}{glow}"))?;
         match filling {
             Some(filling) => describe_filling(filling, &volume.medium(), scale)?,
-            None => say("  nothing: its grid has no density above 0")?,
+            None => say("  nothing: its grid has no density that counts")?,
         }
     }
     let Some(field) = loaded.frame.medium.field() else { return Ok(()) };

@@ -65,10 +65,11 @@ fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Opti
     }
     match read(path, index) {
         Ok(found) => {
-            let densities = Some(Densities::of(&found)).filter(|densities| densities.most > 0.0);
+            let densities = Densities::of(&found);
             let index_bounds = grid.index_bounds.or_else(|| found.index_bounds());
             let active_voxels = grid.active_voxels.or(Some(found.active_voxels));
-            let obstacle = densities.is_none().then(|| "it has no density above 0".to_string());
+            let obstacle = densities.nothing().map(|nothing| format!("it {nothing}"));
+            let densities = Some(densities).filter(|densities| densities.most > 0.0);
             (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities)
         }
         Err(error) => {

@@ -4,6 +4,9 @@ use glam::{DAffine3, DVec3};
 
 use crate::volume::VoxelGrid;
 
+/// Densities up to this one are next to nothing, and the finest shares of voxels are lost to rounding in f32.
+const NEXT_TO_NOTHING: f32 = 1e-40;
+
 /// What a volume of a scene holds, and where.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filling {
@@ -46,6 +49,15 @@ impl Densities {
         let mean = sum / active_voxels.max(1) as f64;
         let [low, high] = grid.index_bounds().unwrap_or_default().map(|corner| DVec3::from(corner.map(f64::from)));
         Self { grid: grid.name.clone(), active_voxels, mean, most, bounds: [low - 0.5, high + 0.5] }
+    }
+
+    /// Why a grid of these is as good as empty, as it follows the name of the grid; none if it is not.
+    pub fn nothing(&self) -> Option<&'static str> {
+        match self.most {
+            0.0 => Some("has no density above 0"),
+            ..=NEXT_TO_NOTHING => Some("has no density above 1e-40, and smaller ones do not count"),
+            _ => None,
+        }
     }
 
     /// The same where index coordinates lead `to_world`.

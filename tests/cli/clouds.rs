@@ -267,7 +267,7 @@ fn a_grid_without_densities_is_told() {
                    \"density\" has no density above 0, so that nothing is there: name another grid or file\n";
     assert!(run.stderr.contains(warning), "{run}");
     let run = folder.done(&[&["info", "scene.toml"], &empty[..]].concat());
-    assert!(run.stdout.contains("\n  nothing: its grid has no density above 0\n"), "{run}");
+    assert!(run.stdout.contains("\n  nothing: its grid has no density that counts\n"), "{run}");
     assert!(run.stdout.contains(warning) && !run.stdout.contains("inf"), "{run}");
     // Where it has a shape, the volume is still there, without a medium.
     let shape = "volume[0].shape={ type = \"sphere\", center = [0, 0, 2], radius = 0.5 }";
@@ -279,6 +279,27 @@ fn a_grid_without_densities_is_told() {
         run.stderr.contains("volume[0].emission_grid.file is \"empty.vdb\", whose grid \"density\" has no"),
         "{run}"
     );
+}
+
+#[test]
+fn densities_too_small_to_count_are_told() {
+    let folder = with_cloud("");
+    let tiny = |density: f32| {
+        let leaf = fogbow::volume::Leaf { origin: [0; 3], values: [density; 512].into() };
+        fogbow_testing::volume_writer::write(&folder.path("tiny.vdb"), 0.25, &[leaf]);
+        let info = folder.done(&["info", "tiny.vdb"]);
+        let set = "volume[0].grid.file=tiny.vdb";
+        (folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", set]), info)
+    };
+    let nothing = "has no density above 1e-40, and smaller ones do not count";
+    for density in [f32::from_bits(1), 1e-42, 1e-40] {
+        let (run, info) = tiny(density);
+        let warning = format!("volume[0].grid.file is \"tiny.vdb\", whose grid \"density\" {nothing}, so that nothing");
+        assert!(run.stderr.contains(&warning), "{density:e}: {run}");
+        assert!(info.stdout.ends_with(&format!("\n  cannot be rendered: it {nothing}\n")), "{density:e}: {info}");
+    }
+    let (run, info) = tiny(2e-40);
+    assert!(!run.stderr.contains("nothing is there") && !info.stdout.contains("cannot be rendered"), "{run}{info}");
 }
 
 #[test]

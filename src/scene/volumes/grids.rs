@@ -82,12 +82,12 @@ impl Volume<'_> {
         let to_world = to_world(grid, &file, origin);
         let to_index = self.to_index(table, grid, &to_world)?;
         let densities = file.densities.placed(&to_world);
-        let Some(bricks) = file.bricks.clone() else {
-            let name = quoted(&densities.grid);
-            let finding = format!("{}, whose grid {name} has no density above 0", quoted(&grid.file));
+        if let Some(nothing) = densities.nothing() {
+            let finding = format!("{}, whose grid {} {nothing}", quoted(&grid.file), quoted(&densities.grid));
             self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
             return Ok(None);
-        };
+        }
+        let bricks = file.bricks.clone().expect("bricks where there are densities, not too far apart");
         self.check_densities(table, grid, &densities, quantity, (&to_world, origin))?;
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
     }
