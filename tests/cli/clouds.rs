@@ -219,7 +219,7 @@ fn shapes_with_keys_of_others_are_refused() {
 #[test]
 fn keys_out_of_range_and_missing_grids_are_refused() {
     for (keys, finding) in [
-        (", scale = 1e9", "volume[0].grid.scale is 1000000000.0, which makes an extinction of"),
+        (", scale = 1e9", "volume[0].grid.scale is 1000000000.0, which makes an extinction of 9.766e9/m"),
         (
             ", scale = 1e6",
             "volume[0].grid.scale is 1000000.0, which makes 2.441e6 mean free paths from a voxel to the next",

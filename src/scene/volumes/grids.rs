@@ -133,7 +133,7 @@ impl Volume<'_> {
         self.require(is_near, &key("scale_by"), finding, remedy)?;
         let Quantity { name, unit, factor, largest, most_per_voxel } = quantity;
         let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
-        let finding = format!("{:?}, which makes an {name} of {most:e}{unit}", grid.scale);
+        let finding = format!("{:?}, which makes an {name} of {most:.3e}{unit}", grid.scale);
         let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
         self.require(most <= *largest, &key("scale"), finding, &remedy)?;
         let axes = to_world.matrix3;
