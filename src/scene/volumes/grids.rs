@@ -194,3 +194,52 @@ fn to_world(grid: &schema::Grid, file: &GridOfFile, origin: DVec3) -> DAffine3 {
     let moved = DVec3::from(grid.translate) - origin;
     DAffine3::from_scale_rotation_translation(DVec3::splat(grid.scale_by), turned, moved) * file.index_to_world
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a position of the file is, counted from (10, 20, 30), if its grid has these keys.
+    fn placed(at: [f64; 3], scale_by: f64, rotate_deg: [f64; 3], translate: [f64; 3]) -> DVec3 {
+        let densities =
+            Densities { grid: String::new(), active_voxels: 0, mean: 0.0, most: 0.0, bounds: [DVec3::ZERO; 2] };
+        let index_to_world =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(0.25), DQuat::IDENTITY, DVec3::new(0.5, 1.0, 1.5));
+        let file = GridOfFile { index_to_world, densities, bricks_spanned: 0, bricks: None };
+        let grid = schema::Grid {
+            file: "a.vdb".into(),
+            name: None,
+            scale: 7.0,
+            interpolation: schema::Interpolation::Nearest,
+            scale_by,
+            rotate_deg,
+            translate,
+        };
+        let index = index_to_world.inverse().transform_point3(DVec3::from(at));
+        to_world(&grid, &file, DVec3::new(10.0, 20.0, 30.0)).transform_point3(index)
+    }
+
+    #[track_caller]
+    fn assert_near(found: DVec3, expected: [f64; 3]) {
+        assert!(found.abs_diff_eq(DVec3::from(expected), 1e-12), "{found} instead of {expected:?}");
+    }
+
+    #[test]
+    fn a_quarter_turn_leads_each_axis_to_the_next() {
+        let origin = [10.0, 20.0, 30.0];
+        for (axis, turned) in [[1.0, -3.0, 2.0], [3.0, 2.0, -1.0], [-2.0, 1.0, 3.0]].into_iter().enumerate() {
+            let mut angles = [0.0; 3];
+            angles[axis] = 90.0;
+            assert_near(placed([1.0, 2.0, 3.0], 1.0, angles, origin), turned);
+        }
+    }
+
+    #[test]
+    fn grids_are_enlarged_then_turned_about_x_y_and_z_then_moved() {
+        let angles = [3.0 / 5.0, 4.0 / 5.0, 5.0 / 13.0].map(|sine: f64| sine.asin().to_degrees());
+        // Enlarged: (5, 10, 15). Turned about x: (5, 8 - 9, 6 + 12). About y: (3 + 14.4, -1, -4 + 10.8). About z:
+        // (17.4 * 12 + 5, 17.4 * 5 - 12) / 13. Moved by (100, 200, 300), and counted from (10, 20, 30).
+        let expected = [213.8 / 13.0 + 90.0, 75.0 / 13.0 + 180.0, 6.8 + 270.0];
+        assert_near(placed([1.0, 2.0, 3.0], 5.0, angles, [100.0, 200.0, 300.0]), expected);
+    }
+}
