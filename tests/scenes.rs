@@ -73,6 +73,34 @@ fn the_place_of_a_scene_does_not_show() {
     }
 }
 
+/// Where two volumes overlap, one of them is there: that of the higher priority, or the last.
+#[test]
+fn of_volumes_that_overlap_the_highest_priority_is_seen() {
+    let volume = |(absorption, priority): (f64, i32)| {
+        format!(
+            "[[volume]]\nabsorption = {absorption:?}\npriority = {priority}\n\
+             shape = {{ type = \"box\", min = [-1, -1, 0], max = [1, 1, 1] }}\n"
+        )
+    };
+    let seen = |volumes: [(f64, i32); 2]| {
+        let text = "[camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov_deg = 1\n[film]\nsize = [8, 8]\n\
+                    [environment]\nradiance = 1\n[render]\ntechnique = \"path\"\n";
+        let text = text.to_string() + &volumes.map(volume).concat();
+        let scene = scene::parse("scene.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        green(&render(&scene.frame, [8, 8], 0..1024).0)
+    };
+    for (priorities, winner) in
+        [([0, 0], 1), ([3, 3], 1), ([1, 0], 0), ([0, 1], 1), ([-2, -1], 1), ([-1, -2], 0), ([2, 10], 1)]
+    {
+        for absorption in [[1.0_f64, 3.0], [3.0, 1.0]] {
+            let (mean, error) = seen([0, 1].map(|index| (absorption[index], priorities[index])));
+            let expected = (-absorption[winner]).exp();
+            let close = (mean - expected).abs() <= 4.0 * error + 1e-3 * expected && error < 0.03 * expected;
+            assert!(close, "{priorities:?} of {absorption:?}: {mean} +- {error} instead of {expected}");
+        }
+    }
+}
+
 #[test]
 fn scenes_are_called_after_their_folders() {
     for folder in folders() {
