@@ -11,7 +11,7 @@ use super::say;
 use crate::error::Result;
 use crate::figures::{length, number, point};
 use crate::gltf::quoted;
-use crate::scene::{Densities, Loading};
+use crate::scene::{Densities, Loading, too_far_apart};
 use crate::volume::{self, GridSummary, VoxelGrid};
 
 /// Lists the grids in the file at `path`.
@@ -68,7 +68,8 @@ fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Opti
             let densities = Densities::of(&found);
             let index_bounds = grid.index_bounds.or_else(|| found.index_bounds());
             let active_voxels = grid.active_voxels.or(Some(found.active_voxels));
-            let obstacle = densities.nothing().map(|nothing| format!("it {nothing}"));
+            let nothing = densities.nothing().map(|nothing| format!("it {nothing}"));
+            let obstacle = nothing.or_else(|| Some(format!("its {}", too_far_apart(&found)?)));
             let densities = Some(densities).filter(|densities| densities.most > 0.0);
             (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities)
         }

@@ -39,6 +39,7 @@ pub use loading::{Loading, Look};
 use model::Loaded;
 use ranges::Owner;
 use schema::{Film, Scene, Technique, Techniques};
+pub use volumes::too_far_apart;
 use volumes::{GridFiles, Sources};
 
 /// Reads the scene at `path`, a TOML file, a folder with a `scene.toml` or a glTF file, and applies `overrides` in

@@ -24,6 +24,7 @@ use crate::error::Result;
 use crate::warning::Warning;
 pub use files::GridFiles;
 use grids::Quantity;
+pub use grids::too_far_apart;
 
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;

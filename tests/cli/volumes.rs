@@ -104,6 +104,22 @@ fn it_is_said_why_a_grid_cannot_be_rendered() {
     assert!(text.ends_with(&format!("\n  cannot be rendered: {finding}\n")), "{text}");
 }
 
+#[test]
+fn voxels_too_far_apart_are_told_with_and_without_a_scene() {
+    let folder = Folder::empty();
+    let leaf = |origin| Leaf { origin, values: [1.0; 512].into() };
+    volume_writer::write(&folder.path("far.vdb"), 0.25, &[leaf([0; 3]), leaf([4088; 3])]);
+    let finding = "voxels are so far apart that 135005697 bricks of 8x8x8 lie between them\n";
+    let info = folder.done(&["info", "far.vdb"]);
+    assert!(info.stdout.ends_with(&format!("\n  cannot be rendered: its {finding}")), "{info}");
+    folder.write(
+        "scene.toml",
+        super::support::SCENE.to_owned() + "\n[[volume]]\nscattering = 1\ngrid = { file = \"far.vdb\" }\n",
+    );
+    let run = folder.refused(&["info", "scene.toml"], 1, "scene.toml:");
+    assert!(run.stderr.contains(finding), "{run}");
+}
+
 #[cfg(unix)]
 #[test]
 fn nobody_waits_for_the_writer_of_a_pipe() {

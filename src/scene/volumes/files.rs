@@ -58,7 +58,7 @@ impl GridFiles {
 }
 
 /// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.
-fn bricks_spanned(leaves: &[Leaf]) -> u64 {
+pub fn bricks_spanned(leaves: &[Leaf]) -> u64 {
     let along = |axis: usize| {
         let brick = |leaf: &Leaf| i64::from(leaf.origin[axis].div_euclid(8));
         let (first, last) = (leaves.iter().map(brick).min(), leaves.iter().map(brick).max());

@@ -4,7 +4,7 @@ use fogbow_kernels::media::field::{Interpolation, ToIndex, Volume as Placed, Vox
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::Volume;
-use super::files::{GridOfFile, MOST_BRICKS};
+use super::files::{GridOfFile, MOST_BRICKS, bricks_spanned};
 use crate::error::{Error, Result};
 use crate::figures::point;
 use crate::gltf::quoted;
@@ -12,6 +12,7 @@ use crate::scene::filling::Densities;
 use crate::scene::loading::Loading;
 use crate::scene::ranges::{LARGEST, LARGEST_EMISSION};
 use crate::scene::schema::{self, ShapeKind};
+use crate::volume::VoxelGrid;
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
@@ -72,7 +73,7 @@ impl Volume<'_> {
         let file =
             self.files.read(&path, grid.name.as_deref(), &look).map_err(|error| self.of_file(&key("file"), error))?;
         let spanned = file.bricks_spanned;
-        let finding = format!("a grid whose voxels are so far apart that {spanned} bricks of 8x8x8 lie between them");
+        let finding = format!("a grid whose {}", far_apart(spanned));
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
         self.require(spanned <= MOST_BRICKS, &key("file"), finding, &remedy)?;
         let interpolation = match grid.interpolation {
@@ -185,6 +186,17 @@ impl Volume<'_> {
         }
         self.require(false, table, finding, remedy)
     }
+}
+
+/// What is said of `grid`, as it follows "its", if its voxels are too far apart to be rendered.
+pub fn too_far_apart(grid: &VoxelGrid) -> Option<String> {
+    let spanned = bricks_spanned(&grid.leaves);
+    (spanned > MOST_BRICKS).then(|| far_apart(spanned))
+}
+
+/// What is said of a grid that spans too many bricks, as it follows "its".
+fn far_apart(spanned: u64) -> String {
+    format!("voxels are so far apart that {spanned} bricks of 8x8x8 lie between them")
 }
 
 /// From index coordinates of a grid of a file, placed as `grid` says, to positions counted from `origin`.
