@@ -40,14 +40,24 @@ pub fn run(args: &InfoArgs) -> Result<()> {
         return Err(Error::failure(path.display(), "is a PNG image, which holds no radiance", remedy));
     }
     if is_checkpoint(path) {
+        without_settings(args, "a checkpoint")?;
         checkpoint_info::describe(path)
     } else if is_volume(path) {
+        without_settings(args, "an OpenVDB file")?;
         volume::describe(path)
     } else if format == Some(Format::Exr) {
+        without_settings(args, "an image")?;
         describe_image(path)
     } else {
         describe_scene(&load(args)?, args.verbose)
     }
+}
+
+/// Whether no key of a scene is set; `what` is what is described in its place.
+fn without_settings(args: &InfoArgs, what: &str) -> Result<()> {
+    let Some(set) = args.set.first() else { return Ok(()) };
+    let finding = format!("is for scenes, but {} is {what}", args.path.display());
+    Err(Error::usage(&set.flag, finding, "leave it out, or give a scene"))
 }
 
 /// The scene; no signal is waited for, so that one ends the program as usual.

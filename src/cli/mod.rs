@@ -285,7 +285,7 @@ struct MergeArgs {
 struct InfoArgs {
     /// A TOML file, a folder with a scene.toml, a glTF file, an EXR image, a checkpoint, or an OpenVDB file.
     path: PathBuf,
-    /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated.
+    /// Override any key of the scene, for example medium.phase.g=0.6; may be repeated; for scenes alone.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = Override::parse)]
     set: Vec<Override>,
     /// List every place that a warning is about, not only the first few.

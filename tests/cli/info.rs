@@ -48,6 +48,17 @@ fn an_image_is_described_with_its_header() {
 }
 
 #[test]
+fn keys_are_set_in_scenes_alone() {
+    let folder = Folder::with_scene();
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    folder.write("a.vdb", fogbow_testing::volumes::bytes("two.vdb"));
+    for (file, what) in [("a.exr", "an image"), ("a.vdb", "an OpenVDB file")] {
+        let start = format!("--set render.samples=2: is for scenes, but {file} is {what}\n");
+        folder.refused(&["info", file, "--set", "render.samples=2"], 2, &start);
+    }
+}
+
+#[test]
 fn what_is_neither_scene_nor_image_is_refused() {
     let folder = Folder::with_edited_scene("radius = 1.5", "radius = 0");
     folder.write("fake.exr", "no image");
@@ -108,6 +119,8 @@ fn a_checkpoint_says_what_it_is_of() {
     // Whatever it is called; and a torn one is told for what it is.
     std::fs::rename(folder.path("a.exr.checkpoint"), folder.path("x")).expect("a file");
     folder.done(&["info", "x"]);
+    let start = "--set render.seed=2: is for scenes, but x is a checkpoint\n";
+    folder.refused(&["info", "x", "--set", "render.seed=2"], 2, start);
     let bytes = std::fs::read(folder.path("x")).expect("a file");
     for (length, finding) in
         [(bytes.len() / 2, "is a truncated or damaged checkpoint"), (20, "is a truncated checkpoint")]
