@@ -135,7 +135,12 @@ fn grids_are_found_by_name() {
     refused(&file, Some("smoke"), r#"name one of "turned", "density[0]", "density[1]""#);
     refused(&file, None, r#"has 4 grids, none of them "density""#);
     let others = bytes("others.vdb");
-    refused(&others, None, "save a grid of densities in it: none of those that it has can be read");
+    // All that is there is named, with what is in the way of each.
+    for name in [None, Some("double")] {
+        refused(&others, name, "save a grid of densities in it: none of those that it has can be read; ");
+        refused(&others, name, r#""velocity": has values of type vec3s, not float; "mask": has values of type bool"#);
+        refused(&others, name, r#": is a level set: its values are distances, not densities"#);
+    }
     refused(&bytes("two.vdb"), Some("smoke"), r#"name one of "heat", "density""#);
     let mixed = replaced(&bytes("two.vdb"), 0, b"Tree_float_5_4_3", b"Tree_int32_5_4_3");
     refused(&mixed, Some("smoke"), r#"name "density", the only one that can be read"#);

@@ -94,16 +94,26 @@ impl Archive {
         owner.ok_or_else(|| Fault::new(finding(), DAMAGED))
     }
 
-    /// The names of the grids that can be read.
+    /// The names of the grids that can be read; if there are none, of the others, with what is in the way.
     fn what_to_name(&self) -> String {
         let names: Vec<_> =
             self.grids.iter().filter(|grid| obstacle(grid).is_none()).map(|grid| quoted(&grid.name)).collect();
         let more = if names.len() > MOST_NAMED { " and others" } else { "" };
         match names.as_slice() {
-            [] => "save a grid of densities in it: none of those that it has can be read".into(),
+            [] => {
+                format!("save a grid of densities in it: none of those that it has can be read; {}", self.obstacles())
+            }
             [one] => format!("name {one}, the only one that can be read"),
             names => format!("name one of {}{more}", names[..names.len().min(MOST_NAMED)].join(", ")),
         }
+    }
+
+    /// Why the grids cannot be read that cannot.
+    fn obstacles(&self) -> String {
+        let told = |grid: &Entry| Some(format!("{}: {}", quoted(&grid.name), obstacle(grid)?.finding()));
+        let all: Vec<_> = self.grids.iter().filter_map(told).collect();
+        let more = if all.len() > MOST_NAMED { "; and others" } else { "" };
+        all[..all.len().min(MOST_NAMED)].join("; ") + more
     }
 }
 
