@@ -63,6 +63,7 @@ fn plain_found(found: &str) -> String {
 fn plain_expected(expected: &str) -> String {
     match expected {
         "u32" => "a whole number from 0 to 4294967295".into(),
+        "i32" => "a whole number from -2147483648 to 2147483647".into(),
         "f64" => "a number".into(),
         "a sequence" => "a list".into(),
         "string only" => "a name".into(),
@@ -93,6 +94,11 @@ mod tests {
     fn numbers_out_of_range_come_with_the_range() {
         for (theirs, number, range) in [
             ("invalid value: integer `-1`, expected u32", "-1", "a whole number from 0 to 4294967295"),
+            (
+                "invalid value: integer `99999999999`, expected i32",
+                "99999999999",
+                "a whole number from -2147483648 to 2147483647",
+            ),
             ("invalid value: integer `0`, expected a whole number from 1 to 9", "0", "a whole number from 1 to 9"),
             (
                 "invalid type: integer `99999999999999999999` as i128, expected any valid TOML value",
