@@ -181,7 +181,7 @@ impl fmt::Display for Truncation {
 /// What `frame`, whose image has `size` pixels, leaves out; `None` where nothing is left out, as nothing turns light.
 /// If `monitor` says stop, nothing is known.
 pub fn estimate(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Monitor) -> Option<Truncation> {
-    if frame.stays_straight() || (frame.lights.emitters().is_empty() && !frame.emits()) {
+    if frame.stays_straight() || (frame.lights.largest_radiance() == 0.0 && !frame.emits()) {
         return None;
     }
     let looker = Looker { frame, size, renderer, monitor: &monitor.of_looks() };

@@ -56,6 +56,17 @@ fn where_no_light_is_found_what_is_left_out_is_unknown() {
 }
 
 #[test]
+fn nothing_is_left_out_where_nothing_shines() {
+    let folder = Folder::empty();
+    let text = "camera = { position = [0, 0, -3], look_at = [0, 0, 0], vertical_fov_deg = 40 }\nfilm.size = [8, 8]\n\
+                environment.radiance = 0\nrender.samples = 4\n[[volume]]\nscattering = 1\n\
+                shape = { type = \"sphere\", center = [0, 0, 0], radius = 1 }\n";
+    folder.write("scene.toml", text);
+    let run = folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    assert!(run.stderr.contains("warning: the image is black") && !run.stderr.contains("left out"), "{run}");
+}
+
+#[test]
 fn a_black_image_is_called_black() {
     let folder = Folder::with_edited_scene("normal = [0, 0, -1]", "normal = [0, 0, 1]");
     let run = folder.done(&["render", "scene.toml", "-o", "a.exr", "--set", "medium.scattering=0"]);
