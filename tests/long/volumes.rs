@@ -137,13 +137,14 @@ fn weights_by_null_vertices_have_the_same_mean_in_a_cloud() {
 
 /// Far from a small source in endless white fog the fluence is that of diffusion, P / (4 pi D r) with D = 1 / (3 mu_s'),
 /// and with absorption it falls by e^(-kappa r). Radiance at the angles of cosine +- 1 / sqrt 3 to the source, whose mean
-/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a fiftieth of its light.
+/// is free of the first three harmonics, is the fluence over 4 pi. The source takes back a thousandth of its light: one of
+/// four times its radius, as bright in all, took back a fiftieth.
 ///
 /// Without absorption, light that has come a way s is of age s in the equation of diffusion, and erf(r / (2 sqrt(D s)))
 /// of it comes later: beyond the longest paths that there are, a twenty-fourth of all. Absorption leaves none of that.
 #[test]
 fn light_diffuses_from_a_point_in_endless_fog() {
-    let (radius, radiance, distance) = (0.02_f64, 1000.0, 1.0);
+    let (radius, radiance, distance) = (0.005_f64, 16_000.0, 1.0);
     let (scattering, reduced) = (20.0, 20.0 * 0.3); // [1/m], the second times one minus the mean cosine
     let power = 4.0 * core::f64::consts::PI.powi(2) * radius.powi(2) * radiance;
     for absorption in [0.0_f64, 0.06] {
