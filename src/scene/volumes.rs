@@ -22,9 +22,8 @@ use super::model::Loaded;
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
 use crate::warning::Warning;
-pub use files::GridFiles;
+pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
-pub use grids::too_far_apart;
 
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;

@@ -331,6 +331,7 @@ fn the_address_that_is_told_can_be_opened() {
         let (host, port) = listens_at.rsplit_once(':').expect("a port");
         assert_eq!(format!("{host}:0"), place, "{message}");
         assert_eq!(served.address, format!("{told}{port}"), "{message}");
+        assert_eq!(served.get("/status").code, 200, "{message}");
         served.wait("the end", |status| status["phase"] == "finished");
         served.get("/picture");
         served.confirm();

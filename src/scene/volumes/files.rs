@@ -11,9 +11,9 @@ use glam::DAffine3;
 
 use crate::error::Result;
 use crate::scene::filling::Densities;
-use crate::volume;
+use crate::volume::{self, VoxelGrid};
 
-/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 1.5 GiB.
+/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 2 GiB.
 pub(super) const MOST_BRICKS: u64 = 1 << 27;
 
 /// A grid of a file, before it is placed.
@@ -24,7 +24,7 @@ pub struct GridOfFile {
     pub densities: Densities,
     /// Bricks, empty ones included, from the first voxel to the last along every axis.
     pub bricks_spanned: u64,
-    /// Its voxels; none where all are 0, or they are too far apart.
+    /// Its voxels; none where no density [counts](Densities::nothing), or they are too far apart.
     pub bricks: Option<Arc<Bricks>>,
 }
 
@@ -49,7 +49,7 @@ impl GridFiles {
         }
         let voxels = volume::read(path, name, look)?;
         let (densities, bricks_spanned) = (Densities::of(&voxels), bricks_spanned(&voxels.leaves));
-        let holds = densities.most > 0.0 && bricks_spanned <= MOST_BRICKS;
+        let holds = densities.nothing().is_none() && bricks_spanned <= MOST_BRICKS;
         let bricks = holds.then(|| Arc::new(Bricks::new(&voxels.leaves)));
         let grid = Rc::new(GridOfFile { index_to_world: voxels.index_to_world, densities, bricks_spanned, bricks });
         self.read.borrow_mut().insert(key, Rc::clone(&grid));
@@ -57,8 +57,19 @@ impl GridFiles {
     }
 }
 
+/// What is said of `grid`, as it follows "its", if its voxels are too far apart to be rendered.
+pub fn too_far_apart(grid: &VoxelGrid) -> Option<String> {
+    let spanned = bricks_spanned(&grid.leaves);
+    (spanned > MOST_BRICKS).then(|| far_apart(spanned))
+}
+
+/// What is said of a grid that spans too many bricks, as it follows "its".
+pub(super) fn far_apart(spanned: u64) -> String {
+    format!("voxels are so far apart that {spanned} bricks of 8x8x8 lie between them")
+}
+
 /// Bricks, empty ones included, from the first leaf to the last along every axis, with one more below.
-pub fn bricks_spanned(leaves: &[Leaf]) -> u64 {
+fn bricks_spanned(leaves: &[Leaf]) -> u64 {
     let along = |axis: usize| {
         let brick = |leaf: &Leaf| i64::from(leaf.origin[axis].div_euclid(8));
         let (first, last) = (leaves.iter().map(brick).min(), leaves.iter().map(brick).max());

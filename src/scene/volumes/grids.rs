@@ -4,7 +4,7 @@ use fogbow_kernels::media::field::{Interpolation, ToIndex, Volume as Placed, Vox
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::Volume;
-use super::files::{GridOfFile, MOST_BRICKS, bricks_spanned};
+use super::files::{GridOfFile, MOST_BRICKS, far_apart};
 use crate::error::{Error, Result};
 use crate::figures::point;
 use crate::gltf::quoted;
@@ -12,7 +12,6 @@ use crate::scene::filling::Densities;
 use crate::scene::loading::Loading;
 use crate::scene::ranges::{LARGEST, LARGEST_EMISSION};
 use crate::scene::schema::{self, ShapeKind};
-use crate::volume::VoxelGrid;
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
@@ -88,7 +87,7 @@ impl Volume<'_> {
             self.warn(&key("file"), format!("{finding}, so that nothing is there: name another grid or file"));
             return Ok(None);
         }
-        let bricks = file.bricks.clone().expect("bricks where there are densities, not too far apart");
+        let bricks = file.bricks.clone().expect("bricks where densities count and are not too far apart");
         self.check_densities(table, grid, &densities, quantity, (&to_world, origin))?;
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
     }
@@ -186,17 +185,6 @@ impl Volume<'_> {
         }
         self.require(false, table, finding, remedy)
     }
-}
-
-/// What is said of `grid`, as it follows "its", if its voxels are too far apart to be rendered.
-pub fn too_far_apart(grid: &VoxelGrid) -> Option<String> {
-    let spanned = bricks_spanned(&grid.leaves);
-    (spanned > MOST_BRICKS).then(|| far_apart(spanned))
-}
-
-/// What is said of a grid that spans too many bricks, as it follows "its".
-fn far_apart(spanned: u64) -> String {
-    format!("voxels are so far apart that {spanned} bricks of 8x8x8 lie between them")
 }
 
 /// From index coordinates of a grid of a file, placed as `grid` says, to positions counted from `origin`.
