@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::scene::filling::Densities;
 use crate::volume::{self, VoxelGrid};
 
-/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their table takes 2 GiB.
+/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their pages take 8 MiB.
 pub(super) const MOST_BRICKS: u64 = 1 << 27;
 
 /// A grid of a file, before it is placed.

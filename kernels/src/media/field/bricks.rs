@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use wide::{f32x8, u32x8};
 
+use super::heads::{Head, HeadX8, Heads};
 use super::kept::{Kept, KeptX8};
 use crate::lanes::{self, per_lane};
 use crate::vec3x8::Vec3x8;
@@ -33,35 +34,6 @@ pub struct Leaf {
     pub values: Arc<[f32; 512]>,
 }
 
-/// Where the values of a brick are, and what they mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Head {
-    /// First of those that are kept in the pool.
-    first: u32,
-    /// Which these are.
-    kept: Kept,
-    /// Density of share 0.
-    least: f32,
-    /// Difference between neighbouring shares.
-    step: f32,
-}
-
-/// The heads of eight bricks.
-struct HeadX8 {
-    first: u32x8,
-    kept: u32x8,
-    least: f32x8,
-    step: f32x8,
-}
-
-impl HeadX8 {
-    /// Where points between voxels and the next ones are in what is kept of their bricks.
-    #[inline(always)]
-    fn kept(&self, place: [u32x8; 3], share: [f32x8; 3]) -> KeptX8 {
-        KeptX8::new(self.kept, place.map(|voxel| voxel & u32x8::splat(SIDE - 1)), share)
-    }
-}
-
 /// Densities on a lattice, 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bricks {
@@ -69,7 +41,7 @@ pub struct Bricks {
     pub origin: [i32; 3],
     /// Bricks along each axis.
     pub dims: [u32; 3],
-    heads: Vec<Head>,
+    heads: Heads,
     pool: Vec<u16>,
 }
 
@@ -82,18 +54,6 @@ pub struct Extent {
     pub most: f32,
     /// Mean density.
     pub mean: f32,
-}
-
-impl Head {
-    /// Of a brick of one density.
-    const fn constant(density: f32) -> Self {
-        Self { first: 0, kept: Kept::ALL, least: density, step: 0.0 }
-    }
-
-    /// Whether it is one.
-    const fn is_constant(&self) -> bool {
-        self.step == 0.0
-    }
 }
 
 impl Bricks {
@@ -122,19 +82,9 @@ impl Bricks {
         };
         let (first, last) = (bound(i32::min), bound(i32::max));
         let dims = [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32);
-        let count: u64 = dims.iter().map(|dim| u64::from(*dim)).product();
-        let heads = vec![Head::constant(0.0); usize::try_from(count).expect("fewer than 2^31 bricks")];
-        let mut bricks = Self { origin: first.map(|component| component * SIDE as i32), dims, heads, pool };
-        for (brick, head) in filled {
-            let index = bricks.index([0, 1, 2].map(|axis| (brick[axis] - first[axis]) as u32));
-            bricks.heads[index] = head;
-        }
-        bricks
-    }
-
-    fn index(&self, [x, y, z]: [u32; 3]) -> usize {
-        let [width, height, _] = self.dims.map(|dim| dim as usize);
-        (z as usize * height + y as usize) * width + x as usize
+        let place = |brick: [i32; 3]| [0, 1, 2].map(|axis| (brick[axis] - first[axis]) as u32);
+        let filled: Vec<([u32; 3], Head)> = filled.into_iter().map(|(brick, head)| (place(brick), head)).collect();
+        Self { origin: first.map(|component| component * SIDE as i32), dims, heads: Heads::new(dims, &filled), pool }
     }
 
     /// What densities range over in the cube of `side` <= 8 voxels from `first` on, which is within one brick; with the
@@ -157,9 +107,13 @@ impl Bricks {
                 (least, most, sum) = (least.min(share), most.max(share), sum + u64::from(share));
             }
         }
-        let value = |share: f32| head.step.mul_add(share, head.least);
-        let mean = value(sum as f32 / layers.into_iter().product::<usize>() as f32);
-        Extent { least: value(f32::from(least)), most: value(f32::from(most)), mean }
+        let mean = head.density(sum as f32 / layers.into_iter().product::<usize>() as f32);
+        Extent { least: head.density(f32::from(least)), most: head.density(f32::from(most)), mean }
+    }
+
+    /// The largest density.
+    pub fn most(&self) -> f32 {
+        self.heads.all().iter().map(|head| head.density(WHOLE)).fold(0.0, f32::max)
     }
 
     /// What densities range over at points of which the voxels are `low` to `high`, counted from the first one on;
@@ -190,15 +144,13 @@ impl Bricks {
     pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         digest(bytemuck::cast_slice(&self.origin));
         digest(bytemuck::cast_slice(&self.dims));
-        for Head { first, kept, least, step } in &self.heads {
-            digest(&[first.to_le_bytes(), kept.bits().to_le_bytes(), least.to_le_bytes(), step.to_le_bytes()].concat());
-        }
+        self.heads.digest(digest);
         digest(bytemuck::cast_slice(&self.pool));
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        size_of_val(self.heads.as_slice()) + size_of_val(self.pool.as_slice())
+        self.heads.bytes() + size_of_val(self.pool.as_slice())
     }
 
     /// Voxels along each axis.
@@ -228,7 +180,7 @@ impl Bricks {
 
     /// The head of the brick that a voxel is in, and its place there.
     fn find(&self, [x, y, z]: [u32; 3]) -> (&Head, [usize; 3]) {
-        let head = &self.heads[self.index([x / SIDE, y / SIDE, z / SIDE])];
+        let head = self.heads.at([x, y, z].map(|voxel| voxel / SIDE));
         (head, [x % SIDE, y % SIDE, z % SIDE].map(|local| local as usize))
     }
 
@@ -237,26 +189,10 @@ impl Bricks {
         head.kept.index(at).map_or(0, |index| self.pool[head.first as usize + index])
     }
 
-    /// The heads of the bricks that voxels are in: all of them first, so that the values, which are farthest away, are
-    /// waited for together.
-    #[inline(always)]
-    fn heads(&self, [x, y, z]: [u32x8; 3]) -> HeadX8 {
-        let [width, height, _] = self.dims.map(u32x8::splat);
-        let [bx, by, bz] = [x, y, z].map(|v| v >> SIDE.ilog2());
-        let brick = ((bz * height + by) * width + bx).to_array();
-        let heads = per_lane(|lane| &self.heads[brick[lane] as usize]);
-        HeadX8 {
-            first: u32x8::new(per_lane(|lane| heads[lane].first)),
-            kept: u32x8::new(per_lane(|lane| heads[lane].kept.bits())),
-            least: f32x8::new(per_lane(|lane| heads[lane].least)),
-            step: f32x8::new(per_lane(|lane| heads[lane].step)),
-        }
-    }
-
     #[inline(always)]
     fn corners(&self, place: [u32x8; 3], share: [f32x8; 3]) -> f32x8 {
-        let head = self.heads(place);
-        let KeptX8 { at: [x, y, z], share: [fx, fy, fz], left, steps: [row, layer] } = head.kept(place, share);
+        let head = self.heads.at_lanes(place.map(|voxel| voxel >> SIDE.ilog2()));
+        let KeptX8 { at: [x, y, z], share: [fx, fy, fz], left, steps: [row, layer] } = kept(&head, place, share);
         let first = head.first + z * layer + y * row + x;
         let pair = |first: u32x8| {
             let first = first.to_array();
@@ -275,8 +211,8 @@ impl Bricks {
 
     #[inline(always)]
     fn voxel(&self, place: [u32x8; 3]) -> f32x8 {
-        let head = self.heads(place);
-        let KeptX8 { at, share, left, steps: [row, layer] } = head.kept(place, [f32x8::ZERO; 3]);
+        let head = self.heads.at_lanes(place.map(|voxel| voxel >> SIDE.ilog2()));
+        let KeptX8 { at, share, left, steps: [row, layer] } = kept(&head, place, [f32x8::ZERO; 3]);
         let [x, y, z] = [0, 1, 2].map(|axis| at[axis] + bytemuck::cast::<_, u32x8>(share[axis].fast_trunc_int()));
         let index = (head.first + z * layer + y * row + x).to_array();
         let share = f32x8::new(per_lane(|lane| f32::from(self.pool[index[lane] as usize])));
@@ -292,6 +228,12 @@ impl Bricks {
         let (head, at) = self.find(place.map(|component| component as u32));
         f64::from(head.step) * f64::from(self.share(head, at)) + f64::from(head.least)
     }
+}
+
+/// Where points between voxels and the next ones are in what is kept of their bricks.
+#[inline(always)]
+fn kept(head: &HeadX8, place: [u32x8; 3], share: [f32x8; 3]) -> KeptX8 {
+    KeptX8::new(head.kept, place.map(|voxel| voxel & u32x8::splat(SIDE - 1)), share)
 }
 
 #[inline(always)]

@@ -148,8 +148,7 @@ impl Cells {
 
     /// The edge of cells that is best for a lone grid, as a power of two in voxels.
     pub fn best_log_side(voxels: &Voxels, unit: f32) -> u32 {
-        let whole_bricks = Survey::of_voxels(voxels, unit, SIDE.ilog2());
-        let most = whole_bricks.extents.iter().map(|extent| extent.most).fold(0.0, f32::max);
+        let most = unit * voxels.bricks.most();
         if most == 0.0 {
             return SIDE.ilog2();
         }

@@ -43,6 +43,7 @@ mod blocks;
 mod bricks;
 mod cells;
 mod even;
+mod heads;
 mod kept;
 mod known;
 mod lattice;

@@ -55,9 +55,13 @@ fn grids() -> Vec<Field> {
     let solid =
         Field::grid(Voxels::new(&leaves(|_| 0.5), &TO_INDEX, Interpolation::Trilinear), 4.0).with_cells(1, 1.0, 1.0);
     assert!(solid.even.is_some());
+    let mut scattered = leaves(blob);
+    scattered.push(Leaf { origin: [160; 3], values: [0.5; 512].into() });
+    let scattered = Field::grid(Voxels::new(&scattered, &TO_INDEX, Interpolation::Trilinear), 6.0);
     let several = vec![ball([0.3, 0.1, 0.0], 0.3, 0.0), bounded, ball([-0.4, 0.2, 0.2], 0.5, 4.0), lumpy];
     vec![
         smooth.clone().with_cells(2, 1.0, 1.0),
+        scattered.with_cells(2, 1.0, 1.0),
         blocky,
         turned,
         smooth.with_cells(4, 1.5, 0.5),
