@@ -182,3 +182,31 @@ fn all_techniques_have_the_same_means_in_volumes_at_all_lengths() {
         assert_equal_means(name, &frame, 1..=8);
     }
 }
+
+/// Paths of some lengths through the media of the scenes. Path tracing meets the sun and the moon too seldom to know by how
+/// much it may be wrong: here they are large, and shine as much.
+#[test]
+fn all_techniques_have_the_same_means_in_the_scenes_by_length() {
+    let scenes: [(&str, &[&str]); 5] = [
+        ("cloud-box", &[]),
+        (
+            "cloud-sky",
+            &["light=[{type=\"sun\",direction=[0.75,-0.55,-0.38],irradiance=[8,7.4,6.4],angular_radius_deg=25}]"],
+        ),
+        (
+            "smoke-fire",
+            &["light=[{type=\"disk\",center=[34,38,-30],normal=[-34,-36,30],radius=40,radiance=[0.34,0.52,0.86]}]"],
+        ),
+        ("wax", &[]),
+        ("milk", &[]),
+    ];
+    for (name, settings) in scenes {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+        let settings = ["film.size=[16,16]"].iter().chain(settings);
+        let settings = settings.map(|setting| Override::parse(setting).expect("a key and a value")).collect();
+        let scene = scene::load(&folder, settings).unwrap_or_else(|error| panic!("{error}"));
+        for segments in [1, 2, 3, 4, 6, 10, 20] {
+            assert_equal_means(name, &scene.frame, segments..=segments);
+        }
+    }
+}

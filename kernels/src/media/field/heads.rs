@@ -201,7 +201,7 @@ mod tests {
     /// About one brick of `share`, each with a head of its own.
     fn one_of(share: u32) -> Vec<([u32; 3], Head)> {
         let numbered = places().zip(0..);
-        let filled = numbered.filter(|(_, number)| random::words(*number, 5, 0, 0)[0] % share == 0);
+        let filled = numbered.filter(|(_, number)| random::words(*number, 5, 0, 0)[0].is_multiple_of(share));
         filled
             .map(|(place, number)| (place, Head { first: number, kept: Kept::ALL, least: number as f32, step: 0.5 }))
             .collect()
