@@ -53,6 +53,10 @@ fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<()> {
             number(most.into(), 4),
             number(mean, 4)
         ))?;
+        let [densest, mean] = [f64::from(most), mean].map(|density| number(1.0 / density, 4));
+        say(format!(
+            "  mean free path at an extinction of 1/m: {densest} m where it is densest, {mean} m at that average"
+        ))?;
     }
     grid.obstacle.map_or(Ok(()), |obstacle| say(format!("  cannot be rendered: {obstacle}")))
 }

@@ -21,12 +21,14 @@ fn the_grids_of_a_volume_are_listed() {
         "  index bounds: [0, 0, 0] to [2, 2, 2]",
         "  world bounds: [-3, 5, 5] to [9, 11, 17] m",
         "  densities: 2 at most, 2 on average of active voxels",
+        "  mean free path at an extinction of 1/m: 0.5000 m where it is densest, 0.5000 m at that average",
         r#"grid "density": float, fog volume, blosc + active values"#,
         "  active voxels: 9544, 37.3 KiB at 4 bytes each",
         "  voxel size: 0.25 m",
         "  index bounds: [-3, 0, 40] to [20, 23, 63]",
         "  world bounds: [0.125, 1.875, 12.875] to [6.125, 7.875, 18.875] m",
         "  densities: 0.9766 at most, 0.1024 on average of active voxels",
+        "  mean free path at an extinction of 1/m: 1.024 m where it is densest, 9.761 m at that average",
     ];
     assert_eq!(run.stdout.lines().collect::<Vec<_>>(), expected, "{run}");
     assert_eq!(run.stderr, "", "{run}");
@@ -68,6 +70,7 @@ fn voxels_are_read_where_the_file_does_not_say_what_they_are() {
         "  index bounds: [9, 16, 0] to [15, 16, 0]",
         "  world bounds: [2.125, 3.875, -0.125] to [3.875, 4.125, 0.125] m",
         "  densities: 0.5000 at most, 0.5000 on average of active voxels",
+        "  mean free path at an extinction of 1/m: 2 m where it is densest, 2 m at that average",
     ];
     assert_eq!(text.lines().skip(2).collect::<Vec<_>>(), expected, "{text}");
     let text = said(|_| 0.0);
@@ -79,7 +82,8 @@ fn voxels_are_read_where_the_file_does_not_say_what_they_are() {
     let text = Folder::empty().done(&["info", path("shared.vdb").to_str().expect("UTF-8")]).stdout;
     assert_eq!(text.matches("  active voxels: 1000, 3.91 KiB at 4 bytes each\n").count(), 2, "{text}");
     let ending = "  world bounds: [-2.75, -0.25, -0.25] to [2.25, 4.75, 4.75] m\n  densities: 0.9375 at most, 0.4688 on \
-                  average of active voxels\n";
+                  average of active voxels\n  mean free path at an extinction of 1/m: 1.067 m where it is densest, \
+                  2.133 m at that average\n";
     assert!(text.ends_with(ending), "{text}");
 }
 
@@ -135,7 +139,8 @@ fn the_cloud_is_in_its_box() {
     let run = Folder::empty().done(&["info", cloud]);
     assert!(run.stdout.contains("\n  voxel size: 0.015625 m\n"), "{run}");
     let ending = "  world bounds: [-0.875, -0.71875, -0.859375] to [0.921875, 0.796875, 0.859375] m\n  densities: 1 at \
-                  most, 0.7897 on average of active voxels\n";
+                  most, 0.7897 on average of active voxels\n  mean free path at an extinction of 1/m: 1 m where it is \
+                  densest, 1.266 m at that average\n";
     assert!(run.stdout.ends_with(ending), "{run}");
 }
 
