@@ -218,14 +218,21 @@ impl Field {
 /// The part of `start + t way`, t in [0, `end`], within a box; empty where the second is not larger.
 #[inline(always)]
 pub fn within(start: Vec3x8, way: Vec3x8, low: [f32; 3], high: [f32; 3], end: f32x8) -> [f32x8; 2] {
+    let [low, high] = [low, high].map(|[x, y, z]| Vec3x8::new(f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)));
+    within_boxes(start, way, [low, high], end)
+}
+
+/// The same with a box for each.
+#[inline(always)]
+pub fn within_boxes(start: Vec3x8, way: Vec3x8, [low, high]: [Vec3x8; 2], end: f32x8) -> [f32x8; 2] {
     let (mut enter, mut exit) = (f32x8::ZERO, end);
-    let axes = [(start.x, way.x), (start.y, way.y), (start.z, way.z)];
-    for (((origin, step), low), high) in axes.into_iter().zip(low).zip(high) {
+    let axes = [(start.x, way.x, low.x, high.x), (start.y, way.y, low.y, high.y), (start.z, way.z, low.z, high.z)];
+    for (origin, step, low, high) in axes {
         // Along an axis, a way that does not move is either inside all the time or never: +-inf do as they should, and
         // the NaN of a start on the very boundary is moved off it.
         let step = step.simd_eq(f32x8::ZERO).select(f32x8::splat(1e-30), step);
         let inverse = f32x8::ONE / step;
-        let (a, b) = ((f32x8::splat(low) - origin) * inverse, (f32x8::splat(high) - origin) * inverse);
+        let (a, b) = ((low - origin) * inverse, (high - origin) * inverse);
         (enter, exit) = (enter.fast_max(a.fast_min(b)), exit.fast_min(a.fast_max(b)));
     }
     [enter, exit]

@@ -3,10 +3,14 @@
 //! Tracking crosses blocks and draws candidates by their bounds. It is faster in larger pieces than weights need means of:
 //! a few candidates more cost less than eight times as many pieces, which no cache holds.
 
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 use wide::{f32x8, i32x8};
 
 use super::bricks::Extent;
 use super::cells::{Layout, Survey};
+use super::cores::{Cores, Found};
+use super::volume::Placed;
 use crate::vec3x8::Vec3x8;
 
 /// Cells along the edge of a block.
@@ -61,7 +65,8 @@ impl Block {
     }
 }
 
-/// Bounds of all blocks: a column for each that is asked for by itself.
+/// Bounds of all blocks, and behind them those of their [cores](super::cores): a column for each that is asked for by
+/// itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
     /// Where the blocks are in the columns.
@@ -70,6 +75,8 @@ pub struct Blocks {
     residuals: Vec<Residual>,
     /// Which volumes may be in them, bit by bit; empty where there is only one.
     volumes: Vec<u32>,
+    /// Parts that are much denser than the rest of their blocks, if there are any.
+    pub cores: Option<Cores>,
     /// Largest majorant of all [1/m].
     pub most: f32,
 }
@@ -91,21 +98,44 @@ impl Blocks {
         }
         let block = |found: Option<(Extent, f32)>| Block::new(mean_of(found, outside), survey.edge * EDGE as f32);
         let blocks: Vec<Block> = found.into_iter().map(block).collect();
-        Self::of(layout, &blocks, volumes)
+        Self::of(layout, &blocks, volumes, None)
     }
 
-    fn of(layout: Layout, blocks: &[Block], volumes: Vec<u32>) -> Self {
+    /// The same with cores where they spare candidates, of several `volumes` in what is `around` [1/m]; `from_cells`
+    /// leads from cells, which are along the axes of the world, there.
+    pub fn with_cores(self, volumes: &[Placed], around: f32, from_cells: &DAffine3) -> Self {
+        if self.volumes.is_empty() {
+            return self;
+        }
+        let [width, height, depth] = self.layout.dims;
+        let places = (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
+        let found = places.collect::<Vec<_>>().into_par_iter().filter_map(|place| {
+            let index = self.layout.index(place);
+            let corners = [0, 1].map(|end| DVec3::from(place.map(|along| f64::from((along + end) * EDGE))));
+            let corners = corners.map(|corner| from_cells.transform_point3(corner));
+            Some((index, Found::new(volumes, around, self.volumes[index], corners)?))
+        });
+        let found: Vec<(usize, Found)> = found.collect();
+        let mut blocks: Vec<Block> = (0..self.majorants.len()).map(|index| self.block(index)).collect();
+        let mut cores = Cores::none(blocks.len());
+        let to_cells = from_cells.inverse();
+        let edge = from_cells.transform_vector3(DVec3::ONE).max_element() as f32 * EDGE as f32;
+        for (index, Found { corners: [low, high], inside, outside }) in found {
+            cores.add(index, [low, high].map(|corner| to_cells.transform_point3(corner)), blocks.len());
+            blocks.push(Block::new(inside, (high - low).max_element() as f32));
+            blocks.push(Block::new(outside, edge));
+        }
+        Self::of(self.layout, &blocks, self.volumes, Some(cores).filter(|cores| !cores.is_empty()))
+    }
+
+    fn of(layout: Layout, blocks: &[Block], volumes: Vec<u32>, cores: Option<Cores>) -> Self {
         let majorants: Vec<f32> = blocks.iter().map(|block| block.most).collect();
         let most = majorants.iter().copied().fold(0.0, f32::max);
-        Self { layout, majorants, residuals: blocks.iter().map(|block| block.residual).collect(), volumes, most }
+        Self { layout, majorants, residuals: blocks.iter().map(|block| block.residual).collect(), volumes, cores, most }
     }
 
-    /// The block at `place`, which is inside.
-    pub fn at(&self, place: [u32; 3]) -> Block {
-        self.block(self.layout.index(place))
-    }
-
-    fn block(&self, index: usize) -> Block {
+    /// The bounds in a row: those of a block, or inside or outside of a core.
+    pub fn block(&self, index: usize) -> Block {
         Block { most: self.majorants[index], residual: self.residuals[index] }
     }
 
@@ -138,7 +168,7 @@ impl Blocks {
     pub fn distorted(self, factor: f32, mean: f32) -> Self {
         let blocks: Vec<Block> =
             (0..self.majorants.len()).map(|index| self.block(index).distorted(factor, mean)).collect();
-        Self::of(self.layout, &blocks, self.volumes)
+        Self::of(self.layout, &blocks, self.volumes, self.cores)
     }
 
     /// Bytes that it takes.
@@ -146,6 +176,7 @@ impl Blocks {
         size_of_val(self.majorants.as_slice())
             + size_of_val(self.residuals.as_slice())
             + size_of_val(self.volumes.as_slice())
+            + self.cores.as_ref().map_or(0, Cores::bytes)
     }
 }
 

@@ -78,7 +78,7 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
 
 /// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a coloured ball in
 /// a room, and a coloured cloud; techniques have to be set anew.
-pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 4] {
+pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 5] {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let room = room(0.5, Selection::IntensityDistance, size);
     let several = vec![
@@ -88,6 +88,9 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 4] {
         lumpy(3.0, DVec3::new(0.5, 0.3, 1.8), 8.0),
     ];
     let mut several = with_volumes(&lights, several, 0.25);
+    // The blocks of the hall are larger than the ball.
+    let hall = solid(Shape::block([[-30.0, -28.0, -31.0], [29.0, 30.0, 30.0]]), 0.25);
+    let hall = with_volumes(&lights, vec![ball(DVec3::new(0.15, 0.1, 1.3), 0.2, 15.0), hall], 0.0);
     let albedos = [[0.9; 3], [0.0; 3], [1.0, 0.9, 0.8], [0.6; 3], [0.95, 0.97, 1.0]];
     let medium = several.medium.clone().with_albedos(&albedos);
     several = with_medium(&several, medium);
@@ -95,6 +98,7 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 4] {
     let cloud = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear).coloured([1.0, 0.5, 0.2]);
     [
         ("volumes in fog", several),
+        ("dense ball in a hall of fog", hall),
         ("coloured ball in a room", with_field(&room, coloured)),
         ("coloured cloud among lights", with_field(&lights, cloud)),
         ("phase functions in a room", turning(&room)),

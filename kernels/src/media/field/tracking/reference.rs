@@ -144,9 +144,11 @@ impl<'a> Walk<'a> {
             if (0..3).any(|axis| self.block[axis] < 0 || self.block[axis] >= i64::from(blocks.layout.dims[axis])) {
                 return (None, budget);
             }
-            let block = blocks.at(self.block.map(|index| index as u32));
+            let index = blocks.layout.index(self.block.map(|index| index as u32));
             let (axis, border) = self.border();
-            let length = (border.min(self.exit) - self.t).max(0.0);
+            let (row, piece) = self.piece(index);
+            let (block, end) = (blocks.block(row), piece.min(border).min(self.exit));
+            let length = (end - self.t).max(0.0);
             if rate(&block) * length >= budget {
                 let way = budget / rate(&block);
                 pass(&block, way);
@@ -155,10 +157,30 @@ impl<'a> Walk<'a> {
             }
             budget -= rate(&block) * length;
             pass(&block, length);
-            self.t = border.min(self.exit).max(self.t);
-            self.block[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
+            self.t = end.max(self.t);
+            if piece > border.min(self.exit) {
+                self.block[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
+            }
         }
         (None, budget)
+    }
+
+    /// The row of the bounds that hold from t on in the block at `index`, and where they end for its core, if ever.
+    fn piece(&self, index: usize) -> (usize, f64) {
+        let Some((corners, row)) = self.field.blocks.cores.as_ref().and_then(|cores| cores.at(index)) else {
+            return (index, f64::INFINITY);
+        };
+        let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let [a, b] = corners.map(|corner| (corner[axis] - self.origin[axis]) / self.direction[axis]);
+            // A ray that does not move along an axis: +-inf do as they should.
+            (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
+        }
+        match (enters < leaves, self.t) {
+            (true, t) if t < enters => (row + 1, enters),
+            (true, t) if t < leaves => (row, leaves),
+            _ => (row + 1, f64::INFINITY),
+        }
     }
 
     /// The axis along which the next block lies, and where it begins.

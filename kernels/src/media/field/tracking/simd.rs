@@ -12,7 +12,8 @@
 //! 3. A ray of unit direction has t in metres, a segment t in [0, 1]: rates are per unit of t.
 //! 4. Before a ray enters the box of all cells, and after it leaves it, its way is through what is around them: of that
 //!    everything is known.
-//! 5. In a block of one extinction, density need not be asked. A field that is one shape needs no walk at all
+//! 5. A block with a core has bounds of its own before the core, in it and after it: rays cross it in up to three pieces.
+//! 6. In a block of one extinction, density need not be asked. A field that is one shape needs no walk at all
 //!    (`one_shape`), and neither does a ray that ends in the even part in which it began: it would have no candidate but
 //!    the last, and that where it is known to be.
 
@@ -193,10 +194,14 @@ impl<const N: usize> Lanes<N> {
     fn cross_and_meet<Q: Quest<N>>(&mut self, field: &Field) -> u32 {
         let live = lanes::mask(self.live);
         let (mut moving, mut through) = (live, f32x8::ZERO);
-        let mut rates;
+        let (mut row, mut rates);
         loop {
-            rates = Q::rates(&field.blocks, self.block);
-            let border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
+            let mut border = self.next.x.fast_min(self.next.y).fast_min(self.next.z).fast_min(self.exit);
+            row = self.block;
+            if let Some(cores) = &field.blocks.cores {
+                (row, border) = cores.ahead(row, [self.origin, self.direction], self.t, border);
+            }
+            rates = Q::rates(&field.blocks, row);
             let length = (border - self.t).fast_max(f32x8::ZERO) * self.scale;
             let spent = rates[0] * length;
             let crosses = moving & spent.simd_lt(self.budget);
@@ -223,7 +228,7 @@ impl<const N: usize> Lanes<N> {
         let ahead = (way / self.scale + self.t).fast_max(next_up(self.t));
         self.t = arrived.select(ahead, self.t);
         self.known = arrived.select(rates[1].mul_add(way, self.known), self.known);
-        let (even, mut extinction) = Q::even(&field.blocks, self.block, rates);
+        let (even, mut extinction) = Q::even(&field.blocks, row, rates);
         if (arrived & !even).any() {
             let at = self.direction.mul_add(self.t, self.origin);
             extinction = even.select(extinction, field.at(at).0);
