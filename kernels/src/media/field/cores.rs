@@ -55,7 +55,7 @@ pub struct Cores {
 }
 
 impl Found {
-    /// That of a block between `corners` [m] where the `volumes` of the bits `present` are, in what is `around` [1/m].
+    /// That of a block between `corners` `[m]` where the `volumes` of the bits `present` are, in what is `around` [1/m].
     pub fn new(volumes: &[Placed], around: f32, present: u32, [low, high]: [DVec3; 2]) -> Option<Self> {
         let edge = (high - low).max_element();
         let mut there: Vec<(Range, [DVec3; 2])> = Vec::new();

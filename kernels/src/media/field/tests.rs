@@ -255,6 +255,25 @@ fn no_block_is_too_dense_to_leave() {
     assert_eq!(ended, 2);
 }
 
+/// Fog is even, so that every candidate in it is a collision; there were thousands of others where the whole block had the
+/// majorant of the ball.
+#[test]
+fn rays_beside_what_is_small_and_dense_meet_no_candidates_for_it() {
+    let ball = Shape::Sphere { center: DVec3::new(0.3, -0.2, 0.1), radius: 0.05 };
+    let hall = Shape::block([[-100.0; 3], [100.0; 3]]);
+    let volumes = [(ball, 400.0), (hall, 0.05)];
+    let volumes = volumes.map(|(shape, extinction)| Volume { shape: Some(shape), voxels: None, extinction });
+    let field = Field::new(volumes.to_vec(), 0.0);
+    let rays = 500;
+    let candidates = |i: u32| {
+        let from = DVec3::new(0.0, 0.0, -2.0) + real(point(i));
+        let direction = (real(point(9000 + i)) - from).normalize();
+        tracking_twin::fly(&field, 1.0, from, direction, Stream::new(i, 5, 6, 7, 0)).1
+    };
+    let all: u32 = (0..rays).map(candidates).sum();
+    assert!(all < 2 * rays, "{all} candidates on {rays} rays");
+}
+
 #[test]
 fn flights_and_transmittances_have_the_means_of_the_integral() {
     for (number, grid) in grids().iter().enumerate() {
