@@ -65,7 +65,7 @@ impl Block {
     }
 }
 
-/// Bounds of all blocks, and behind them those of their [cores](super::cores): a column for each that is asked for by
+/// Bounds of all blocks, and behind them those of their `cores`: a column for each that is asked for by
 /// itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
