@@ -65,8 +65,7 @@ impl Block {
     }
 }
 
-/// Bounds of all blocks, and behind them those of their `cores`: a column for each that is asked for by
-/// itself.
+/// Bounds of all blocks, and behind them those of their `cores`: a column for each that is asked for by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
     /// Where the blocks are in the columns.
