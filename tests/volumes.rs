@@ -210,7 +210,6 @@ fn progress_ends_with_all_leaves() {
     assert_eq!(last.get(), (4100, 4100));
 }
 
-/// Files of tests that are too large to be kept.
 /// Where Debian's OpenVDB for Python is. Other versions of it and of numpy may round and pack differently, so that not the
 /// bytes are compared but what is in them.
 #[test]
@@ -239,6 +238,7 @@ fn volumes_of_scenes_are_what_their_script_writes() {
     }
 }
 
+/// Files of tests that are too large to be kept.
 #[test]
 fn what_tests_write_is_read() {
     let leaf = |origin: [i32; 3]| {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use wide::{f32x8, i32x8};
 
 use super::bricks::Extent;
-use super::cells::{Layout, Survey};
+use super::cells::{Layout, Survey, place};
 use super::cores::{Cores, Found};
 use super::volume::Placed;
 use crate::vec3x8::Vec3x8;
@@ -100,29 +100,29 @@ impl Blocks {
         Self::of(layout, &blocks, volumes, None)
     }
 
-    /// The same with cores where they spare candidates, of several `volumes` in what is `around` [1/m]; `from_cells`
-    /// leads from cells, which are along the axes of the world, there.
-    pub fn with_cores(self, volumes: &[Placed], around: f32, from_cells: &DAffine3) -> Self {
+    /// The same with cores where they spare candidates, of several `volumes`; `from_cells` leads from cells, which are
+    /// along the axes of the world, there.
+    pub fn with_cores(self, survey: &Survey, volumes: &[Placed], from_cells: &DAffine3) -> Self {
         if self.volumes.is_empty() {
             return self;
         }
-        let [width, height, depth] = self.layout.dims;
-        let places = (0..depth).flat_map(|z| (0..height).flat_map(move |y| (0..width).map(move |x| [x, y, z])));
-        let found = places.collect::<Vec<_>>().into_par_iter().filter_map(|place| {
+        let dims = self.layout.dims;
+        let count = dims.iter().map(|dim| *dim as usize).product::<usize>();
+        let found = (0..count).into_par_iter().filter_map(|number| {
+            let place = place(dims, number);
             let index = self.layout.index(place);
             let corners = [0, 1].map(|end| DVec3::from(place.map(|along| f64::from((along + end) * EDGE))));
             let corners = corners.map(|corner| from_cells.transform_point3(corner));
-            Some((index, Found::new(volumes, around, self.volumes[index], corners)?))
+            Some((index, Found::new(volumes, survey.outside, self.volumes[index], corners)?))
         });
         let found: Vec<(usize, Found)> = found.collect();
         let mut blocks: Vec<Block> = (0..self.majorants.len()).map(|index| self.block(index)).collect();
         let mut cores = Cores::none(blocks.len());
         let to_cells = from_cells.inverse();
-        let edge = from_cells.transform_vector3(DVec3::ONE).max_element() as f32 * EDGE as f32;
         for (index, Found { corners: [low, high], inside, outside }) in found {
             cores.add(index, [low, high].map(|corner| to_cells.transform_point3(corner)), blocks.len());
             blocks.push(Block::new(inside, (high - low).max_element() as f32));
-            blocks.push(Block::new(outside, edge));
+            blocks.push(Block::new(outside, survey.edge * EDGE as f32));
         }
         Self::of(self.layout, &blocks, self.volumes, Some(cores).filter(|cores| !cores.is_empty()))
     }

@@ -129,8 +129,8 @@ impl Survey {
     }
 }
 
-/// The place of number `index` of all cells.
-fn place([width, height, _]: [u32; 3], index: usize) -> [u32; 3] {
+/// The place of number `index` of all cells, or blocks.
+pub fn place([width, height, _]: [u32; 3], index: usize) -> [u32; 3] {
     let [width, height] = [width, height].map(|dim| dim as usize);
     [index % width, index / width % height, index / (width * height)].map(|place| place as u32)
 }

@@ -6,8 +6,8 @@
 //! overlapping volumes, starts inside of them and connections across them need no thought.
 //!
 //! **What is known.** Nobody knows the integral of extinction along a segment, so that free flights are *tracked* and the
-//! transmittance of connections is *estimated* ([`tracking`]). Both need bounds, which
-//! blocks of 2^3 cells have, and by itself what is small and dense in them; and weights need an optical depth that is the same for a segment whoever asks:
+//! transmittance of connections is *estimated* ([`tracking`]). Both need bounds, which blocks of 2^3 cells have, and by
+//! itself what is small and dense in them; and weights need an optical depth that is the same for a segment whoever asks:
 //!
 //! ```text
 //! tau~ = sum of the cells' means at n points of the segment, evenly spread over its part within all cells and a little
@@ -129,7 +129,7 @@ impl Field {
         let volumes = lattice.place(volumes);
         let survey = lattice.survey(&volumes, around);
         let (cells, blocks) = (Cells::new(&survey), Blocks::new(&survey, volumes.len() > 1));
-        let blocks = blocks.with_cores(&volumes, around, &lattice.to_cells.inverse());
+        let blocks = blocks.with_cores(&survey, &volumes, &lattice.to_cells.inverse());
         let even = EvenPart::largest(&survey);
         Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], one: None, even }
     }

@@ -60,19 +60,8 @@ impl Field {
 
     /// The part of a ray, in cells, up to `end` within all cells and so much more below and above.
     pub fn part_within(&self, from: DVec3, way: DVec3, [below, above]: [f64; 2], end: f64) -> Option<(f64, f64)> {
-        let (mut enter, mut exit) = (0.0_f64, end);
-        for axis in 0..3 {
-            let count = f64::from(self.cells.dims()[axis]) + above;
-            if way[axis] == 0.0 {
-                if from[axis] < -below || from[axis] > count {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((-below - from[axis]) / way[axis], (count - from[axis]) / way[axis]);
-            (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
-        }
-        (enter < exit).then_some((enter, exit))
+        let counts = DVec3::from(self.cells.dims().map(f64::from));
+        part_in_box([DVec3::splat(-below), counts + above], from, way, end)
     }
 
     /// The cell that a point, in cells, is in.
@@ -106,6 +95,22 @@ impl Field {
         strata.push(piece(end - exit, around));
         strata
     }
+}
+
+/// The part of a ray up to `end` within the box between two corners; none if it is empty.
+pub fn part_in_box([low, high]: [DVec3; 2], from: DVec3, way: DVec3, end: f64) -> Option<(f64, f64)> {
+    let (mut enter, mut exit) = (0.0_f64, end);
+    for axis in 0..3 {
+        if way[axis] == 0.0 {
+            if from[axis] < low[axis] || from[axis] > high[axis] {
+                return None;
+            }
+            continue;
+        }
+        let [a, b] = [low, high].map(|corner| (corner[axis] - from[axis]) / way[axis]);
+        (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
+    }
+    (enter < exit).then_some((enter, exit))
 }
 
 /// The part of a ray, in cells, up to `end` within a shape: the cell from 0 to 1, or the largest ball in it.

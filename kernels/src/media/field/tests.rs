@@ -58,12 +58,9 @@ fn grids() -> Vec<Field> {
     let mut scattered = leaves(blob);
     scattered.push(Leaf { origin: [160; 3], values: [0.5; 512].into() });
     let scattered = Field::grid(Voxels::new(&scattered, &TO_INDEX, Interpolation::Trilinear), 6.0);
-    let room = |extinction| Volume {
-        shape: Some(Shape::block([[-7.0, -8.0, -7.5], [7.0, 7.2, 6.9]])),
-        voxels: None,
-        extinction,
-    };
-    let small = vec![ball([0.11, 0.07, -0.13], 0.08, 40.0), ball([-0.31, 0.2, 0.4], 0.05, 60.0), room(0.4)];
+    let room =
+        Volume { shape: Some(Shape::block([[-7.0, -8.0, -7.5], [7.0, 7.2, 6.9]])), voxels: None, extinction: 0.4 };
+    let small = vec![ball([0.11, 0.07, -0.13], 0.08, 40.0), ball([-0.31, 0.2, 0.4], 0.05, 60.0), room];
     let in_fog = Field::new(small.clone(), 0.0);
     let in_room = Field::new(small, 0.2).with_cells(4, 1.5, 0.5);
     assert!([&in_fog, &in_room].iter().all(|field| field.blocks.cores.is_some()));

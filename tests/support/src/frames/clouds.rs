@@ -76,8 +76,8 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
     with_field(frame, Field::new(volumes, around))
 }
 
-/// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a coloured ball in
-/// a room, and a coloured cloud; techniques have to be set anew.
+/// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a dense ball in
+/// a hall of fog; a coloured ball in a room, and a coloured cloud; techniques have to be set anew.
 pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 5] {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let room = room(0.5, Selection::IntensityDistance, size);

@@ -12,6 +12,7 @@ use glam::DVec3;
 
 use crate::media::field::Field;
 use crate::media::field::blocks::{Block, EDGE};
+use crate::media::field::reference::part_in_box;
 use crate::media::reference::{depth_until, reach};
 use crate::random::{self, Stream};
 
@@ -170,15 +171,9 @@ impl<'a> Walk<'a> {
         let Some((corners, row)) = self.field.blocks.cores.as_ref().and_then(|cores| cores.at(index)) else {
             return (index, f64::INFINITY);
         };
-        let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
-        for axis in 0..3 {
-            let [a, b] = corners.map(|corner| (corner[axis] - self.origin[axis]) / self.direction[axis]);
-            // A ray that does not move along an axis: +-inf do as they should.
-            (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
-        }
-        match (enters < leaves, self.t) {
-            (true, t) if t < enters => (row + 1, enters),
-            (true, t) if t < leaves => (row, leaves),
+        match part_in_box(corners, self.origin, self.direction, f64::INFINITY) {
+            Some((enters, _)) if self.t < enters => (row + 1, enters),
+            Some((_, leaves)) if self.t < leaves => (row, leaves),
             _ => (row + 1, f64::INFINITY),
         }
     }
