@@ -4,7 +4,7 @@
 //! lane 0 in bit 0.
 
 use bumpalo::Bump;
-use wide::{f32x8, i32x8, u32x8};
+use wide::{f32x8, u32x8};
 
 /// Rows in a batch.
 pub const LANES: usize = 8;
@@ -51,7 +51,7 @@ pub fn to_f32(counts: u32x8) -> f32x8 {
 
 /// The values of a column at these indices, which are within it.
 #[inline(always)]
-pub fn gather(column: &[f32], at: i32x8) -> f32x8 {
+pub fn gather(column: &[f32], at: u32x8) -> f32x8 {
     let at = at.to_array();
     f32x8::new(per_lane(|lane| column[at[lane] as usize]))
 }

@@ -109,12 +109,12 @@ pub trait AxisX8: Copy {
     /// Whether extinction differs from place to place.
     const VARIES: bool;
 
-    /// Optical depth.
-    fn depth(&self) -> f32x8;
+    /// Optical depth; some depth above `most` where it is more than that, which may be known sooner.
+    fn depth(&self, most: f32x8) -> f32x8;
 
-    /// Optical depths of its part up to a distance `along` it `[m]`, and of all of it; of a ray, only the first has a
-    /// meaning.
-    fn depths(&self, along: f32x8) -> [f32x8; 2];
+    /// Optical depths of its part up to a distance `along` it `[m]`, and of all of it; some above `most` for the second,
+    /// and anything for the first, where the second is more than that. Of a ray, only the first has a meaning.
+    fn depths(&self, along: f32x8, most: f32x8) -> [f32x8; 2];
 
     /// Extinction at a distance `along` it [1/m].
     fn extinction(&self, along: f32x8) -> f32x8;
@@ -122,6 +122,13 @@ pub trait AxisX8: Copy {
     /// Goes on by an optical `depth` from the place reached, at first its start: the distance passed `[m]`, which may
     /// lead beyond its end.
     fn advance(&mut self, depth: f32x8) -> f32x8;
+
+    /// [`Self::advance`] from its start, and [`Self::depth`], in one go: the distance passed `[m]`, which is anything
+    /// where it is deeper than `most`, and the depth.
+    #[inline(always)]
+    fn first_advance(&mut self, depth: f32x8, most: f32x8) -> [f32x8; 2] {
+        [self.advance(depth), self.depth(most)]
+    }
 
     /// Where its extinction is known to be the same from its start to its end, and which it is then [1/m].
     fn even(&self) -> (f32x8, f32x8);

@@ -82,7 +82,7 @@ impl Flight {
         let [point, vertex, before] = [0, 1, 2].map(|a| &suffix.vertices[a]);
         let length = arrival.last_squared.sqrt();
         let ray = arrival.medium.ray(point.position, -vertex.leaving);
-        let [depth, _] = ray.depths(length);
+        let [depth, _] = ray.depths(length, f32x8::splat(f32::INFINITY));
         let extinction = ray.extinction(length);
         let log = arrival.last_depth - depth - arrival.medium.log_extinction_along(1, before.log_extinction);
         // No flight ends where the ray has no extinction.

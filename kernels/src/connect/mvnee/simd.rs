@@ -85,7 +85,7 @@ fn sum<M: MediumX8>(
             }
         }
         let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
-        let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance);
+        let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance, most);
         let mut possible = axial.possible;
         if M::VARIES {
             possible &= whole.simd_le(most);
@@ -141,15 +141,15 @@ fn log_extinctions(how: Seeds, line: &impl AxisX8, seeds: &[Projection]) -> f32x
 }
 
 /// The optical depth that the flights between `seeds` pass up to the end of the axis, at `distance` `[m]`, and that of
-/// the axis.
+/// the axis, which is above `most` where it is more: then the first has no meaning.
 #[inline(always)]
-fn flights<A: AxisX8>(how: Seeds, line: &A, seeds: &[Projection], distance: f32x8) -> [f32x8; 2] {
+fn flights<A: AxisX8>(how: Seeds, line: &A, seeds: &[Projection], distance: f32x8, most: f32x8) -> [f32x8; 2] {
     match (how, seeds) {
         (Seeds::Fast, [.., first]) if A::VARIES => {
-            let [until, whole] = line.depths(first.along);
+            let [until, whole] = line.depths(first.along, most);
             [line.extinction(first.along).mul_add(distance - first.along, until), whole]
         }
-        _ => [line.depth(); 2],
+        _ => [line.depth(most); 2],
     }
 }
 

@@ -7,7 +7,8 @@
 //! tau~ = length ((t1 - t0) / n * sum_{i < n} mean(p + (t0 + (i + 1/2) / n (t1 - t0)) v) + (1 - (t1 - t0)) mu_around)
 //! ```
 //!
-//! 1. Lanes with fewer strata wait for those with more.
+//! 1. Lanes with fewer strata wait for those with more. A lane that is known to be too deep for what is asked does not go
+//!    on.
 //! 2. A segment and its reverse have the same strata, but for rounding.
 //! 3. Before the first stratum and behind the last is what is around; behind the last it has no end, so that every
 //!    depth is somewhere.
@@ -17,6 +18,7 @@
 use wide::f32x8;
 
 use super::Field;
+use super::cells::Lookup;
 use crate::media::AxisX8;
 use crate::vec3x8::Vec3x8;
 
@@ -36,6 +38,12 @@ pub const LEAST_DEPTH: f32 = 1e-9;
 /// multiplied, stays a number. Behind so much there is no light, if it is there.
 pub const MOST_DEPTH: f32 = 60.0;
 
+/// By how much the means must exceed a depth, for rounding, to be known to be more.
+const SLACK: f32 = 1.001;
+
+/// Strata after which it is asked whether that is known.
+const AT_ONCE: u32 = 4;
+
 /// Least extinction of what a flight is in that ends [1/m]: in vacuum it ends beyond everything.
 const LEAST_EXTINCTION: f32 = 1e-30;
 
@@ -47,7 +55,9 @@ pub struct FieldAxis<'a> {
     hue: f32x8,
     /// Length `[m]`.
     length: f32x8,
-    /// Where it begins, in cells.
+    /// The means of the cells.
+    cells: Lookup<'a>,
+    /// Where it begins, in cells from the first of those around on.
     start: Vec3x8,
     /// From there to its end, in cells.
     way: Vec3x8,
@@ -97,7 +107,8 @@ impl<'a> FieldAxis<'a> {
             field,
             hue,
             length,
-            start,
+            cells: field.cells.lookup(),
+            start: start + Vec3x8::splat([1.0; 3]),
             way,
             enter: inside.select(enter, f32x8::ZERO),
             stride: part / strata,
@@ -114,26 +125,47 @@ impl<'a> FieldAxis<'a> {
         let inside = index.simd_ge(f32x8::ZERO) & index.simd_lt(self.strata);
         let mean = match &self.field.one {
             Some(shape) => f32x8::splat(shape.extinction),
-            None => {
-                let middle = self.stride.mul_add(index + f32x8::splat(0.5), self.enter);
-                self.field.cells.means_at(self.way.mul_add(middle, self.start))
-            }
+            None => self.mean_of_cell(index),
         };
         inside.select(mean, f32x8::splat(self.field.around))
     }
 
-    /// Sums over all strata of the mean, and of what `term` makes of it.
+    /// Mean extinction of the cell in the middle of stratum `index`, where there is such a stratum [1/m].
     #[inline(always)]
-    fn sums(&self, term: impl Fn(f32x8, f32x8) -> f32x8) -> [f32x8; 2] {
-        let most = self.strata.to_array().into_iter().fold(0.0, f32::max) as u32;
-        let mut sums = [f32x8::ZERO; 2];
-        for i in 0..most {
-            let index = f32x8::splat(i as f32);
-            let counts = index.simd_lt(self.strata);
-            let mean = counts.select(self.mean(index), f32x8::ZERO);
-            sums = [sums[0] + mean, sums[1] + term(index, mean)];
+    fn mean_of_cell(&self, index: f32x8) -> f32x8 {
+        let middle = self.stride.mul_add(index + f32x8::HALF, self.enter);
+        self.cells.at(self.way.mul_add(middle, self.start))
+    }
+
+    /// Sum of the means of all strata, as far as the depth is not known to be more than `most`; each of them goes to
+    /// `term`, too, as (index, mean), with a mean of 0 in lanes that have come to their end.
+    #[inline(always)]
+    fn sum(&self, most: f32x8, term: impl FnMut(f32x8, f32x8)) -> f32x8 {
+        match &self.field.one {
+            Some(shape) => self.sum_of(|_| f32x8::splat(shape.extinction), most, term),
+            None => self.sum_of(|index| self.mean_of_cell(index), most, term),
         }
-        sums
+    }
+
+    /// The same with what a `mean` is, by index of the stratum.
+    #[inline(always)]
+    fn sum_of(&self, mean: impl Fn(f32x8) -> f32x8, most: f32x8, mut term: impl FnMut(f32x8, f32x8)) -> f32x8 {
+        let enough = f32x8::splat(SLACK) * most / (self.stride * self.length * self.hue);
+        let last = self.strata.to_array().into_iter().fold(0.0, f32::max) as u32;
+        let (mut strata, mut index, mut sum) = (self.strata, f32x8::ZERO, f32x8::ZERO);
+        for i in 0..last {
+            if i % AT_ONCE == AT_ONCE - 1 {
+                strata = sum.simd_le(enough).select(strata, f32x8::ZERO);
+                if !index.simd_lt(strata).any() {
+                    break;
+                }
+            }
+            let mean = index.simd_lt(strata).select(mean(index), f32x8::ZERO);
+            term(index, mean);
+            sum += mean;
+            index += f32x8::ONE;
+        }
+        sum
     }
 
     /// The optical depth of all of it, where the means add up to `sum`.
@@ -142,6 +174,12 @@ impl<'a> FieldAxis<'a> {
         let around = f32x8::splat(self.field.around) * (f32x8::ONE - self.stride * self.strata);
         let depth = sum.mul_add(self.stride, around) * self.length * self.hue;
         depth.fast_max(f32x8::splat(LEAST_DEPTH))
+    }
+
+    /// Ends a flight in the stratum reached, where so much of its depth, over length and hue, is left.
+    #[inline(always)]
+    fn land(&mut self, left: f32x8) {
+        self.place += left / self.mean(self.reached).fast_max(f32x8::splat(LEAST_EXTINCTION));
     }
 
     /// Where the strata end, as a share of the length.
@@ -155,16 +193,18 @@ impl AxisX8 for FieldAxis<'_> {
     const VARIES: bool = true;
 
     #[inline(never)]
-    fn depth(&self) -> f32x8 {
-        let [sum, _] = self.sums(|_, mean| mean);
-        self.whole(sum)
+    fn depth(&self, most: f32x8) -> f32x8 {
+        self.whole(self.sum(most, |_, _| ()))
     }
 
     #[inline(never)]
-    fn depths(&self, along: f32x8) -> [f32x8; 2] {
+    fn depths(&self, along: f32x8, most: f32x8) -> [f32x8; 2] {
         let place = along / self.length;
         let passed = (place - self.enter) / self.stride;
-        let [whole, part] = self.sums(|index, mean| mean * (passed - index).fast_max(f32x8::ZERO).fast_min(f32x8::ONE));
+        let mut part = f32x8::ZERO;
+        let whole = self.sum(most, |index, mean| {
+            part += mean * (passed - index).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+        });
         let outside = place.fast_min(self.enter) + (place - self.exit()).fast_max(f32x8::ZERO);
         let outside = self.strata.simd_eq(f32x8::ZERO).select(place, outside);
         let until = part.mul_add(self.stride, f32x8::splat(self.field.around) * outside) * self.length * self.hue;
@@ -191,8 +231,32 @@ impl AxisX8 for FieldAxis<'_> {
             self.place = passes.select(self.stride.mul_add(next, self.enter), self.place);
             self.reached = passes.select(next, self.reached);
         }
-        self.place += left / self.mean(self.reached).fast_max(f32x8::splat(LEAST_EXTINCTION));
+        self.land(left);
         (self.place - from) * self.length
+    }
+
+    #[inline(never)]
+    fn first_advance(&mut self, depth: f32x8, most: f32x8) -> [f32x8; 2] {
+        // As `advance` to the bit, while the means that are looked up are added up, also behind the place reached.
+        let mut left = depth / (self.length * self.hue);
+        let before = f32x8::splat(self.field.around) * self.enter;
+        let mut flies = left.simd_ge(before);
+        left -= flies.select(before, f32x8::ZERO);
+        let mut axis = *self;
+        axis.place = flies.select(self.enter, f32x8::ZERO);
+        axis.reached = flies.select(f32x8::ZERO, f32x8::splat(-1.0));
+        let sum = self.sum(most, |index, mean| {
+            let next = index + f32x8::ONE;
+            let end = self.stride.mul_add(next, self.enter);
+            let room = mean * (end - axis.place);
+            flies &= left.simd_ge(room) & index.simd_lt(self.strata);
+            left -= flies.select(room, f32x8::ZERO);
+            axis.place = flies.select(end, axis.place);
+            axis.reached = flies.select(next, axis.reached);
+        });
+        axis.land(left);
+        *self = axis;
+        [self.place * self.length, self.whole(sum)]
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The coarse field: cells with the mean extinction in them, and how they are surveyed.
 
 use rayon::prelude::*;
-use wide::{f32x8, i32x8};
+use wide::{f32x8, i32x8, u32x8};
 
 use super::blocks::{Block, EDGE};
 use super::bricks::{Bricks, Extent, SIDE};
@@ -60,6 +60,17 @@ pub struct Survey {
 pub struct Cells {
     layout: Layout,
     means: Vec<f32>,
+}
+
+/// Means of cells, by points that are in one of them, or of those around.
+#[derive(Clone, Copy)]
+pub struct Lookup<'a> {
+    means: &'a [f32],
+    /// From a cell to the next one along y, and along z.
+    row: i32x8,
+    layer: i32x8,
+    /// The last of all means.
+    last: u32x8,
 }
 
 impl Layout {
@@ -170,10 +181,12 @@ impl Cells {
         self.means[self.layout.index(place)]
     }
 
-    /// Mean extinctions of the cells that points, in cells, are in [1/m].
+    /// For looking up the means of many.
     #[inline(always)]
-    pub fn means_at(&self, at: Vec3x8) -> f32x8 {
-        gather(&self.means, self.layout.indices(at))
+    pub fn lookup(&self) -> Lookup<'_> {
+        let [_, row, layer] = self.layout.strides();
+        let [row, layer] = [row, layer].map(i32x8::splat);
+        Lookup { means: &self.means, row, layer, last: u32x8::splat(self.means.len() as u32 - 1) }
     }
 
     /// The same with all means multiplied by `factor`: what no image may depend on.
@@ -185,6 +198,17 @@ impl Cells {
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.means.as_slice())
+    }
+}
+
+impl Lookup<'_> {
+    /// Mean extinctions [1/m] of the cells of points, which count from the first of the cells around on; any mean where a
+    /// point is in none.
+    #[inline(always)]
+    pub fn at(&self, at: Vec3x8) -> f32x8 {
+        let [x, y, z] = [at.x, at.y, at.z].map(|v| v.fast_trunc_int());
+        let index: u32x8 = bytemuck::cast(z * self.layer + y * self.row + x);
+        gather(self.means, index.min(self.last))
     }
 }
 

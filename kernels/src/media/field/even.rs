@@ -124,14 +124,14 @@ impl AxisX8 for EvenAxis<'_> {
     const VARIES: bool = true;
 
     #[inline(always)]
-    fn depth(&self) -> f32x8 {
+    fn depth(&self, _: f32x8) -> f32x8 {
         self.medium.depth(self.length)
     }
 
     #[inline(always)]
-    fn depths(&self, along: f32x8) -> [f32x8; 2] {
+    fn depths(&self, along: f32x8, most: f32x8) -> [f32x8; 2] {
         let until = self.medium.extinction * (along / self.length) * self.length * self.medium.hue;
-        [until, self.depth()]
+        [until, self.depth(most)]
     }
 
     #[inline(always)]
@@ -236,15 +236,16 @@ mod tests {
     fn answers(medium: impl MediumX8, from: Vec3x8, to: Vec3x8) -> Vec<[u32; 8]> {
         let length = (to - from).length_squared().sqrt();
         let mut axis = medium.axis(from, to, length);
-        let along = length * f32x8::splat(0.3);
+        let (along, most) = (length * f32x8::splat(0.3), f32x8::splat(f32::INFINITY));
         let Crowding { log, scale } = medium.crowding(3, length, f32x8::splat(2.5), f32x8::splat(1.5));
-        let [until, whole] = axis.depths(along);
-        let depth = axis.depth();
+        let [until, whole] = axis.depths(along, most);
+        let depth = axis.depth(most);
+        let at_once = { axis }.first_advance(depth * f32x8::splat(0.3), most);
         let steps = [0.1, 0.4, 0.2].map(|share| axis.advance(depth * f32x8::splat(share)));
         let [first, second, third] = steps;
         let (is_even, even) = axis.even();
         let found = [depth, until, whole, log, scale, first, second, third, is_even, even, axis.reached()];
-        let [on_ray, _] = medium.ray(from, (to - from) * (f32x8::ONE / length)).depths(along);
+        let [on_ray, _] = medium.ray(from, (to - from) * (f32x8::ONE / length)).depths(along, most);
         let more = [
             on_ray,
             axis.extinction(along),
@@ -254,7 +255,7 @@ mod tests {
             medium.over_clearest(),
             medium.log_extinction_along(4, f32x8::splat(1.5)),
         ];
-        found.into_iter().chain(more).map(|lanes| lanes.to_array().map(f32::to_bits)).collect()
+        found.into_iter().chain(more).chain(at_once).map(|lanes| lanes.to_array().map(f32::to_bits)).collect()
     }
 
     #[test]

@@ -110,8 +110,8 @@ impl<'a> MediumX8 for FieldX8<'a> {
         if self.stays_even([from, to], lanes::ALL) {
             return self.as_even().optical_depth(from, to, length);
         }
-        let depth = self.axis(from, to, length).depth();
-        if self.field.is_known() { depth } else { depth.fast_min(f32x8::splat(MOST_DEPTH)) }
+        let most = f32x8::splat(if self.field.is_known() { f32::INFINITY } else { MOST_DEPTH });
+        self.axis(from, to, length).depth(most).fast_min(most)
     }
 
     #[inline(always)]

@@ -362,7 +362,7 @@ fn places_on_an_axis_have_the_depth_that_leads_there() {
                 let as_reached = axis.reached().to_array()[0] == axis.extinction(along).to_array()[0];
                 let wrong = [
                     far(f32x8::splat(place as f32), truth),
-                    far(axis.depths(along)[0], depth_until(&strata, place)),
+                    far(axis.depths(along, f32x8::splat(f32::INFINITY))[0], depth_until(&strata, place)),
                     far(axis.extinction(along), extinction_along(&strata, place)),
                     !as_reached,
                 ];
@@ -371,4 +371,66 @@ fn places_on_an_axis_have_the_depth_that_leads_there() {
         }
     }
     assert!(tried > 1000 && apart * 50 <= tried, "{apart} of {tried} are apart");
+}
+
+#[test]
+fn depths_are_exact_up_to_the_most_that_is_asked_for() {
+    let (mut within, mut beyond) = (0, 0);
+    for field in grids() {
+        for seed in 0..300 {
+            let lane = |nth: u32| point(8 * seed + nth);
+            let eight = |first: u32| {
+                let axis = |axis: usize| f32x8::new(core::array::from_fn(|nth| lane(first + nth as u32)[axis]));
+                Vec3x8::new(axis(0), axis(1), axis(2))
+            };
+            let (from, to) = (eight(0), eight(10_000));
+            let length = (to - from).length_squared().sqrt();
+            let [most, flight] = [0.1 + 0.01 * seed as f32, 0.3].map(f32x8::splat);
+            let whole = f32x8::splat(f32::INFINITY);
+            let (axis, along) = (FieldX8::of(&field).axis(from, to, length), length * f32x8::splat(0.4));
+            let (mut after, mut at_once) = (axis, axis);
+            let [distance, depth] = at_once.first_advance(flight, most);
+            let found = [depth, axis.depth(most), axis.depths(along, most)[1]];
+            let truths = [axis.depth(whole), axis.depth(whole), axis.depths(along, whole)[1]];
+            let alike = [
+                [axis.depths(along, most)[0], axis.depths(along, whole)[0]],
+                [distance, after.advance(flight)],
+                [at_once.reached(), after.reached()],
+                [at_once.advance(flight), after.advance(flight)],
+            ];
+            for lane in 0..8 {
+                let in_lane = |values: f32x8| values.to_array()[lane];
+                for (found, truth) in found.map(in_lane).into_iter().zip(truths.map(in_lane)) {
+                    let is_deeper = truth > in_lane(most);
+                    assert!(if is_deeper { found > in_lane(most) } else { found == truth }, "{found} for {truth}");
+                }
+                if in_lane(truths[0]) > in_lane(most) {
+                    beyond += 1;
+                } else {
+                    within += 1;
+                    alike.iter().for_each(|pair| assert_eq!(in_lane(pair[0]), in_lane(pair[1]), "seed {seed}"));
+                }
+            }
+        }
+    }
+    assert!(within > 5000 && beyond > 5000, "{within} within, {beyond} beyond");
+}
+
+#[test]
+fn axes_into_the_void_find_no_cells_and_do_not_fail() {
+    for field in grids() {
+        for bad in [f32::NAN, f32::INFINITY, -1e30, 1e30] {
+            let [good, mut there] = [point(1), point(2)];
+            there[1] = bad;
+            let lanes = |axis: usize| f32x8::new(core::array::from_fn(|lane| [good, there][lane % 2][axis]));
+            let (from, to) = (Vec3x8::splat(point(3)), Vec3x8::new(lanes(0), lanes(1), lanes(2)));
+            let axis = |to: Vec3x8| FieldX8::of(&field).axis(from, to, (to - from).length_squared().sqrt());
+            let (mut mixed, mut alone) = (axis(to), axis(Vec3x8::splat(good)));
+            let [depth, most] = [0.2, 3.0].map(f32x8::splat);
+            let [of_mixed, of_alone] = [mixed.first_advance(depth, most), alone.first_advance(depth, most)];
+            for (mixed, alone) in of_mixed.into_iter().zip(of_alone) {
+                assert_eq!(mixed.to_array()[0], alone.to_array()[0]);
+            }
+        }
+    }
 }

@@ -168,13 +168,13 @@ impl AxisX8 for HomogeneousAxis {
     const VARIES: bool = false;
 
     #[inline(always)]
-    fn depth(&self) -> f32x8 {
+    fn depth(&self, _: f32x8) -> f32x8 {
         self.medium.extinction * self.length
     }
 
     #[inline(always)]
-    fn depths(&self, along: f32x8) -> [f32x8; 2] {
-        [self.medium.extinction * along, self.depth()]
+    fn depths(&self, along: f32x8, most: f32x8) -> [f32x8; 2] {
+        [self.medium.extinction * along, self.depth(most)]
     }
 
     #[inline(always)]

@@ -52,10 +52,16 @@ impl<A: AxisX8> Walk<A> {
             return depth * mean_free_path;
         }
         let distance = self.axis.advance(depth);
+        self.reach_first();
+        distance
+    }
+
+    /// Remembers what fast seeds go on with, once they have reached the first one.
+    #[inline(always)]
+    fn reach_first(&mut self) {
         if A::VARIES && self.seeds == Seeds::Fast {
             self.mean_free_path = Some(f32x8::ONE / self.axis.reached());
         }
-        distance
     }
 
     /// Whether seeds are counted by depth.
@@ -64,14 +70,20 @@ impl<A: AxisX8> Walk<A> {
         A::VARIES && self.seeds == Seeds::Coarse
     }
 
-    /// The end of an axis of this `length` `[m]`, as a depth or as a distance, and where it is no deeper than `most`.
+    /// How much nearer the end the first seed is, after a flight of this `depth`, and how far the end is, for an axis of
+    /// this `length` `[m]`; and where that is no deeper than `most`, without which the others have no meaning.
     #[inline(always)]
-    fn end(&self, length: f32x8, most: f32x8) -> [f32x8; 2] {
-        let depth = self.axis.depth();
-        [if self.by_depth() { depth } else { length }, depth.simd_le(most)]
+    fn begin(&mut self, depth: f32x8, length: f32x8, most: f32x8) -> [f32x8; 3] {
+        if self.by_depth() {
+            let whole = self.axis.depth(most);
+            return [depth, whole, whole.simd_le(most)];
+        }
+        let [distance, whole] = self.axis.first_advance(depth, most);
+        self.reach_first();
+        [distance, length, whole.simd_le(most)]
     }
 
-    /// How much nearer the end the next seed is.
+    /// How much nearer the end each other one is.
     #[inline(always)]
     fn toward_end(&mut self, depth: f32x8) -> f32x8 {
         if self.by_depth() { depth } else { self.next(depth) }
@@ -116,21 +128,41 @@ impl Mvnee {
     ) -> u32x8 {
         let distance = (point - start).length_squared().sqrt();
         let mut walk = Walk::new(self.seeds, medium.axis(start, point, distance));
-        let [end, near] = walk.end(distance, f32x8::splat(self.max_depth) * medium.over_clearest());
+        let most = f32x8::splat(self.max_depth) * medium.over_clearest();
+        let [first, others @ ..] = flights(sequence, 0);
+        let [first, end, near] = walk.begin(first, distance, most);
 
-        let (mut inside, mut along, mut count) = (lanes::mask(live) & near, f32x8::ZERO, u32x8::splat(0));
-        for k in 0.. {
-            if !inside.any() {
+        let mut seeds = Counted { inside: lanes::mask(live) & near, along: f32x8::ZERO, count: u32x8::splat(0) };
+        seeds.add(first, end, longest);
+        others.into_iter().for_each(|flight| seeds.add(walk.toward_end(flight), end, longest));
+        for k in 1.. {
+            if !seeds.inside.any() {
                 break;
             }
-            for flight in flights(sequence, k) {
-                along += walk.toward_end(flight);
-                inside &= along.simd_lt(end) & lanes::as_mask(count.simd_le(longest));
-                count -= bytemuck::cast::<f32x8, u32x8>(inside); // a mask of all ones is -1
-            }
+            flights(sequence, k).into_iter().for_each(|flight| seeds.add(walk.toward_end(flight), end, longest));
         }
-        let fits = count.simd_le(longest) & lanes::as_integer_mask(near);
-        fits.select(count, u32x8::splat(DROPPED))
+        let fits = seeds.count.simd_le(longest) & lanes::as_integer_mask(near);
+        fits.select(seeds.count, u32x8::splat(DROPPED))
+    }
+}
+
+/// Seeds counted so far.
+struct Counted {
+    /// Rows of which the end is not reached.
+    inside: f32x8,
+    /// How far the last one is, as a depth or as a distance `[m]`.
+    along: f32x8,
+    /// How many there are.
+    count: u32x8,
+}
+
+impl Counted {
+    /// Goes on by a `step`: to one more where that is before the `end`, and there are no more than `longest`.
+    #[inline(always)]
+    fn add(&mut self, step: f32x8, end: f32x8, longest: u32x8) {
+        self.along += step;
+        self.inside &= self.along.simd_lt(end) & lanes::as_mask(self.count.simd_le(longest));
+        self.count -= bytemuck::cast::<f32x8, u32x8>(self.inside); // a mask of all ones is -1
     }
 }
 

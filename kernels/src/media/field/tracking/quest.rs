@@ -40,7 +40,7 @@ impl Quest<1> for Flight {
 
     #[inline(always)]
     fn rates(blocks: &Blocks, at: i32x8) -> [f32x8; 2] {
-        [gather(blocks.majorants(), at), f32x8::ZERO]
+        [gather(blocks.majorants(), bytemuck::cast(at)), f32x8::ZERO]
     }
 
     #[inline(always)]
