@@ -7,6 +7,7 @@ use bumpalo::Bump;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fogbow::wavefront::Source;
 use fogbow_kernels::columns::queues::Bucket;
+use fogbow_kernels::connect::mvnee::{Mvnee, Seeds};
 use fogbow_kernels::connect::nee;
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
 use fogbow_kernels::media::field::tracking::{Ray, batches, reference, simd};
@@ -129,5 +130,27 @@ fn stages(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, tracking, closed_mesh, stages);
+/// Making MVNEE's connections through the cloud, with seeds of either kind, and bridges.
+fn connections(c: &mut Criterion) {
+    let [(_, cloud), _] = clouds([256, 256]);
+    let arena = Bump::new();
+    let mut group = c.benchmark_group("cloud, joined");
+    for (name, seeds) in [("coarse seeds", Seeds::Coarse), ("fast seeds", Seeds::Fast)] {
+        let frame = frames::with_techniques(&cloud, Active::Mvnee, 4.0);
+        let mvnee = Mvnee { seeds, ..frame.techniques.mvnee.expect("an MVNEE frame") };
+        let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+        w.light_sample(mvnee.scope());
+        group.throughput(Throughput::Elements(w.candidates.connections.len as u64));
+        group.bench_function(name, |b| b.iter(|| w.join(&mvnee, frame.lengths, w.step)));
+    }
+    let frame = frames::with_techniques(&cloud, Active::Bridge, 4.0);
+    let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
+    let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
+    w.light_sample(bridge.scope());
+    group.throughput(Throughput::Elements(w.candidates.connections.len as u64));
+    group.bench_function("bridges", |b| b.iter(|| w.join(&bridge, frame.lengths, w.step)));
+    group.finish();
+}
+
+criterion_group!(benches, tracking, closed_mesh, stages, connections);
 criterion_main!(benches);

@@ -11,7 +11,7 @@ use crate::vec3x8::Vec3x8;
 
 /// Optical thickness of a cell, at the largest extinction, up to which cells are made larger, and from which on they are
 /// made smaller: what weights make of coarser means costs more than it saves.
-pub const THICKNESS: f32 = 2.0;
+pub const THICKNESS: f32 = 1.0;
 
 /// Optical depth by which the mean of a cell may exceed its least extinction along its edge. Where it does by more, as at
 /// the border of something dense, light comes by the thin part of the cell, of which the mean says nothing: an optical
