@@ -182,10 +182,16 @@ impl<'q> LaneSet<'q> {
         self.bytes[b] &= !(bits as u8);
     }
 
+    /// Indices of the batches with rows that are in this set and not in `other`, and the bits of these rows.
+    #[inline(always)]
+    pub fn batches_without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (usize, u32)> + 'a {
+        let batches = self.bytes.iter().zip(other.bytes.iter()).enumerate();
+        batches.map(|(b, (mine, other))| (b, u32::from(mine & !other))).filter(|(_, bits)| *bits != 0)
+    }
+
     /// The rows that are in this set and not in `other`, ascending.
     pub fn without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = usize> + 'a {
-        let batches = self.bytes.iter().zip(other.bytes.iter()).enumerate();
-        batches.flat_map(|(b, (mine, other))| each(u32::from(mine & !other)).map(move |lane| b * LANES + lane))
+        self.batches_without(other).flat_map(|(b, bits)| each(bits).map(move |lane| b * LANES + lane))
     }
 
     /// Number of rows in the set.

@@ -260,15 +260,19 @@ impl<'q> Wavefront<'q> {
         self.render_while(samples, tile, || left.next().is_some());
     }
 
-    /// Hands what ended paths have found to their pixels.
+    /// Hands what ended paths have found to their pixels. Where there are no layers but radiance, nothing has to be told
+    /// of those that have found none.
     fn collect(&mut self, tile: &mut Tile) {
         let (region, has_aovs) = (tile.region(), !self.frame.aovs.list().is_empty());
-        for lane in self.occupied.without(&self.live) {
-            let Request { x, y, .. } = self.requests.row(lane);
-            if has_aovs {
-                self.add_layers(tile, region.place(x, y), lane);
-            } else {
-                tile.add(region.place(x, y), &[self.radiance.row(lane)]);
+        for (b, ended) in self.occupied.batches_without(&self.live) {
+            let matter = if has_aovs { ended } else { ended & self.radiance.any_of_batch(b) };
+            for lane in lanes::each(matter).map(|lane| b * LANES + lane) {
+                let Request { x, y, .. } = self.requests.row(lane);
+                if has_aovs {
+                    self.add_layers(tile, region.place(x, y), lane);
+                } else {
+                    tile.add(region.place(x, y), &[self.radiance.row(lane)]);
+                }
             }
         }
         self.occupied.copy_from(&self.live);
@@ -284,17 +288,21 @@ impl<'q> Wavefront<'q> {
         let mut count = 0;
         for b in 0..batches {
             let vacant = !self.occupied.batch(b) & lanes::ALL;
+            if vacant == lanes::ALL
+                && let Some(first) = work.next_eight()
+            {
+                self.requests.set_eight(b, first);
+                self.request(b, lanes::ALL, first);
+                count += LANES as u64;
+                continue;
+            }
             if vacant != lanes::ALL && !refill_single_lanes {
                 continue;
             }
             for lane in lanes::each(vacant) {
                 let Some(request) = work.next() else { break };
                 self.requests.set_row(b * LANES + lane, request);
-                self.requested.insert(b * LANES + lane);
-                let pixel = request.y * self.frame.camera.width + request.x;
-                if self.frame.outlines.as_ref().is_some_and(|outlines| outlines.contains(pixel)) {
-                    self.outlined.insert(b * LANES + lane);
-                }
+                self.request(b, 1 << lane, request);
                 count += 1;
             }
         }
@@ -302,6 +310,16 @@ impl<'q> Wavefront<'q> {
         if count > 0 {
             self.generate();
             self.parts.clear(&self.requested);
+        }
+    }
+
+    /// Notes that the rows of batch `b` set in `bits` take samples of the pixel of `request`.
+    #[inline(always)]
+    fn request(&mut self, b: usize, bits: u32, request: Request) {
+        self.requested.insert_batch(b, bits);
+        let pixel = request.y * self.frame.camera.width + request.x;
+        if self.frame.outlines.as_ref().is_some_and(|outlines| outlines.contains(pixel)) {
+            self.outlined.insert_batch(b, bits);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The samples that a worker has still to take.
 
 use fogbow_kernels::columns::queues::Request;
+use fogbow_kernels::lanes::LANES;
 
 use crate::film::Region;
 
@@ -24,14 +25,27 @@ impl Work {
         if self.next.y >= self.region.y1 || self.samples.is_empty() {
             return None;
         }
-        let request = self.next;
-        self.next.sample += 1;
+        Some(self.pass(1))
+    }
+
+    /// The first of the next eight, if these are left and of one pixel.
+    #[inline]
+    pub fn next_eight(&mut self) -> Option<Request> {
+        let has_eight = self.next.y < self.region.y1 && self.samples.end - self.next.sample >= LANES as u32;
+        has_eight.then(|| self.pass(LANES as u32))
+    }
+
+    /// Goes on by so many of one pixel, and says which was the first.
+    #[inline]
+    fn pass(&mut self, count: u32) -> Request {
+        let first = self.next;
+        self.next.sample += count;
         if self.next.sample == self.samples.end {
             self.next = Request { x: self.next.x + 1, sample: self.samples.start, ..self.next };
         }
         if self.next.x == self.region.x1 {
             self.next = Request { x: self.region.x0, y: self.next.y + 1, ..self.next };
         }
-        Some(request)
+        first
     }
 }

@@ -15,7 +15,7 @@
 //! Rows that go on stay in their lane; only the exceptions are listed.
 
 use bumpalo::Bump;
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 use super::{Column, Column3, ColumnMut, ColumnRef, ColumnSet, Field, Spectrum};
 use crate::lanes::LANES;
@@ -30,6 +30,16 @@ columns! {
         y: u32,
         /// Number of the sample in its pixel.
         sample: u32,
+    }
+}
+
+impl RequestColumns<'_> {
+    /// Fills batch `b` with eight samples of one pixel: `first` and those after it.
+    #[inline(always)]
+    pub fn set_eight(&mut self, b: usize, first: Request) {
+        self.x.set_batch(b, u32x8::splat(first.x));
+        self.y.set_batch(b, u32x8::splat(first.y));
+        self.sample.set_batch(b, u32x8::splat(first.sample) + lanes::indices(0));
     }
 }
 

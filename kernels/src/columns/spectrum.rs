@@ -1,8 +1,10 @@
 //! A quantity of every path per channel.
 
 use bumpalo::Bump;
+use wide::f32x8;
 
 use super::{Column, ColumnMut, ColumnRef, ColumnSet};
+use crate::lanes;
 
 /// One column for every channel in use: a single one where everything is grey, red, green and blue otherwise.
 pub struct Spectrum<'q> {
@@ -35,6 +37,13 @@ impl<'q> Spectrum<'q> {
     #[inline(always)]
     pub fn any(&self, row: usize) -> bool {
         self.channels.iter().any(|channel| channel.rows()[row] != 0.0)
+    }
+
+    /// Rows of batch `b` that are not 0 in every channel, as bits.
+    #[inline(always)]
+    pub fn any_of_batch(&self, b: usize) -> u32 {
+        let none = f32x8::ZERO;
+        lanes::bits(self.channels.iter().fold(none, |any, channel| any | channel.batch(b).simd_ne(none)))
     }
 
     /// Row `row`: red, green and blue, which are the same where one channel is in use.
@@ -75,5 +84,8 @@ mod tests {
         }
         assert_eq!((grey.row(5), coloured.row(5)), ([0.5; 3], [0.5, 0.25, 2.0]));
         assert_eq!((grey.channels().len(), coloured.channels().len()), (1, 3));
+        coloured.set_row(2, [0.0, 0.0, -1.0]);
+        coloured.set_row(7, [f32::NAN, 0.0, 0.0]);
+        assert_eq!((grey.any_of_batch(0), coloured.any_of_batch(0)), (1 << 5, 1 << 5 | 1 << 2 | 1 << 7));
     }
 }
