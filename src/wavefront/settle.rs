@@ -81,11 +81,7 @@ impl Wavefront<'_> {
 
     /// Candidates of the bucket that count anything; only counted if statistics are detailed.
     fn count(&self, bucket: Bucket) -> u64 {
-        if !self.stats.detailed {
-            return 0;
-        }
-        let counts = |row: &usize| self.worth.weight.rows()[*row] != 0.0 && self.worth.factor.row(*row) != [0.0; 3];
-        bucket.rows().filter(counts).count() as u64
+        if self.stats.detailed { self.worth.count(bucket) } else { 0 }
     }
 
     /// Notes what media emitted along flights, by the lengths of their paths and the depths that walks had to get to.

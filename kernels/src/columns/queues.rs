@@ -121,6 +121,15 @@ impl<'q> WorthTable<'q> {
         let rows = rows + LANES;
         Self { weight: Column::new_in(arena, rows), factor: Spectrum::new_in(arena, rows, channels) }
     }
+
+    /// How many candidates of a bucket count anything.
+    pub fn count(&self, bucket: Bucket) -> u64 {
+        let of_batch = |(b, rows): (usize, u32)| {
+            let weigh = lanes::bits(!self.weight.batch(b).simd_eq(f32x8::ZERO));
+            u64::from((weigh & self.factor.any_of_batch(b) & rows).count_ones())
+        };
+        bucket.batches().map(of_batch).sum()
+    }
 }
 
 impl ColumnSet for WorthTable<'_> {
@@ -288,6 +297,25 @@ mod tests {
             assert_eq!((worth.weight.rows()[row], worth.factor.row(row)), (weight, [0.5 * weight, 1.0, 2.0 + weight]));
             assert_eq!(candidate.point, [from as f32, 0.5, -1.0]);
             chains.vertices.iter().for_each(|vertex| assert_eq!(vertex.row(row), candidate.point));
+        }
+    }
+
+    #[test]
+    fn what_counts_anything_is_counted_up_to_the_last_row() {
+        let arena = Bump::new();
+        for channels in [1, 3] {
+            let mut worth = WorthTable::new_in(&arena, 40, channels);
+            let weighs = |row: usize| !row.is_multiple_of(3);
+            let passes = |row: usize| !row.is_multiple_of(5);
+            for row in 0..40 {
+                worth.weight.rows_mut()[row] = if weighs(row) { row as f32 } else { 0.0 };
+                worth.factor.set_row(row, if passes(row) { [f32::NAN, 0.0, 0.0] } else { [0.0; 3] });
+            }
+            for len in 0..=24 {
+                let bucket = Bucket { inserted: 1, start: 8, len };
+                let expected = bucket.rows().filter(|row| weighs(*row) && passes(*row)).count() as u64;
+                assert_eq!(worth.count(bucket), expected, "{channels} channels, {len} rows");
+            }
         }
     }
 }

@@ -43,7 +43,7 @@ impl<'q> Spectrum<'q> {
     #[inline(always)]
     pub fn any_of_batch(&self, b: usize) -> u32 {
         let none = f32x8::ZERO;
-        lanes::bits(self.channels.iter().fold(none, |any, channel| any | channel.batch(b).simd_ne(none)))
+        lanes::bits(self.channels.iter().fold(none, |any, channel| any | !channel.batch(b).simd_eq(none)))
     }
 
     /// Row `row`: red, green and blue, which are the same where one channel is in use.
