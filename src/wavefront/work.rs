@@ -49,3 +49,30 @@ impl Work {
         first
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_the_same_by_eight_and_one_by_one() {
+        let region = Region { x0: 3, y0: 1, x1: 6, y1: 3 };
+        for samples in [0..0, 0..5, 0..8, 3..30, 7..71] {
+            let mut one_by_one = Work::new(region, samples.clone());
+            let expected: Vec<Request> = core::iter::from_fn(|| one_by_one.next()).collect();
+            let (mut work, mut found, mut eights) = (Work::new(region, samples.clone()), Vec::new(), 0);
+            loop {
+                if let Some(first) = work.next_eight() {
+                    found.extend((0..8).map(|nth| Request { sample: first.sample + nth, ..first }));
+                    eights += 1;
+                } else if let Some(request) = work.next() {
+                    found.push(request);
+                } else {
+                    break;
+                }
+            }
+            assert_eq!(found, expected, "{samples:?}");
+            assert_eq!(eights, 6 * (samples.len() / LANES), "{samples:?}");
+        }
+    }
+}
