@@ -6,6 +6,8 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use fogbow_testing::not_run::not_run;
+
 use super::support::{Folder, program};
 
 /// Longer than a checkpoint takes, also on a busy machine.
@@ -53,7 +55,21 @@ pub fn send(signal: &str, child: &Child) {
 }
 
 pub fn handles_sigusr1(child: &Child) -> bool {
-    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> 9 & 1 == 1)
+    has_signal(child.id(), "SigCgt:", 10)
+}
+
+/// Whether tests, and so the renders that they start, are not to end with their terminal, and says so.
+pub fn ignores_sighup() -> bool {
+    let ignored = has_signal(std::process::id(), "SigIgn:", 1);
+    if ignored {
+        not_run("these tests were started with SIGHUP ignored");
+    }
+    ignored
+}
+
+/// Whether a signal is in a set of signals of the process.
+pub fn has_signal(process: u32, set: &str, signal: u32) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix(set));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

@@ -6,8 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use fogbow_testing::not_run::not_run;
-
+use super::children::{has_signal, ignores_sighup, send};
 use super::support::{Folder, header, plane, program};
 
 /// How much slower a build without optimisation is.
@@ -30,18 +29,6 @@ fn started(folder: &Folder, flags: &[&str]) -> Child {
 /// Whether the process has a handler for SIGTERM, signal 15, the last that it asks for but one.
 pub fn catches_interrupts(process: u32) -> bool {
     has_signal(process, "SigCgt:", 15)
-}
-
-/// Whether a signal is in a set of signals of the process.
-fn has_signal(process: u32, set: &str, signal: u32) -> bool {
-    let Ok(status) = std::fs::read_to_string(format!("/proc/{process}/status")) else { return false };
-    let mask = status.lines().find_map(|line| line.strip_prefix(set));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
-}
-
-fn send(signal: &str, child: &Child) {
-    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill");
-    assert!(status.success());
 }
 
 /// Interrupts the render and returns its exit code, standard output and standard error.
@@ -223,13 +210,11 @@ fn a_signal_ends_loading_at_once() {
 #[test]
 fn the_exit_code_says_which_signal_it_was() {
     for (signal, expected) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
-        let folder = Folder::with_scene();
-        let child = started(&folder, &["--samples", "1000000000", "--progress", "none"]);
-        if signal == "-HUP" && has_signal(child.id(), "SigIgn:", 1) {
-            not_run("these tests were started with SIGHUP ignored");
-            ended_by("-INT", child);
+        if signal == "-HUP" && ignores_sighup() {
             continue;
         }
+        let folder = Folder::with_scene();
+        let child = started(&folder, &["--samples", "1000000000", "--progress", "none"]);
         let (code, _, stderr) = ended_by(signal, child);
         assert_eq!(code, Some(expected), "{stderr}");
         assert!(plane(&folder.image("a.exr"), "N")[0] >= 1.0, "{signal}");
