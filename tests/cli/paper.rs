@@ -277,14 +277,11 @@ fn peers_are_made_again_once_mitsuba_is_there() {
 /// Interrupts `items` some time after they have begun; the exit code and what is said.
 #[cfg(unix)]
 fn interrupted(folder: &Folder, items: &[&str], after: std::time::Duration) -> (Option<i32>, String) {
-    use super::stop::{catches_interrupts, ended_by};
+    use super::stop::{ended_by, wait_for_handlers};
     let mut command = program(folder);
     command.arg("paper").args(items).args(["--budget", "10min", "--scenes", SCENES, "--threads", "1", "-o", "out"]);
     let child = command.spawn().expect("the program starts");
-    let start = std::time::Instant::now();
-    while !catches_interrupts(child.id()) && start.elapsed() < std::time::Duration::from_secs(20) {
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_for_handlers(&child);
     std::thread::sleep(after);
     let (code, _, stderr) = ended_by("-INT", child);
     (code, stderr)
