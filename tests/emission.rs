@@ -5,8 +5,9 @@ use std::sync::Arc;
 use fogbow::frame::Frame;
 use fogbow::render::Workers;
 use fogbow_kernels::PathLengths;
-use fogbow_kernels::media::field::{Field, Interpolation, Shape, Volume, Voxels};
+use fogbow_kernels::media::field::{Apart, Field, Interpolation, Shape, Volume, Voxels};
 use fogbow_kernels::media::glow::Source;
+use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::media::{Glow, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::SIMD;
@@ -14,7 +15,7 @@ use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Lights, Selection};
 use fogbow_kernels::tables::surfaces::Material;
 use fogbow_testing::agreement::{assert_stages_agree, assert_whole_paths_agree};
-use fogbow_testing::frames::clouds::{ball, centred, cloud, leaves, lumps, solid};
+use fogbow_testing::frames::clouds::{ball, centred, cloud, leaves, lumps, solid, with_field};
 use fogbow_testing::frames::{self, Active, with_all_layers};
 use fogbow_testing::render::{WORKERS, render, render_with};
 use fogbow_testing::statistics::z_of_means;
@@ -105,8 +106,13 @@ fn what_absorbs_in_colour_shines_as_the_closed_form_says_in_every_channel() {
         let field = Field::new(vec![volume], 0.0).coloured(HUES);
         absorbing(field, vec![Source::constant(EMISSION)])
     };
+    let in_haze = |hues: [f32; 3]| {
+        let block = solid(Shape::block([[-1.0, -1.0, 0.0], [1.0, 1.0, 2.5]]), 0.7);
+        absorbing(Field::of_colours(vec![block], &[HUES], hues), vec![Source::constant(EMISSION)])
+    };
     for (case, medium, length) in [
         ("ball", lone(ball(center, 1.5, 0.7)), 3.0),
+        ("box before haze of another colour", in_haze([1.0, 0.2, 0.0]), 2.5),
         ("box", lone(solid(block, 0.7)), 2.5),
         ("box around the camera", lone(solid(Shape::block([[-2.0; 3], [2.0; 3]]), 0.7)), 2.0),
         ("endless fog", coloured_fog(extinction, [0.0; 3], EMISSION), f64::INFINITY),
@@ -140,14 +146,15 @@ fn the_first_of_several_volumes_emits() {
 fn quadrature(medium: &Medium, length: f64) -> [f64; 3] {
     const STEPS: u32 = 100_000;
     let (field, glow) = (medium.field().expect("a field"), medium.glow.as_ref().expect("emission"));
-    let (step, mut depth, mut sums) = (length / f64::from(STEPS), 0.0_f64, [0.0; 3]);
+    let (step, mut depths, mut sums) = (length / f64::from(STEPS), [0.0_f64; 3], [0.0; 3]);
     for i in 0..STEPS {
         let at = (f64::from(i) + 0.5) * step * DVec3::Z;
-        let (who, extinction) = field.here(field.cells_of(at));
-        for ((sum, emission), hue) in sums.iter_mut().zip(glow.at_point(who, at)).zip(field.hues()) {
-            *sum += emission * (-f64::from(hue) * (depth + 0.5 * extinction * step)).exp() * step;
+        let (who, _) = field.here(field.cells_of(at));
+        for (c, emission) in glow.at_point(who, at).into_iter().enumerate() {
+            let passed = medium.twin(c).extinction(at) * step;
+            sums[c] += emission * (-depths[c] - 0.5 * passed).exp() * step;
+            depths[c] += passed;
         }
-        depth += extinction * step;
     }
     sums
 }
@@ -165,6 +172,10 @@ fn grids_of_emission_shine_as_quadrature_says() {
         (
             "in a coloured cloud",
             absorbing(cloud(3.0, center, 2.0, Interpolation::Trilinear).coloured(HUES), vec![lumpy()]),
+        ),
+        (
+            "in a coloured ball in other haze",
+            absorbing(Field::of_colours(vec![ball(center, 1.0, 0.8)], &[HUES], [0.3, 0.05, 0.2]), vec![lumpy()]),
         ),
     ];
     for (case, medium) in media {
@@ -204,9 +215,9 @@ fn a_cloud(extinction: f32) -> Field {
     cloud(4.0, DVec3::new(0.1, 0.0, 1.6), extinction, Interpolation::Trilinear)
 }
 
-/// Fog, a room and a cloud that emit among lights, and a flame that is all there is; in coloured extinction, a room and a
-/// cloud.
-fn variety() -> [(&'static str, Frame); 6] {
+/// Fog, a room and a cloud that emit among lights, and a flame that is all there is; in coloured extinction, a room, a
+/// cloud, and a block in haze of another colour.
+fn variety() -> [(&'static str, Frame); 7] {
     let lights = frames::three_lights(0.6, Selection::IntensityDistance, SMALL);
     let room = frames::room(0.5, Selection::IntensityDistance, SMALL);
     let glowing = |frame: &Frame, glow: Glow| frames::with_medium(frame, frame.medium.clone().with_glow(glow));
@@ -225,6 +236,9 @@ fn variety() -> [(&'static str, Frame); 6] {
     let [_, (_, coloured_room)] = frames::coloured(SMALL);
     let tinted = cloudy.clone().coloured(HUES);
     let flames = Glow::of_field(&tinted, [0.0; 3], vec![flame()]);
+    let block = solid(Shape::block([[-0.6, 0.2, 0.6], [0.5, 1.3, 2.0]]), 1.0);
+    let block = Field::of_colours(vec![block], &[HUES], [0.05, 0.1, 0.6]);
+    let embers = Glow::of_field(&block, [0.0, 0.1, 0.0], vec![flame()]);
     let dark = Frame { lights: Lights::new(Vec::new(), Selection::Uniform), ..lights.clone() };
     [
         ("fog", glowing(&lights, Glow::everywhere([0.5, 0.2, 0.1]))),
@@ -233,6 +247,7 @@ fn variety() -> [(&'static str, Frame); 6] {
         ("fire", of(&dark, cloudy, fire)),
         ("coloured room", glowing(&coloured_room, Glow::everywhere([0.1, 0.2, 0.3]))),
         ("coloured cloud", of(&lights, tinted, flames)),
+        ("coloured block in haze", of(&room, block, embers)),
     ]
 }
 
@@ -275,12 +290,13 @@ fn mean(frame: &Frame, samples: u32) -> (f64, f64) {
 
 /// `frame` in grey extinction: that of one channel.
 fn grey(frame: &Frame, channel: usize) -> Frame {
-    let Medium { albedo, phase, glow, .. } = frame.medium.clone();
-    let medium = match frame.medium.field() {
-        None => Medium::homogeneous(frame.medium.extinctions()[channel], albedo, phase),
-        Some(field) => Medium::of_field(a_cloud(9.0 * field.hues()[channel]), albedo, phase),
+    let Some(field) = frame.medium.field() else {
+        let Medium { albedo, phase, glow, .. } = frame.medium.clone();
+        let medium = Medium::homogeneous(frame.medium.extinctions()[channel], albedo, phase);
+        return frames::with_medium(frame, Medium { glow, ..medium });
     };
-    frames::with_medium(frame, Medium { glow, ..medium })
+    let of_channel = |apart: &Apart| apart.channel(channel).clone();
+    with_field(frame, field.apart().map_or_else(|| a_cloud(9.0 * field.hues()[channel]), of_channel))
 }
 
 /// All light, that of lamps and of flames, is in every channel what it is in grey extinction.

@@ -163,7 +163,7 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         ColumnMut::U32(values) => values.iter_mut().enumerate().for_each(|(i, v)| *v = (i as u32 * 7) % lanes),
     };
     let w = wavefront;
-    let tables: [&mut dyn ColumnSet; 13] = [
+    let tables: [&mut dyn ColumnSet; 12] = [
         &mut w.paths,
         &mut w.immersion,
         &mut w.log_posterior,
@@ -175,10 +175,10 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         &mut w.flight_density,
         &mut w.hits,
         &mut w.worth,
-        &mut w.passage,
         &mut w.estimates,
     ];
     tables.into_iter().for_each(|table| table.visit_mut(&mut fill));
+    w.passages.iter_mut().for_each(|passage| passage.visit_mut(&mut fill));
     w.flight_weight.rows_mut().fill(f32::NAN);
     (0..w.vertices.slots() as u32).for_each(|slot| w.vertices.at_mut(slot).visit_mut(&mut fill));
     (0..w.rays.slots() as u32).for_each(|slot| w.rays.at_mut(slot).visit_mut(&mut fill));
@@ -187,7 +187,7 @@ fn poison(wavefront: &mut Wavefront<'_>, lanes: u32) {
         w.trail.set_numbers(lane, slot, [f32::NAN; 8]);
     }
     for (lane, slot) in (0..rows).flat_map(|lane| (0..slots).map(move |slot| (lane, slot))) {
-        w.passage_trail.set_row(lane, slot, [f32::NAN; 2]);
+        w.passage_trails.iter_mut().for_each(|trail| trail.set_row(lane, slot, [f32::NAN; 2]));
     }
     let Candidates { views, light_hits, connections, bridged } = &mut w.candidates;
     for queue in [views, light_hits, connections, bridged] {
@@ -210,7 +210,12 @@ fn variety_and_clouds(size: [u32; 2]) -> Vec<(String, Frame)> {
     let under_skies = frames::skies::clouds(size).into_iter().zip(frames::clouds::IN_FIELDS.into_iter().cycle());
     let under_skies = under_skies
         .map(|((name, cloud), active)| (format!("{name}, {active:?}"), frames::with_techniques(&cloud, active, 4.0)));
-    frames::variety(size).into_iter().chain(clouds).chain(under_skies).collect()
+    let coloured = frames::clouds::colours(size).into_iter().flat_map(|colours| {
+        let of =
+            |active| (format!("{}, {active:?}", colours.name), frames::with_techniques(&colours.frame, active, 4.0));
+        [Active::Path, Active::Both, Active::Bridge, Active::Lis, Active::Omnee].map(of)
+    });
+    frames::variety(size).into_iter().chain(clouds).chain(under_skies).chain(coloured).collect()
 }
 
 #[test]

@@ -80,6 +80,40 @@ fn the_place_of_a_scene_does_not_show() {
     }
 }
 
+/// What is seen through two blocks, one behind the other, has passed through both: e^{-mu d} in every channel, whether
+/// they have a colour in common, which is known from their coefficients, or not.
+#[test]
+fn volumes_may_be_of_several_colours() {
+    let volume = |(absorption, [near, far]): ([f64; 3], [i32; 2])| {
+        format!(
+            "[[volume]]\nabsorption = {absorption:?}\n\
+             shape = {{ type = \"box\", min = [-1, -1, {near}], max = [1, 1, {far}] }}\n"
+        )
+    };
+    let first = [0.2, 0.4, 0.1];
+    for (second, is_common) in [
+        ([0.3, 0.6, 0.15], true),
+        ([0.5, 0.1, 0.4], false),
+        ([0.3; 3], false),
+        ([0.0; 3], true),
+        ([0.3, 0.0, 0.6], false),
+    ] {
+        let text = "[camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov_deg = 1\n[film]\nsize = [8, 8]\n\
+                    [environment]\nradiance = 1\n[render]\ntechnique = \"path\"\n";
+        let text = text.to_string() + &[(first, [0, 1]), (second, [2, 4])].map(volume).concat();
+        let scene = scene::parse("scene.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let field = scene.frame.medium.field().expect("volumes");
+        assert_eq!(field.apart().is_none(), is_common, "{second:?}");
+        let (mean, error) = render(&scene.frame, [8, 8], 0..2048).0.mean();
+        for c in 0..3 {
+            let expected = (-first[c] - 2.0 * second[c]).exp();
+            let off = (mean[c] - expected).abs();
+            assert!(off < 4.2 * error[c] + 1e-4, "{second:?}, channel {c}: {} +- {}, {expected}", mean[c], error[c]);
+            assert!(error[c] < 5e-3, "{} +- {} says little", mean[c], error[c]);
+        }
+    }
+}
+
 /// Where two volumes overlap, one of them is there: that of the higher priority, or the last.
 #[test]
 fn of_volumes_that_overlap_the_highest_priority_is_seen() {

@@ -37,6 +37,12 @@ pub fn as_mask(mask: u32x8) -> f32x8 {
     bytemuck::cast(mask)
 }
 
+/// The lanes that hold `number`.
+#[inline(always)]
+pub fn equal(words: u32x8, number: usize) -> u32 {
+    bits(as_mask(words.simd_eq(u32x8::splat(number as u32))))
+}
+
 /// A mask of real lanes as one of integers.
 #[inline(always)]
 pub fn as_integer_mask(mask: f32x8) -> u32x8 {

@@ -128,7 +128,8 @@ struct RenderArgs {
     /// It is guided by the layers albedo and normal, which the image gets for that.
     #[arg(long)]
     denoise: bool,
-    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel).
+    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel, or in the
+    /// mean of channels where media differ in colour).
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::mesc)]
     mesc: Option<f64>,
     /// Longest path, in segments, including the camera and light segments, or auto, where no number ends it.

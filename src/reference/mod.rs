@@ -133,9 +133,9 @@ impl<'a> Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The medium around everything, in the channel of the hero.
+    /// The medium by which connections are made.
     fn medium(&self) -> Twin<'_> {
-        self.frame.medium.twin(self.hero)
+        self.frame.medium.twin_of_connections(self.hero)
     }
 
     /// What the random numbers of the last vertex are drawn from.

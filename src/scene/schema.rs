@@ -192,8 +192,8 @@ pub struct Render {
     pub min_segments: u32,
     /// How bridges are rolled about their axis.
     pub roll: Roll,
-    /// Longest bridge, in expected segments (extinction times distance, in the clearest channel), > 0. Absent: no
-    /// limit.
+    /// Longest bridge, in expected segments (extinction times distance, in the clearest channel, or in the mean of
+    /// channels where media differ in colour), > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub bridge_mesc: Option<f64>,
@@ -216,8 +216,8 @@ pub struct Render {
     /// it off. "auto" is the mean of the image if there is geometry or a volume and the same pilot finds that more
     /// efficient, otherwise 0.
     pub roulette: NumberOrAuto,
-    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel), > 0.
-    /// Absent: no limit.
+    /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel, or in the
+    /// mean of channels where media differ in colour), > 0. Absent: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "number"))]
     pub mesc: Option<f64>,

@@ -81,7 +81,7 @@ pub fn boundaries(scene: &schema::Scene, document: &Document, loaded: Option<&mu
 /// anything.
 ///
 /// # Errors
-/// If a key is out of range or missing, a file cannot be read, or the media differ in what all have in common.
+/// If a key is out of range or missing, or a file cannot be read.
 pub fn medium(
     document: &Document,
     around: Medium,
@@ -92,7 +92,6 @@ pub fn medium(
         let finding = format!("there are {} volumes, but a scene has {MOST_VOLUMES} at most", volumes.len());
         return Err(document.error("volume", finding, "leave some out, or join grids"));
     }
-    let hues = common_hues(&around, volumes)?;
     let (mut placed, mut fillings) = (Vec::new(), Vec::new());
     for (index, volume) in volumes.iter().enumerate() {
         let filled = volume.placed(origin)?;
@@ -117,31 +116,31 @@ pub fn medium(
     let albedo = |medium: &Medium| if extinction(&medium) == 0.0 { densest.albedo } else { medium.albedo };
     let media = [&around].into_iter().chain(placed.iter().map(|(_, index, _)| &volumes[*index].medium));
     let albedos: Vec<[f32; 3]> = media.clone().map(albedo).collect();
-    let phases = phases(media);
+    let phases = phases(media.clone());
+    let common = common_hues(media.clone());
+    let all_hues: Vec<[f32; 3]> = media.skip(1).map(hues).collect();
     let (bounds, sources) = placed.into_iter().map(|(.., (bounds, source))| (bounds, source)).unzip();
-    let field = Field::new(bounds, around.largest_extinction()).coloured(hues);
+    let field = match common {
+        Some(hues) => Field::new(bounds, around.largest_extinction()).coloured(hues),
+        None => Field::of_colours(bounds, &all_hues, around.extinctions()),
+    };
     let glow =
         glows.then(|| Glow::of_field(&field, around.glow.as_ref().map_or([0.0; 3], |glow| glow.around()), sources));
     let medium = Medium::of_field(field, densest.albedo, densest.phase).with_albedos(&albedos).with_phases(&phases);
     Ok((if let Some(glow) = glow { medium.with_glow(glow) } else { medium }, fillings))
 }
 
-/// Extinction per channel over that of the channel in which it is largest, which `around` and `volumes` have in common;
-/// the error that they do not.
-fn common_hues(around: &Medium, volumes: &[Volume<'_>]) -> Result<[f32; 3]> {
-    let is_there = |medium: &&Medium| medium.largest_extinction() > 0.0;
-    let all = [around].into_iter().chain(volumes.iter().map(|volume| &volume.medium));
-    let common = all.into_iter().find(is_there).map_or([1.0; 3], hues);
-    for volume in volumes.iter().filter(|volume| is_there(&&volume.medium)) {
-        let own = hues(&volume.medium);
-        let close = (0..3).all(|c| (own[c] - common[c]).abs() <= SAME_HUE);
-        let finding = "an extinction (scattering + absorption) that differs between channels by other factors than that \
-                       of the media before, but so far all media of a scene share them";
-        let remedy = "make scattering + absorption of all media the same multiple of each other in every channel; the \
-                      shares of the two may differ";
-        volume.require(close, "scattering", finding, remedy)?;
+/// Extinction per channel over that of the channel in which it is largest, if `media` have it in common. Vacuum goes with
+/// all.
+fn common_hues<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<[f32; 3]> {
+    let mut common = None;
+    for own in media.filter(|medium| medium.largest_extinction() > 0.0).map(hues) {
+        let common = *common.get_or_insert(own);
+        if (0..3).any(|c| (own[c] - common[c]).abs() > SAME_HUE) {
+            return None;
+        }
     }
-    Ok(common)
+    Some(common.unwrap_or([1.0; 3]))
 }
 
 /// The phase functions of `media`. Those that never scatter have none of their own.
@@ -150,10 +149,10 @@ fn phases<'a>(media: impl Iterator<Item = &'a Medium> + Clone) -> Vec<PhaseFunct
     media.map(|medium| if medium.never_scatters() { first.phase.clone() } else { medium.phase.clone() }).collect()
 }
 
-/// Extinction per channel over that of the channel in which it is largest.
+/// Extinction per channel over that of the channel in which it is largest; 1 in vacuum.
 fn hues(medium: &Medium) -> [f32; 3] {
     let largest = medium.largest_extinction();
-    medium.extinctions().map(|extinction| extinction / largest)
+    medium.extinctions().map(|extinction| if largest > 0.0 { extinction / largest } else { 1.0 })
 }
 
 impl Volume<'_> {

@@ -29,6 +29,7 @@ use fogbow_kernels::columns::{Column, Spectrum};
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::{self, LANES, LaneSet};
+use fogbow_kernels::media::Field;
 use fogbow_kernels::pipeline::Pipeline;
 
 pub use self::candidates::{Candidates, Source};
@@ -123,10 +124,10 @@ pub struct Wavefront<'q> {
     pub rays: RayTable<'q>,
     /// Where they were before.
     pub trail: TrailTable<'q>,
-    /// What they have passed through, where extinction varies.
-    pub passage: PassageColumns<'q>,
+    /// What they have passed through, where extinction varies: as many sums as the field has.
+    pub passages: Vec<PassageColumns<'q>>,
     /// What they had passed through before.
-    pub passage_trail: PassageTrail<'q>,
+    pub passage_trails: Vec<PassageTrail<'q>>,
     /// The steps they are about to take.
     pub flights: FlightTable<'q>,
     /// What the first flights count, where extinction is grey.
@@ -173,6 +174,7 @@ impl<'q> Wavefront<'q> {
         let bridged = BucketTable::rows(lanes, longest);
         let met = lanes * frame.lights.most_met();
         let origins = if frame.aovs.has(Aov::Technique) { Origin::of(frame) } else { Vec::new() };
+        let sums = frame.medium.field().map_or(0, Field::sums);
         let seen = if frame.aovs.see() { lanes } else { 0 };
         let mut endless = Column::new_in(arena, seen);
         endless.rows_mut().fill(f32::INFINITY);
@@ -199,8 +201,8 @@ impl<'q> Wavefront<'q> {
             vertices: VertexTable::new_in(arena, lanes),
             rays: RayTable::new_in(arena, lanes),
             trail: TrailTable::new_in(arena, lanes, remembered(frame)),
-            passage: PassageColumns::new_in(arena, lanes),
-            passage_trail: PassageTrail::new_in(arena, lanes, if frame.varies() { remembered(frame) } else { 0 }),
+            passages: (0..sums).map(|_| PassageColumns::new_in(arena, lanes)).collect(),
+            passage_trails: (0..sums).map(|_| PassageTrail::new_in(arena, lanes, remembered(frame))).collect(),
             flights: FlightTable::new_in(arena, lanes),
             flight_weight: Column::new_in(arena, lanes),
             flight_density: Spectrum::new_in(arena, lanes, channels),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::support::{Folder, SCENE, header};
+use super::support::{Folder, SCENE, header, mean};
 
 const MEDIUM: &str = "[medium]\nscattering = 0.7\nabsorption = 0.3";
 
@@ -174,12 +174,20 @@ fn the_technique_is_nee_where_all_media_are_volumes_and_nobody_says_otherwise() 
 }
 
 #[test]
-fn media_that_differ_in_what_all_share_are_refused() {
+fn media_may_have_colours_of_their_own() {
     let shape = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }";
-    let fog = "[medium]\nscattering = 0.2";
-    let coloured = with_volumes(fog, &[&format!("{shape}\nscattering = [1, 2, 3]")]);
-    coloured.refused(&["render", "scene.toml"], 1, "scene.toml:");
-    assert!(coloured.run(&["render", "scene.toml"]).stderr.contains("volume[0].scattering is an extinction"));
+    let folder = with_volumes("[medium]\nscattering = [0.4, 0.2, 0.1]", &[&format!("{shape}\nscattering = [1, 2, 4]")]);
+    let said = folder.done(&["info", "scene.toml"]).stdout;
+    for line in ["a sphere, mean free path 1 | 0.5000 | 0.2500 m", "fog: mean free path 2.500 | 5 | 10 m"] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+    folder.done(&["render", "scene.toml", "--reference", "-o", "twins.exr"]);
+    let [kernels, twins] = ["a.exr", "twins.exr"].map(|name| folder.image(name));
+    for channel in ["R", "G", "B"] {
+        let [kernels, twins] = [&kernels, &twins].map(|image| mean(image, channel));
+        assert!(twins > 0.0 && (kernels / twins - 1.0).abs() < 1e-2, "{channel}: {kernels} and {twins}");
+    }
 }
 
 #[test]

@@ -62,6 +62,18 @@ pub struct Suffix<'q> {
     /// Where extinction is coloured: how probable every channel is as that of which the walk up to here was drawn; they
     /// add up to 1.
     pub shares: &'q mut [[f32x8; CHANNELS]],
+    /// Where channels are [apart](crate::media::field::Apart): depth and log_extinction of the vertices in each of them; 0
+    /// of vertex 0.
+    pub apart: &'q mut [[Passage; CHANNELS]],
+}
+
+/// [`SuffixVertex::depth`] and [`SuffixVertex::log_extinction`] in one channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// Optical depth from here to the light.
+    pub depth: f32x8,
+    /// ln of the product of the extinctions between.
+    pub log_extinction: f32x8,
 }
 
 impl<'q> Suffix<'q> {
@@ -88,6 +100,7 @@ impl<'q> Suffix<'q> {
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
             likelihoods: arena.alloc_slice_fill_with(longest + 1, |edges| LengthLikelihood::new(edges.max(1))),
             shares: arena.alloc_slice_fill_copy(longest + 2, [zero; CHANNELS]),
+            apart: arena.alloc_slice_fill_copy(longest + 2, [Passage { depth: zero, log_extinction: zero }; CHANNELS]),
         }
     }
 }

@@ -60,7 +60,7 @@ fn look<M: MediumLanes>(columns: Columns<'_, '_>, lanes_of_medium: M) {
         let order = lanes::pack_order(bits);
         f32::store_packed(&mut worth.weight, views.len, order, f32x8::ONE);
         for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
-            let in_channel = lanes_of_medium.in_channel(|| u32x8::splat(c));
+            let in_channel = lanes_of_medium.channel(c);
             f32::store_packed(factor, views.len, order, exp(-in_channel.optical_depth(origin, point, length)));
         }
         let (lane, emitter) = (lanes::indices(b), u32x8::splat(0));

@@ -10,7 +10,7 @@
 //! 2. The form with two sines does not cancel where the light is behind the ray or v is small.
 //! 3. Lights are visited twice, to draw and to weigh: what is known of one is cheaper computed again than kept.
 
-use wide::{f32x8, u32x8};
+use wide::f32x8;
 
 use super::{Columns, THINNED};
 use crate::media::{MediumLanes, MediumX8};
@@ -51,8 +51,8 @@ fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
         let requested = lanes::mask(requested);
         flight.set_batch(b, requested.select(t, flight.batch(b)));
         let end = direction.mul_add(t, origin);
-        let in_channel = |c: u32| {
-            let medium = medium.in_channel(|| u32x8::splat(c));
+        let in_channel = |c: usize| {
+            let medium = medium.channel(c);
             (medium.extinction(end), medium.optical_depth(origin, end, t))
         };
         let free = (f32x8::ONE - share) * f32x8::splat(THINNED);

@@ -11,6 +11,7 @@
 //!
 //! over the way flown, of which an estimate by other points of that way, given its ends, is unbiased.
 
+mod channels;
 pub mod reference;
 pub mod simd;
 

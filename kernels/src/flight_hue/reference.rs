@@ -10,7 +10,7 @@ use super::Columns;
 use crate::media::field::Field;
 use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream};
-use crate::transmittance::reference::{estimate, hues};
+use crate::transmittance::reference::estimate;
 use crate::{Step, connect::sequence::Draws};
 
 /// The twin; see [`Kernel`](super::Kernel).
@@ -32,5 +32,5 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 pub fn missing(field: &Field, hero: usize, start: DVec3, end: DVec3, draws: &Draws) -> [f64; CHANNELS] {
     let block = random::block(draws.depth, random::TRACKING);
     let stream = Stream::new(draws.pixel, draws.sample, block, draws.seed, 1);
-    estimate(field, hues(field, Some(hero)), start, end, stream)
+    estimate(field, Some(hero), start, end, stream)
 }

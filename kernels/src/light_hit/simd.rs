@@ -46,14 +46,14 @@ fn meet<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
         let seen = front & at_camera & !apart.fold(0, |bits, i| bits | 1 << i);
         if seen != 0 {
             let profile = lights.profile(&emitter_of, cosine);
-            let depth = |c: u32| medium.in_channel(|| u32x8::splat(c)).optical_depth(start, point, distance);
+            let depth = |c: usize| medium.channel(c).optical_depth(start, point, distance);
             let least = if M::COLOURED { depth(0).fast_min(depth(1)).fast_min(depth(2)) } else { depth(0) };
             let order = lanes::pack_order(seen);
             let colour = lights.has_panorama().then(|| distant::simd::see(lights, &emitter_of, direction).colour);
             f32::store_packed(&mut worth.weight, views.len, order, exp(-least) * profile * f32x8::splat(share));
             for (factor, c) in worth.factor.channels_mut().iter_mut().zip(0..) {
                 let quotient = if M::COLOURED { exp(least - depth(c)) } else { f32x8::ONE };
-                let quotient = colour.map_or(quotient, |colour| quotient * colour[c as usize]);
+                let quotient = colour.map_or(quotient, |colour| quotient * colour[c]);
                 f32::store_packed(factor, views.len, order, quotient);
             }
             views.push_batch(seen, view);

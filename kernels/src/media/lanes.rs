@@ -6,6 +6,16 @@ use crate::lanes;
 use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
+/// Least extinction that densities of walks count at a vertex [1/m]. What is clear in one channel may scatter in another:
+/// so connections that make a vertex there are still told how probable their starts were in the first.
+pub const LEAST_EVENT: f32 = 1e-30;
+
+/// ln of the extinction at a vertex of a path, as densities of walks count it.
+#[inline(always)]
+pub fn log_event(extinction: f32x8) -> f32x8 {
+    -neg_ln(extinction.fast_max(f32x8::splat(LEAST_EVENT)))
+}
+
 /// A medium before it is known which channel counts for each row.
 pub trait MediumLanes: Copy {
     /// The medium in one channel per row.
@@ -14,13 +24,21 @@ pub trait MediumLanes: Copy {
     /// Whether extinction differs between channels.
     const COLOURED: bool;
 
-    /// The medium in the channel of every row, which is asked for only where that matters.
+    /// The medium by which connections are made and weighed whose rows have these channels, which are asked for only
+    /// where that matters: the medium in these channels or, where they are [apart](super::field::Apart), their mean.
     fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> Self::Channel;
+
+    /// The medium in one channel, as walks see it.
+    #[inline(always)]
+    fn channel(&self, channel: usize) -> Self::Channel {
+        self.in_channel(|| u32x8::splat(channel as u32))
+    }
 
     /// The medium in the channel in which paths keep their running sums: that of [`Self::hues`] 1.
     fn own(&self) -> Self::Channel;
 
-    /// Extinction per channel, over that of any one of them: the same everywhere.
+    /// Extinction per channel, over that of any one of them, the same everywhere; not asked for where channels are
+    /// apart.
     fn hues(&self) -> [f32; 3];
 }
 

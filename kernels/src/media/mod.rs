@@ -28,7 +28,7 @@ use crate::vec3x8::Vec3x8;
 pub use field::Field;
 pub use glow::Glow;
 pub use homogeneous::Homogeneous;
-pub use lanes::{AxisX8, Crowding, Even, MediumLanes, MediumX8};
+pub use lanes::{AxisX8, Crowding, Even, LEAST_EVENT, MediumLanes, MediumX8, log_event};
 pub use phases::{Phases, PhasesX8};
 
 /// What fills space.
@@ -121,12 +121,20 @@ impl Medium {
         match &self.kind {
             Kind::Homogeneous(_) => reference::Twin::Homogeneous(self.homogeneous_twin(channel)),
             Kind::Field(field) => {
-                reference::Twin::Field(FieldTwin { field, hue: f64::from(field.hues()[channel]), phase })
+                let (field, hue) = field.channel(channel);
+                reference::Twin::Field(FieldTwin { field, hue: f64::from(hue), phase })
             }
         }
     }
 
-    /// As twins ask it in the channel in which paths keep running sums.
+    /// As the twins of connections ask it that are made for a hero: in its channel or, where channels are
+    /// [apart](field::Apart), as their mean.
+    pub fn twin_of_connections(&self, hero: usize) -> reference::Twin<'_> {
+        let apart = self.field().is_some_and(|field| field.apart().is_some());
+        if apart { self.own_twin() } else { self.twin(hero) }
+    }
+
+    /// As twins ask it in a channel of which the others are multiples or, where channels are apart, as their mean.
     pub fn own_twin(&self) -> reference::Twin<'_> {
         match &self.kind {
             Kind::Homogeneous(_) => self.twin(0),
@@ -211,7 +219,7 @@ impl Medium {
     pub fn extinctions(&self) -> [f32; 3] {
         match &self.kind {
             Kind::Homogeneous(medium) => medium.extinction,
-            Kind::Field(field) => field.hues().map(|hue| hue * field.blocks().most),
+            Kind::Field(field) => field.largest(),
         }
     }
 

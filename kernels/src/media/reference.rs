@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::LEAST_EVENT;
 use super::field::reference::FieldTwin;
 use crate::phase::HenyeyGreenstein;
 use crate::phase::reference::Phase;
@@ -24,6 +25,11 @@ pub trait Medium {
 
     /// Extinction at a point [1/m].
     fn extinction(&self, at: DVec3) -> f64;
+
+    /// Extinction at a vertex of a path, as densities of walks count it [1/m].
+    fn event(&self, at: DVec3) -> f64 {
+        self.extinction(at).max(f64::from(LEAST_EVENT))
+    }
 
     /// Where a scattering event sends light.
     fn phase(&self) -> &dyn Phase;

@@ -45,7 +45,8 @@ pub fn flight(medium: &Medium, hero: usize, ray: (DVec3, DVec3), u: f64, draws: 
     };
     let Draws { pixel, sample, depth, seed } = *draws;
     let stream = Stream::new(pixel, sample, random::block(depth, random::TRACKING), seed, 0);
-    tracking::reference::flight(field, f64::from(field.hues()[hero]), ray.0, ray.1, stream)
+    let (field, hue) = field.channel(hero);
+    tracking::reference::flight(field, f64::from(hue), ray.0, ray.1, stream)
 }
 
 /// The random words of the segment that leaves the vertex at `depth`: flight, cosine, azimuth, survival.

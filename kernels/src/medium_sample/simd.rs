@@ -6,7 +6,7 @@
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
 //! 2. Flights are drawn for whole batches, dying paths included.
-//! 3. In a field they are tracked instead ([`tracking`]).
+//! 3. In a field they are tracked instead ([`tracking`]), where channels are apart those of one hero after the other.
 
 use wide::{f32x8, u32x8};
 
@@ -35,25 +35,35 @@ pub fn run(step: Step, mut columns: Columns<'_, '_>) {
 /// Overwrites the flights of live paths with those through a field.
 fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     let Columns { live, paths, immersion, vertex, ray, flights, .. } = columns;
-    let hues = field.hues();
-    let rays = live.each_batch().map(|(b, live)| {
+    let rays = |b: usize, live: u32, hue: f32x8| {
         let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
         let block = random::block_x8(depth, random::TRACKING);
-        let hue = || immersion.hero.batch(b).to_array().map(|hero| hues[(hero as usize).min(CHANNELS - 1)]);
         RaysX8 {
             first: LANES * b,
             live,
             origin: vertex.position.batch(b),
             direction: ray.direction.batch(b),
             stream: Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 0),
-            hues: [if field.is_grey() { f32x8::ONE } else { f32x8::new(hue()) }],
+            hues: [hue],
         }
-    });
-    tracking::simd::flights(field, rays, |first, ended, flown| {
+    };
+    let mut end = |first: usize, ended: u32, flown: f32x8| {
         let b = first / LANES;
         let before = flights.flight.batch(b);
         flights.flight.set_batch(b, lanes::mask(ended).select(flown, before));
-    });
+    };
+    let heroes = |b: usize| immersion.hero.batch(b);
+    if let Some(apart) = field.apart() {
+        for hero in 0..CHANNELS {
+            let rays = live.each_batch().map(|(b, live)| rays(b, live & lanes::equal(heroes(b), hero), f32x8::ONE));
+            tracking::simd::flights(apart.channel(hero), rays, &mut end);
+        }
+        return;
+    }
+    let hues = field.hues();
+    let hue = |b: usize| heroes(b).to_array().map(|hero| hues[(hero as usize).min(CHANNELS - 1)]);
+    let hue = |b: usize| if field.is_grey() { f32x8::ONE } else { f32x8::new(hue(b)) };
+    tracking::simd::flights(field, live.each_batch().map(|(b, live)| rays(b, live, hue(b))), end);
 }
 
 /// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.

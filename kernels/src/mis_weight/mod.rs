@@ -65,10 +65,10 @@ pub struct Columns<'a, 'q> {
     pub vertex: &'a VertexColumns<'q>,
     /// Read: the vertices before them, as far as the active techniques look back.
     pub trail: &'a TrailTable<'q>,
-    /// Read where extinction varies: what the paths have passed through.
-    pub passage: &'a PassageColumns<'q>,
+    /// Read where extinction varies: what the paths have passed through, as many sums as the medium has.
+    pub passages: &'a [PassageColumns<'q>],
     /// Read there: what they had passed through at the vertices before.
-    pub passage_trail: &'a PassageTrail<'q>,
+    pub passage_trails: &'a [PassageTrail<'q>],
     /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
     /// Filled: weight; and as factor, the albedos of the inserted vertices and, where extinction is coloured, the light

@@ -26,6 +26,9 @@
 //! weight = w_* / (posterior_* sum_c w_c D_c),      factor_k = albedo_k^m (w_k / posterior_k) / (w_* / posterior_*)
 //! ```
 //!
+//! Connections are drawn for that channel, too, or for the mean of channels where these are
+//! [apart](crate::media::field::Apart).
+//!
 //! **Lights at infinity.** One technique connects with them, next event estimation of their own, from the last vertex
 //! alone, whatever starts the others have: the sum is its only ratio. Factors are multiplied by the colour of an image.
 //!
@@ -230,18 +233,18 @@ impl Competition<'_> {
         let Self { medium, lights, techniques, walk: _, lengths } = *self;
         let vertices = path.vertices;
         let surface = path.surface.filter(|_| start == path.first_start);
-        let medium = &medium.twin(channel);
+        let (walked, connected) = (medium.twin(channel), medium.twin_of_connections(channel));
         let [.., before, point] = vertices else {
             return 0.0;
         };
         let emitter = &lights.emitters()[path.emitter];
         let normal = normal(emitter, *point, *point - *before);
-        let Some(traced) = path_tracing_density(medium, vertices, start, surface, normal) else {
+        let Some(traced) = path_tracing_density(&walked, vertices, start, surface, normal) else {
             return 0.0;
         };
         let (position, arriving) = (vertices[start], (vertices[start] - vertices[start - 1]).normalize());
         let suffix = ratios::reference::Suffix {
-            medium,
+            medium: &connected,
             lengths,
             from: bridge::reference::Start { depth: start as u32, position, arriving, on_surface: surface.is_some() },
             chain: &vertices[start..],
@@ -266,7 +269,7 @@ pub fn reach(walk: &WalkLimits, i: usize) -> f64 {
 pub fn free_walk(medium: &dyn reference::Medium, walk: &[DVec3]) -> Density {
     let mut density = Density::new(1.0);
     for j in 1..walk.len() {
-        let event = if j + 1 < walk.len() { medium.extinction(walk[j]) } else { 1.0 };
+        let event = if j + 1 < walk.len() { medium.event(walk[j]) } else { 1.0 };
         density = density.times(event).times_exp(-medium.optical_depth(walk[j - 1], walk[j]));
     }
     density
@@ -296,7 +299,7 @@ pub fn path_tracing_density(
             })
             .times_exp(-medium.optical_depth(path[j], path[j + 1]))
             .times(1.0 / (length * length))
-            .times(if ends_on_light { (-leaving.dot(normal)).max(0.0) } else { medium.extinction(path[j + 1]) });
+            .times(if ends_on_light { (-leaving.dot(normal)).max(0.0) } else { medium.event(path[j + 1]) });
         arriving = leaving;
     }
     (!density.is_zero()).then_some(density)

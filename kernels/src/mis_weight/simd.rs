@@ -128,22 +128,30 @@ impl<P: PhaseX8> Batch<'_, P> {
     #[inline(always)]
     fn compete<M: MediumLanes>(&self, step: Step, columns: &mut Columns<'_, '_>, media: M, b: usize, walked: &Walked) {
         let Columns { lights, techniques, walk, lengths, solid, bucket, log_posterior, .. } = *columns;
-        let Columns { last_surface, passage, passage_trail, .. } = *columns;
+        let Columns { last_surface, passages, passage_trails, .. } = *columns;
         let (suffix, worth) = (&mut *columns.suffix, &mut *columns.worth);
         let Walked { starts, needed, near, last_squared, cos_light, far, all_far } = walked;
         let needed = *needed;
         let fewest_edges = starts.fewest_edges();
-        let mut dense = lanes::mask(lanes::ALL);
+        let (mut dense, mut apart) = (lanes::mask(lanes::ALL), false);
         if M::Channel::VARIES {
-            let passages = Passages { lane_of: self.lane_of, current: passage, trail: passage_trail, step };
-            dense = passages.fill(media.own(), suffix, bucket.inserted, needed);
+            let passages = Passages { lane_of: self.lane_of, current: passages, trail: passage_trails, step };
+            dense = passages.fill(media, suffix, bucket.inserted, needed);
+            apart = M::COLOURED && passages.are_apart();
         }
-        let colours = M::COLOURED.then(|| Colours::new(self.lane_of, bucket.inserted, media, log_posterior, suffix));
+        let colours = M::COLOURED.then(|| {
+            let log_posterior = core::array::from_fn(|c| log_posterior.channels()[c].gather(&self.lane_of));
+            if apart {
+                Colours::apart(bucket.inserted, log_posterior, suffix, needed)
+            } else {
+                Colours::new(bucket.inserted, media, log_posterior, suffix)
+            }
+        });
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
         let last = &suffix.vertices[1];
         let arrival = Arrival {
             medium,
-            hues: colours.as_ref().map(|colours| &colours.hues),
+            hues: colours.as_ref().and_then(|colours| colours.hues()),
             inverse_area: lights.gather(&self.emitter_of, |emitter| emitter.density),
             last_squared: *last_squared,
             last_depth: medium.optical_depth_along(last.arc, last.depth),
@@ -158,9 +166,9 @@ impl<P: PhaseX8> Batch<'_, P> {
         }
         let mut sum = starts.reach_of_walk(self.survival, walk);
         if let Some(colours) = &colours {
-            sum *= colours.walked_to_the_light();
+            sum *= colours.walked_to_the_light(suffix);
             colours.share(fewest_edges..=needed, suffix);
-            colours.fill_quotients(b, worth);
+            colours.fill_quotients(b, suffix, worth);
         }
         let by_walk = sum;
         let outside = if solid { self.reflect(last_surface, starts, suffix, needed) } else { lanes::mask(lanes::ALL) };

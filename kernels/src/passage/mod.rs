@@ -23,12 +23,14 @@ pub struct Columns<'a, 'q> {
     pub vertex: &'a VertexColumns<'q>,
     /// Read: the vertex that they have come to.
     pub next: &'a VertexColumns<'q>,
-    /// Sums up to the vertex before, replaced by those up to this one.
-    pub passage: &'a mut PassageColumns<'q>,
+    /// Sums up to the vertex before, replaced by those up to this one: as many as the medium has.
+    pub passages: &'a mut [PassageColumns<'q>],
     /// Filled for batches with any live lane: the slot of the clock after this one.
-    pub trail: &'a mut PassageTrail<'q>,
+    pub trails: &'a mut [PassageTrail<'q>],
 }
 
 /// Adds the optical depth of the last segment, as weights count it, and the logarithm of the extinction at its end, 0 on
-/// a surface, both in the medium's [own channel](crate::media::MediumLanes::own). Sums begin at the first vertex after the camera, as arcs do: with no depth, and its own extinction.
+/// a surface, both in the medium's [own channel](crate::media::MediumLanes::own) or, where channels are
+/// [apart](crate::media::field::Apart), in each of them. Sums begin at the first vertex after the camera, as arcs do: with
+/// no depth, and its own extinction.
 pub type Kernel = fn(Step, Columns<'_, '_>);

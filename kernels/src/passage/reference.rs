@@ -15,22 +15,25 @@ use crate::media::reference::Medium as _;
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, live, on_surface, paths, vertex, next, passage, trail } = columns;
-    let medium = medium.own_twin();
-    for lane in live.each() {
-        let [from, to] = [vertex, next].map(|v| DVec3::from(v.position.row(lane).map(f64::from)));
-        let is_first = paths.depth_of(step.clock, lane) == 0;
-        let Passage { depth, log_extinction } = passage.row(lane);
-        let (mut sum, mut log) = (0.0, 0.0);
-        if !is_first {
-            sum = f64::from(depth) + medium.optical_depth(from, to);
-            log = f64::from(log_extinction);
+    let Columns { medium, live, on_surface, paths, vertex, next, passages, trails } = columns;
+    let is_one = passages.len() == 1;
+    for (c, (passage, trail)) in passages.iter_mut().zip(trails).enumerate() {
+        let medium = if is_one { medium.own_twin() } else { medium.twin(c) };
+        for lane in live.each() {
+            let [from, to] = [vertex, next].map(|v| DVec3::from(v.position.row(lane).map(f64::from)));
+            let is_first = paths.depth_of(step.clock, lane) == 0;
+            let Passage { depth, log_extinction } = passage.row(lane);
+            let (mut sum, mut log) = (0.0, 0.0);
+            if !is_first {
+                sum = f64::from(depth) + medium.optical_depth(from, to);
+                log = f64::from(log_extinction);
+            }
+            if !on_surface.contains(lane) {
+                log += medium.event(to).ln();
+            }
+            let after = Passage { depth: sum as f32, log_extinction: log as f32 };
+            passage.set_row(lane, after);
+            trail.set_row(lane, step.clock + 1, [after.depth, after.log_extinction]);
         }
-        if !on_surface.contains(lane) {
-            log += medium.extinction(to).max(f64::from(super::simd::LEAST)).ln();
-        }
-        let after = Passage { depth: sum as f32, log_extinction: log as f32 };
-        passage.set_row(lane, after);
-        trail.set_row(lane, step.clock + 1, [after.depth, after.log_extinction]);
     }
 }

@@ -6,13 +6,9 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::media::{MediumLanes, MediumX8};
-use crate::transcendental::neg_ln;
+use crate::media::{MediumLanes, MediumX8, log_event};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
-
-/// Least extinction of which a logarithm is taken [1/m].
-pub(crate) const LEAST: f32 = 1e-30;
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
@@ -21,26 +17,28 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 
 #[inline(always)]
 fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
-    let Columns { live, on_surface, paths, vertex, next, passage, trail, .. } = columns;
-    let medium = medium.own();
+    let Columns { live, on_surface, paths, vertex, next, passages, trails, .. } = columns;
+    let is_one = passages.len() == 1;
     for (b, rows) in live.each_batch() {
         let (from, to) = (vertex.position.batch(b), next.position.batch(b));
         let length = (to - from).length_squared().sqrt();
         let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
         let before = |sum: f32x8| at_camera.select(f32x8::ZERO, sum);
-        let [passed, extinction] = if medium.stays_even([from, to], rows) {
-            passed(medium.as_even(), from, to, length)
-        } else {
-            passed(medium, from, to, length)
-        };
-        let passed = at_camera.select(f32x8::ZERO, passed);
-        let extinction = extinction.fast_max(f32x8::splat(LEAST));
-        let event = lanes::mask(on_surface.batch(b)).select(f32x8::ZERO, neg_ln(extinction));
-        let depth = before(passage.depth.batch(b)) + passed;
-        let log_extinction = before(passage.log_extinction.batch(b)) - event;
-        passage.depth.set_batch(b, depth);
-        passage.log_extinction.set_batch(b, log_extinction);
-        trail.set_batch(b, step.clock + 1, [depth, log_extinction]);
+        for (c, (passage, trail)) in passages.iter_mut().zip(trails.iter_mut()).enumerate() {
+            let medium = if is_one { medium.own() } else { medium.channel(c) };
+            let [passed, extinction] = if medium.stays_even([from, to], rows) {
+                passed(medium.as_even(), from, to, length)
+            } else {
+                passed(medium, from, to, length)
+            };
+            let passed = at_camera.select(f32x8::ZERO, passed);
+            let event = lanes::mask(on_surface.batch(b)).select(f32x8::ZERO, log_event(extinction));
+            let depth = before(passage.depth.batch(b)) + passed;
+            let log_extinction = before(passage.log_extinction.batch(b)) + event;
+            passage.depth.set_batch(b, depth);
+            passage.log_extinction.set_batch(b, log_extinction);
+            trail.set_batch(b, step.clock + 1, [depth, log_extinction]);
+        }
     }
 }
 

@@ -40,7 +40,7 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
 pub fn free_flights(medium: &Medium, start: DVec3, end: DVec3, scatters: bool) -> [Density; CHANNELS] {
     core::array::from_fn(|channel| {
         let medium = medium.twin(channel);
-        let event = if scatters { medium.extinction(end) } else { 1.0 };
+        let event = if scatters { medium.event(end) } else { 1.0 };
         Density::new(event).times_exp(-medium.optical_depth(start, end))
     })
 }

@@ -6,14 +6,13 @@
 //! 1. First all lanes that scatter, batch by batch; then, gathered, those that met a surface.
 //! 2. The largest z_c is taken out of the sum, so that one term of it is 1.
 
-use wide::{f32x8, u32x8};
+use wide::f32x8;
 
 use super::Columns;
 use crate::columns::Spectrum;
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
-use crate::media::{MediumLanes, MediumX8};
-use crate::passage::simd::LEAST;
+use crate::media::{MediumLanes, MediumX8, log_event};
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
@@ -80,8 +79,8 @@ fn log_densities(
 ) -> [f32x8; CHANNELS] {
     let end = direction.mul_add(length, start);
     core::array::from_fn(|c| {
-        let medium = medium.in_channel(|| u32x8::splat(c as u32));
-        let event = scatters.select(ln(medium.extinction(end).fast_max(f32x8::splat(LEAST))), f32x8::ZERO);
+        let medium = medium.channel(c);
+        let event = scatters.select(log_event(medium.extinction(end)), f32x8::ZERO);
         event - medium.optical_depth(start, end, length)
     })
 }

@@ -1,5 +1,6 @@
 //! What comes through where nobody knows how much: estimated transmittances, for candidates in a field.
 
+mod channels;
 pub mod reference;
 pub mod simd;
 
@@ -35,8 +36,7 @@ pub struct Columns<'a, 'q> {
 
 /// Multiplies the factor of every row that counts anything by `T' e^{tau~}` per channel, segment by segment: an unbiased
 /// estimate of the transmittance over what the weight took it for ([`field`](crate::media::field)). Where a path has
-/// flown, the hero's factor is 1, and those of the others are estimates of their transmittance over the hero's, as
-/// extinctions are one multiple of each other.
+/// flown, the hero's factor is 1, and those of the others are estimates of their transmittance over the hero's.
 ///
 /// The estimate of segment j draws from [stream](crate::random::Stream) j of the block `TRANSMITTANCE` for the purpose of
 /// the light point, at the depth of the start.

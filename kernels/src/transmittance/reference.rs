@@ -39,24 +39,27 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 /// if its flights have got through.
 pub fn factor(field: &Field, hero: Option<usize>, chain: &[DVec3], purpose: Purpose, draws: &Draws) -> [f64; CHANNELS] {
     let block = random::block(draws.depth, random::TRANSMITTANCE.nth(purpose.number()));
-    let hues = hues(field, hero);
     let mut product = [1.0; CHANNELS];
     for (part, ends) in chain.windows(2).enumerate() {
         let stream = Stream::new(draws.pixel, draws.sample, block, draws.seed, part as u32);
-        let through = estimate(field, hues, ends[0], ends[1], stream);
+        let through = estimate(field, hero, ends[0], ends[1], stream);
         product = core::array::from_fn(|c| product[c] * through[c]);
     }
     product
 }
 
-/// Extinctions over that of the field, less that of the `hero` if there is one.
-pub fn hues(field: &Field, hero: Option<usize>) -> [f64; CHANNELS] {
+/// `T'_c e^{tau~_c}` of a segment; where there is a `hero`, of extinctions less that of the hero.
+pub fn estimate(field: &Field, hero: Option<usize>, from: DVec3, to: DVec3, stream: Stream) -> [f64; CHANNELS] {
+    if let Some(apart) = field.apart() {
+        let mut found = [1.0; CHANNELS];
+        for unknown in apart.transmittances().chain(apart.beyond_flights()).filter(|unknown| unknown.hero == hero) {
+            let ([product], known) = transmittance(unknown.field, [1.0], from, to, stream);
+            found[unknown.channel] = product * (unknown.depth_between(from, to) - known).exp();
+        }
+        return found;
+    }
     let all = field.hues().map(f64::from);
-    all.map(|hue| hue - hero.map_or(0.0, |hero| all[hero]))
-}
-
-/// `T'_c e^{tau~_c}` of a segment for these hues.
-pub fn estimate(field: &Field, hues: [f64; CHANNELS], from: DVec3, to: DVec3, stream: Stream) -> [f64; CHANNELS] {
+    let hues = all.map(|hue| hue - hero.map_or(0.0, |hero| all[hero]));
     let medium = FieldTwin { field, hue: 1.0, phase: &HenyeyGreenstein { g: 0.0 } };
     let (products, known) = transmittance(field, hues, from, to, stream);
     let depth = medium.optical_depth(from, to);

@@ -5,11 +5,13 @@
 //! 1. The first segments of all rows that count go through the tracker, then the second ones: rays take the lanes of
 //!    those that have ended, and still a row's factors are multiplied in the sequence of its segments.
 //! 2. Their tau~ is found for whole batches afterwards.
-//! 3. A grey field has one hue.
+//! 3. A grey field has one hue. Where channels are apart they are estimated one after the other (`channels`).
 
 use wide::{f32x8, u32x8};
 
-use super::Columns;
+use super::{Columns, channels};
+use crate::columns::Column3;
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
 use crate::lanes::LANES;
 use crate::media::MediumX8;
 use crate::media::field::tracking::RaysX8;
@@ -21,17 +23,17 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    if columns.field.is_grey() { estimate::<1>(step, columns) } else { estimate::<CHANNELS>(step, columns) }
+    match columns.field.apart() {
+        Some(apart) => channels::estimate(step, columns, apart),
+        None if columns.field.is_grey() => estimate::<1>(step, columns),
+        None => estimate::<CHANNELS>(step, columns),
+    }
 }
 
 fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
     let Columns { field, flown, bucket, purpose, candidates, chains, paths, immersion, estimates, worth } = columns;
     let block = random::TRANSMITTANCE.nth(purpose.number());
-    let vertex = |number: usize| match number {
-        0 => &candidates.start,
-        number if number <= bucket.inserted => &chains.vertices[number - 1],
-        _ => &candidates.point,
-    };
+    let vertex = |number| vertex(number, bucket, candidates, chains);
     let lane_of = |row: usize| candidates.lane.rows()[row] as usize;
     let hues_of = |row: usize| hues(field, flown.then(|| immersion.hero.rows()[lane_of(row)]));
     for segment in 0..=bucket.inserted {
@@ -75,6 +77,20 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
                 channel.set_batch(b, counts.select(before * through[c.min(N - 1)], before));
             }
         }
+    }
+}
+
+/// Vertex `number` of the connections of a bucket, counted from the start.
+pub(super) fn vertex<'a, 'q>(
+    number: usize,
+    bucket: Bucket,
+    candidates: &'a CandidateQueue<'q>,
+    chains: &'a ChainTable<'q>,
+) -> &'a Column3<'q> {
+    match number {
+        0 => &candidates.start,
+        number if number <= bucket.inserted => &chains.vertices[number - 1],
+        _ => &candidates.point,
     }
 }
 

@@ -16,8 +16,9 @@ pub struct Volume {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "name"))]
     pub preset: Option<String>,
-    /// Scattering coefficient where the density is 1 [1/m], >= 0. Scattering + absorption of all media of a scene differ
-    /// between channels by the same factors, if they do.
+    /// Scattering coefficient where the density is 1 [1/m], >= 0. Extinction (scattering + absorption) may differ between
+    /// channels, in every medium in another way; rendering is fastest where the media of a scene have their factors in
+    /// common.
     #[serde(default)]
     pub scattering: Spectrum,
     /// Absorption coefficient where the density is 1 [1/m], >= 0.

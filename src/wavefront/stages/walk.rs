@@ -327,8 +327,8 @@ impl Wavefront<'_> {
                 paths: &self.paths,
                 vertex,
                 next,
-                passage: &mut self.passage,
-                trail: &mut self.passage_trail,
+                passages: &mut self.passages,
+                trails: &mut self.passage_trails,
             };
             (self.pipeline.passage)(self.step, columns);
         });

@@ -81,8 +81,8 @@ impl Wavefront<'_> {
                 outlook: &self.outlook,
                 vertex: self.vertices.at(self.step.clock),
                 trail: &self.trail,
-                passage: &self.passage,
-                passage_trail: &self.passage_trail,
+                passages: &self.passages,
+                passage_trails: &self.passage_trails,
                 suffix: &mut self.suffix,
                 worth: &mut self.worth,
             };

@@ -183,7 +183,6 @@ save_table!(
     ImmersionColumns<'_>,
     LastSurfaceColumns<'_>,
     OutlookColumns<'_>,
-    PassageColumns<'_>,
     VertexColumns<'_>,
     RayColumns<'_>,
     FlightTable<'_>,
@@ -192,6 +191,16 @@ save_table!(
     PartTable<'_>,
     Spectrum<'_>
 );
+
+impl Save for [PassageColumns<'_>] {
+    fn save(&self) -> Saved {
+        Saved::new(self.iter().map(|table| save_columns(table)).collect())
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        self.iter_mut().zip(&saved.tables).for_each(|(table, saved)| restore_columns(table, saved));
+    }
+}
 
 macro_rules! save_queue {
     ($queue:ty) => {

@@ -2,11 +2,9 @@
 
 use bumpalo::Bump;
 use fogbow_kernels::columns::Spectrum;
-use fogbow_kernels::columns::paths::{
-    LastSurfaceColumns, Outlook, OutlookColumns, PassageColumns, PathColumns, Vertex, VertexColumns,
-};
+use fogbow_kernels::columns::paths::{LastSurfaceColumns, Outlook, OutlookColumns, PathColumns, Vertex, VertexColumns};
 use fogbow_kernels::columns::queues::{Bucket, Candidate, CandidateQueue, ChainTable, WorthTable};
-use fogbow_kernels::columns::trail::{Mark, PassageTrail, TrailTable};
+use fogbow_kernels::columns::trail::{Mark, TrailTable};
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::connect::suffix::Suffix;
@@ -119,8 +117,8 @@ impl<'a> Weigher<'a> {
             outlook: &outlook,
             vertex: &vertex,
             trail: &trail,
-            passage: &PassageColumns::new_in(&arena, lanes),
-            passage_trail: &PassageTrail::new_in(&arena, lanes, 0),
+            passages: &[],
+            passage_trails: &[],
             suffix: &mut suffix,
             worth: &mut worth,
         };

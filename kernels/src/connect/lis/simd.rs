@@ -57,6 +57,7 @@ pub fn ratios<M: MediumX8>(
         projections: suffix.projections,
         likelihoods: suffix.likelihoods,
         shares: &mut suffix.shares[1..],
+        apart: &mut suffix.apart[1..],
     };
     let starts = starts.start() - 1..=starts.end() - 1;
     match &lis.connector {

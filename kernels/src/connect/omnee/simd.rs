@@ -20,6 +20,12 @@ pub fn ratio<M: MediumX8>(arrival: &Arrival<'_, M>, suffix: &Suffix<'_>, forward
     let sinc = straight.select(f32x8::ONE, sine / theta);
     let distance = (point.position - start.position).length_squared().sqrt();
     let geometry = inverse_area * start.attempt * distance * sinc * start.inverse_density;
-    let ratio = geometry * exp(start.depth) / (forward_share * medium.extinction(inserted.position) * cos_light);
+    // Walks and the connection may see different extinctions: the suffix knows the one that walks see.
+    let walked = if M::VARIES {
+        exp(start.depth - medium.log_extinction_along(1, start.log_extinction))
+    } else {
+        exp(start.depth) / medium.extinction(inserted.position)
+    };
+    let ratio = geometry * walked / (forward_share * cos_light);
     (start.eligible & cosine.simd_gt(f32x8::ZERO)).select(ratio, f32x8::ZERO)
 }

@@ -58,7 +58,7 @@ impl Block {
     /// With the majorants multiplied by `factor` >= 1, and what is estimated about by `mean`.
     fn distorted(self, factor: f32, mean: f32) -> Self {
         let Residual { control, spread } = self.residual;
-        let [low, high] = [control - spread, self.most].map(|bound| bound.max(0.0));
+        let [low, high] = [control - spread, control + spread];
         let control = control * mean;
         let spread = (high - control).abs().max((control - low).abs()) * factor;
         Self { most: self.most * factor, residual: Residual { control, spread } }

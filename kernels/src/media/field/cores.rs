@@ -70,8 +70,8 @@ impl Found {
         if !there.last().is_some_and(|(range, _)| range.covers) {
             there.push((Range { least: around, most: around, covers: true }, [low, high]));
         }
-        there.sort_by(|(a, _), (b, _)| b.most.total_cmp(&a.most));
-        let most = there[0].0.most;
+        there.sort_by(|(a, _), (b, _)| size(b).total_cmp(&size(a)));
+        let most = size(&there[0].0);
         if f64::from(most) * edge < THICK {
             return None;
         }
@@ -80,7 +80,7 @@ impl Found {
             let corners = dense.iter().map(|(_, bounds)| *bounds);
             let corners = corners.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).expect("one at least");
             let (inside, outside) = (extent(&there), extent(rest));
-            let work = f64::from(outside.most) * edge + f64::from(most) * (corners[1] - corners[0]).max_element();
+            let work = f64::from(size(&rest[0].0)) * edge + f64::from(most) * (corners[1] - corners[0]).max_element();
             (work, Self { corners, inside, outside })
         });
         let (work, best) = found.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
@@ -88,10 +88,15 @@ impl Found {
     }
 }
 
+/// The largest of extinctions, which may be negative between channels.
+fn size(range: &Range) -> f32 {
+    range.most.abs().max(range.least.abs())
+}
+
 /// What extinctions of several volumes range over.
 fn extent(there: &[(Range, [DVec3; 2])]) -> Extent {
     let least = there.iter().map(|(range, _)| range.least).fold(f32::INFINITY, f32::min);
-    let most = there.iter().map(|(range, _)| range.most).fold(0.0, f32::max);
+    let most = there.iter().map(|(range, _)| range.most).fold(f32::NEG_INFINITY, f32::max);
     Extent { least, most, mean: 0.5 * (least + most) }
 }
 

@@ -124,7 +124,7 @@ fn bounds(volumes: &[Volume]) -> [DVec3; 2] {
 fn survey(volumes: &[Placed], around: f32, place: [u32; 3], from_cells: &DAffine3) -> (Extent, u32) {
     let first = DVec3::from(place.map(f64::from));
     let corners = [first + ROUNDED, first + (1.0 - ROUNDED)].map(|corner| from_cells.transform_point3(corner));
-    let (mut least, mut most, mut present, mut covered) = (f32::INFINITY, 0.0_f32, 0, false);
+    let (mut least, mut most, mut present, mut covered) = (f32::INFINITY, f32::NEG_INFINITY, 0, false);
     for (number, placed) in volumes.iter().enumerate() {
         let Some(range) = placed.volume.range(corners[0], corners[1]) else { continue };
         (least, most) = (least.min(range.least), most.max(range.most));

@@ -37,7 +37,10 @@
 //! **Techniques.** Bridges look their counts up at tau~ of the axis. MVNEE's seeds are flights through the
 //! means along the axis, of which density and count are exact ([`Seeds`](crate::connect::mvnee::Seeds)); so are flights
 //! from lights, along rays ([`lis`](crate::connect::lis)).
+//!
+//! **Colour.** Extinctions in the three channels are multiples of each other, or fields of their own ([`Apart`]).
 
+mod apart;
 mod axis;
 mod blocks;
 mod bricks;
@@ -56,11 +59,14 @@ pub mod tracking;
 mod volume;
 mod voxels;
 
+use std::sync::Arc;
+
 use wide::{f32x8, u32x8};
 
 use super::spectral::CHANNELS;
 use crate::vec3x8::Vec3x8;
 
+pub use apart::{Apart, Unknown};
 pub use blocks::Blocks;
 pub use bricks::{Bricks, Leaf};
 pub use cells::Cells;
@@ -93,6 +99,8 @@ pub struct Field {
     to_cells: Map,
     /// Extinction per channel, over that of the channel in which it is largest.
     hues: [f32; CHANNELS],
+    /// The fields of channels of which none is a multiple of another: then extinctions here are their means.
+    apart: Option<Arc<Apart>>,
     /// All of it, if it is one shape of one extinction.
     one: Option<OneShape>,
     /// The largest box of cells that are all alike, if it is large.
@@ -106,6 +114,33 @@ impl Field {
     /// If there are no volumes, or more than [`MOST_VOLUMES`], or one has neither a shape nor voxels.
     pub fn new(volumes: Vec<Volume>, around: f32) -> Self {
         let lattice = Lattice::best(&volumes, around);
+        Self::in_best_cells(volumes, around, &lattice)
+    }
+
+    /// `volumes`, those of the highest priority first, whose extinctions differ between channels, in a medium of the
+    /// extinctions `around` [1/m]: those of a volume are its `hues`, each >= 0, of its own.
+    ///
+    /// # Panics
+    /// As [`Self::new`], or if there are not as many hues as volumes.
+    pub fn of_colours(volumes: Vec<Volume>, hues: &[[f32; CHANNELS]], around: [f32; CHANNELS]) -> Self {
+        assert_eq!(volumes.len(), hues.len(), "every volume has hues");
+        let scaled = |by: fn([f32; CHANNELS]) -> f32| {
+            let scale = |(volume, hues): (&Volume, &[f32; CHANNELS])| Volume {
+                extinction: volume.extinction * by(*hues),
+                ..volume.clone()
+            };
+            (volumes.iter().zip(hues).map(scale).collect::<Vec<_>>(), by(around))
+        };
+        let (densest, densest_around) = scaled(|channels| channels.into_iter().fold(0.0, f32::max));
+        let lattice = Lattice::best(&densest, densest_around);
+        let (mean, mean_around) = scaled(|channels| channels.into_iter().sum::<f32>() / CHANNELS as f32);
+        let apart =
+            Apart::new(&volumes, hues, around, |volumes, around| Self::in_best_cells(volumes, around, &lattice));
+        // What is even here need not be so in every channel.
+        Self { apart: Some(Arc::new(apart)), even: None, ..Self::in_best_cells(mean, mean_around, &lattice) }
+    }
+
+    fn in_best_cells(volumes: Vec<Volume>, around: f32, lattice: &Lattice) -> Self {
         let one = OneShape::of(&volumes);
         Self { one, ..Self::in_cells_of(volumes, around, lattice) }
     }
@@ -123,7 +158,7 @@ impl Field {
         Self::new(vec![Volume { shape: Some(Shape::block(corners)), voxels: None, extinction }], 0.0)
     }
 
-    fn in_cells_of(volumes: Vec<Volume>, around: f32, lattice: Lattice) -> Self {
+    fn in_cells_of(volumes: Vec<Volume>, around: f32, lattice: &Lattice) -> Self {
         assert!((1..=MOST_VOLUMES).contains(&volumes.len()), "1 to {MOST_VOLUMES} volumes");
         let to_cells = Map::new(&lattice.to_cells);
         let volumes = lattice.place(volumes);
@@ -131,41 +166,72 @@ impl Field {
         let (cells, blocks) = (Cells::new(&survey), Blocks::new(&survey, volumes.len() > 1));
         let blocks = blocks.with_cores(&survey, &volumes, &lattice.to_cells.inverse());
         let even = EvenPart::largest(&survey);
-        Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], one: None, even }
+        Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], apart: None, one: None, even }
     }
 
     /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
     /// smaller edges; with majorants times `factor` and means times `mean`. No mean of any image depends on them.
     pub fn with_cells(self, log_side: u32, factor: f32, mean: f32) -> Self {
+        let apart = self.apart.map(|apart| Arc::new(apart.each(|field| field.with_cells(log_side, factor, mean))));
         let volumes: Vec<Volume> = self.volumes.into_iter().map(|placed| placed.volume).collect();
         let lattice = Lattice::other(&volumes, self.around, log_side);
-        let field = Self::in_cells_of(volumes, self.around, lattice);
-        if factor == 1.0 && mean == 1.0 {
-            return Self { hues: self.hues, ..field };
-        }
-        let (cells, blocks) = (field.cells.distorted(mean), field.blocks.distorted(factor, mean));
-        Self { cells, blocks, even: None, hues: self.hues, ..field }
+        let field = Self { hues: self.hues, ..Self::in_cells_of(volumes, self.around, &lattice) };
+        let even = field.even.filter(|_| factor == 1.0 && mean == 1.0 && apart.is_none());
+        let (cells, blocks) = match (factor, mean) {
+            (1.0, 1.0) => (field.cells, field.blocks),
+            _ => (field.cells.distorted(mean), field.blocks.distorted(factor, mean)),
+        };
+        Self { cells, blocks, even, apart, ..field }
     }
 
     /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
     pub fn coloured(self, hues: [f32; CHANNELS]) -> Self {
         debug_assert!(hues.contains(&1.0) && hues.iter().all(|hue| (0.0..=1.0).contains(hue)), "{hues:?}");
+        debug_assert!(self.apart.is_none(), "it has colours already");
         Self { hues, ..self }
     }
 
-    /// Extinction per channel, over that of the channel in which it is largest.
+    /// Extinction per channel, over that of the channel in which it is largest, where channels are multiples of each
+    /// other; otherwise 1, for extinctions are those of their [own fields](Self::channel).
     pub fn hues(&self) -> [f32; CHANNELS] {
         self.hues
     }
 
-    /// Least of them.
+    /// The field of a channel, and its extinction over that of this field.
+    #[inline(always)]
+    pub fn channel(&self, channel: usize) -> (&Self, f32) {
+        match &self.apart {
+            Some(apart) => (apart.channel(channel), 1.0),
+            None => (self, self.hues[channel.min(CHANNELS - 1)]),
+        }
+    }
+
+    /// The fields of channels of which none is a multiple of another.
+    pub fn apart(&self) -> Option<&Apart> {
+        self.apart.as_deref()
+    }
+
+    /// Running sums that paths keep of it: one for all channels, or one for each.
+    pub fn sums(&self) -> usize {
+        if self.apart.is_some() { CHANNELS } else { 1 }
+    }
+
+    /// Largest extinction per channel [1/m].
+    pub fn largest(&self) -> [f32; CHANNELS] {
+        [0, 1, 2].map(|c| {
+            let (field, hue) = self.channel(c);
+            hue * field.blocks.most
+        })
+    }
+
+    /// Least of the [hues](Self::hues).
     pub fn clearest(&self) -> f32 {
         self.hues.into_iter().fold(1.0, f32::min)
     }
 
     /// Whether extinction is the same in all channels.
     pub fn is_grey(&self) -> bool {
-        self.hues == [1.0; CHANNELS]
+        self.hues == [1.0; CHANNELS] && self.apart.is_none()
     }
 
     /// Means of extinctions.
@@ -204,6 +270,9 @@ impl Field {
         digest(&self.around.to_le_bytes());
         self.hues.iter().for_each(|hue| digest(&hue.to_le_bytes()));
         self.volumes.iter().for_each(|placed| placed.volume.digest(digest));
+        if let Some(apart) = &self.apart {
+            apart.digest(digest);
+        }
     }
 
     /// The voxels of all its volumes.
@@ -214,7 +283,12 @@ impl Field {
     /// Bytes that it takes besides voxels.
     pub fn bytes_besides_voxels(&self) -> usize {
         let volumes = self.volumes.iter().map(|placed| placed.volume.bytes_besides_voxels()).sum::<usize>();
-        volumes + self.cells.bytes() + self.blocks.bytes()
+        volumes + self.bytes_of_cells()
+    }
+
+    /// Bytes of means and bounds.
+    fn bytes_of_cells(&self) -> usize {
+        self.cells.bytes() + self.blocks.bytes() + self.apart.as_ref().map_or(0, |apart| apart.bytes())
     }
 
     /// The part of rays of unit `direction` up to `length` within the box of all cells `[m]`; empty where the second is

@@ -1,6 +1,7 @@
 //! A field as weights see it.
 //!
-//! In a coloured field, everything is that of one channel times its hue.
+//! In a coloured field, everything is that of one channel times its hue; where channels are [apart](super::Apart),
+//! connections go by their mean.
 
 use wide::{f32x8, u32x8};
 
@@ -73,9 +74,18 @@ impl<'a> MediumLanes for ColouredFieldLanes<'a> {
 
     #[inline(always)]
     fn in_channel(&self, channel: impl FnOnce() -> u32x8) -> FieldX8<'a> {
+        if self.0.apart.is_some() {
+            return self.own();
+        }
         let hues = self.0.hues;
         let hue = f32x8::new(channel().to_array().map(|channel| hues[(channel as usize).min(CHANNELS - 1)]));
         FieldX8 { field: self.0, hue }
+    }
+
+    #[inline(always)]
+    fn channel(&self, channel: usize) -> FieldX8<'a> {
+        let (field, hue) = self.0.channel(channel);
+        FieldX8 { field, hue: f32x8::splat(hue) }
     }
 
     #[inline(always)]

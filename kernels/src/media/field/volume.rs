@@ -17,7 +17,7 @@ pub struct Volume {
     pub shape: Option<Shape>,
     /// Densities; 1 everywhere without.
     pub voxels: Option<Voxels>,
-    /// Extinction of density 1 [1/m], >= 0.
+    /// Extinction of density 1 [1/m], >= 0, but for what lies [between](super::Apart) channels.
     pub extinction: f32,
 }
 
@@ -73,9 +73,10 @@ impl Volume {
         };
         let extent = voxels.extent(low, high);
         let bounded = self.shape.is_some();
+        let [a, b] = [extent.least, extent.most].map(|density| density * self.extinction);
         (bounded || extent.most > 0.0).then_some(Range {
-            least: extent.least * self.extinction,
-            most: extent.most * self.extinction,
+            least: a.min(b),
+            most: a.max(b),
             covers: covers && (bounded || extent.least > 0.0),
         })
     }

@@ -191,18 +191,28 @@ pub(super) fn check_prune(step: Step, columns: prune::Columns<'_, '_>) {
 }
 
 pub(super) fn check_passage(step: Step, columns: passage::Columns<'_, '_>) {
-    let passage::Columns { medium, live, on_surface, paths, vertex, next, passage, trail } = columns;
+    let passage::Columns { medium, live, on_surface, paths, vertex, next, passages, trails } = columns;
     let [both] = run_both!(
         passage(step),
-        [passage],
-        passage::Columns { medium, live, on_surface, paths, vertex, next, passage: &mut *passage, trail: &mut *trail }
+        [passages],
+        passage::Columns {
+            medium,
+            live,
+            on_surface,
+            paths,
+            vertex,
+            next,
+            passages: &mut *passages,
+            trails: &mut *trails
+        }
     );
-    for lane in live.each() {
-        check_found((0, lane), &both, &[("depth", tolerances::PASSAGE), ("log_extinction", tolerances::PASSAGE)]);
+    let sums = || passages.iter().zip(0..);
+    for (lane, (passage, sum)) in live.each().flat_map(|lane| sums().map(move |sum| (lane, sum))) {
+        check_found((sum, lane), &both, &[("depth", tolerances::PASSAGE), ("log_extinction", tolerances::PASSAGE)]);
         // The trail has what the columns have.
-        if trail.slots() > 0 {
+        if trails[sum].slots() > 0 {
             let row = passage.row(lane);
-            trail.set_row(lane, step.clock + 1, [row.depth, row.log_extinction]);
+            trails[sum].set_row(lane, step.clock + 1, [row.depth, row.log_extinction]);
         }
     }
 }

@@ -77,8 +77,9 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
 }
 
 /// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a dense ball in
-/// a hall of fog; a coloured ball in a room, and a coloured cloud; techniques have to be set anew.
-pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 5] {
+/// a hall of fog; a coloured ball in a room, and a coloured cloud; volumes that differ in colour; techniques have to be
+/// set anew.
+pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 7] {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let room = room(0.5, Selection::IntensityDistance, size);
     let several = vec![
@@ -96,12 +97,67 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 5] {
     several = with_medium(&several, medium);
     let coloured = Field::new(vec![ball(DVec3::new(0.0, 1.0, 1.4), 0.8, 3.0)], 0.0).coloured([0.3, 0.55, 1.0]);
     let cloud = cloud(4.0, DVec3::new(0.1, 0.0, 1.6), 9.0, Interpolation::Trilinear).coloured([1.0, 0.5, 0.2]);
+    let [in_the_open, in_a_room] = colours(size);
     [
         ("volumes in fog", several),
         ("dense ball in a hall of fog", hall),
         ("coloured ball in a room", with_field(&room, coloured)),
         ("coloured cloud among lights", with_field(&lights, cloud)),
         ("phase functions in a room", turning(&room)),
+        (in_the_open.name, in_the_open.frame),
+        (in_a_room.name, in_a_room.frame),
+    ]
+}
+
+/// Volumes, and what is around them, that differ in the colour of their extinction.
+pub struct Colours {
+    /// What this is called.
+    pub name: &'static str,
+    /// A frame with them.
+    pub frame: Frame,
+    volumes: Vec<Volume>,
+    hues: Vec<[f32; 3]>,
+    around: [f32; 3],
+}
+
+impl Colours {
+    fn new(name: &'static str, base: &Frame, volumes: Vec<Volume>, hues: &[[f32; 3]], around: [f32; 3]) -> Self {
+        let frame = with_field(base, Field::of_colours(volumes.clone(), hues, around));
+        Self { name, frame, volumes, hues: hues.to_vec(), around }
+    }
+
+    fn with_albedos(mut self, albedos: &[[f32; 3]]) -> Self {
+        self.frame = with_medium(&self.frame, self.frame.medium.clone().with_albedos(albedos));
+        self
+    }
+
+    /// The frame in grey extinction: that of one channel.
+    pub fn grey(&self, channel: usize) -> Frame {
+        let volumes = self.volumes.iter().zip(&self.hues);
+        let of_channel = |(volume, hues): (&Volume, &[f32; 3])| {
+            let extinction = volume.extinction * hues[channel];
+            Volume { extinction, ..volume.clone() }
+        };
+        with_volumes(&self.frame, volumes.map(of_channel).collect(), self.around[channel])
+    }
+}
+
+/// A block that is clear in one channel, a ball, a lumpy cloud and haze in the open; and a block in haze in a room, the
+/// optical depth through which is known in every channel.
+pub fn colours(size: [u32; 2]) -> [Colours; 2] {
+    let volumes = vec![
+        solid(Shape::block([[-0.4, -0.3, 0.6], [0.2, 0.5, 1.1]]), 1.5),
+        ball(DVec3::new(0.2, 0.1, 1.4), 0.7, 2.5),
+        lumpy(3.0, DVec3::new(0.5, 0.3, 1.8), 8.0),
+    ];
+    let hues = [[1.0, 0.6, 0.0], [0.1, 0.4, 1.0], [1.0; 3]];
+    let lights = three_lights(0.6, Selection::IntensityDistance, size);
+    let several = Colours::new("volumes of several colours in haze", &lights, volumes, &hues, [0.1, 0.2, 0.4]);
+    let block = vec![solid(Shape::block([[-0.6, 0.2, 0.6], [0.5, 1.3, 2.0]]), 1.0)];
+    let room = room(0.5, Selection::IntensityDistance, size);
+    [
+        several.with_albedos(&[[0.9; 3], [0.8, 0.9, 0.0], [1.0, 0.9, 0.8], [0.9, 0.95, 1.0]]),
+        Colours::new("coloured block in other haze in a room", &room, block, &[[2.5, 0.8, 0.2]], [0.05, 0.1, 0.6]),
     ]
 }
 

@@ -37,7 +37,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
         let draws = Draws::new(step, paths, lane);
         let on_surface = solid && is_on_surface(last_surface, lane, draws.depth);
         let from = Start { depth: draws.depth, position: start, arriving, on_surface };
-        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let medium = medium.twin_of_connections(immersion.hero.rows()[lane] as usize);
         let inserted = count_edges(bridge, &medium, lengths, &from, point, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }

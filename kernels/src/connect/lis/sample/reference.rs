@@ -27,7 +27,7 @@ pub fn vertex(step: Step, columns: VertexColumns<'_, '_>) {
         let [start, end] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
-        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let medium = medium.twin_of_connections(immersion.hero.rows()[lane] as usize);
         let vertex = place(&lights.emitters()[connection.emitter as usize], &medium, end, u);
         if let Some(vertex) = vertex.filter(|vertex| is_within_reach(lis, start, *vertex)) {
             connections.push(Candidate { point: vertex.as_vec3().to_array(), ..connection });

@@ -31,7 +31,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
         let lane = connection.lane as usize;
         let [start, point] = [connection.start, connection.point].map(|v| DVec3::from(v.map(f64::from)));
         let draws = Draws::new(step, paths, lane);
-        let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+        let medium = medium.twin_of_connections(immersion.hero.rows()[lane] as usize);
         let inserted = count_seeds(&settings, &medium, start, point, lengths, &draws);
         count.rows_mut()[row] = inserted.unwrap_or(buckets::DROPPED);
     }
@@ -50,7 +50,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
             let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
-            let medium = medium.twin(immersion.hero.rows()[lane] as usize);
+            let medium = medium.twin_of_connections(immersion.hero.rows()[lane] as usize);
             place(&settings, &medium, start, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);

@@ -146,7 +146,7 @@ impl<const N: usize> Lanes<N> {
         self.enter::<Q>(field, batch, longest);
         let mut missed = batch.live & !lanes::bits(self.t.simd_lt(self.exit));
         let mut early = 0;
-        if field.around() > 0.0 {
+        if field.around() != 0.0 {
             (missed, early) = self.approach::<Q>(field, batch.live, missed, longest);
         }
         self.end(missed | early, missed, end);
