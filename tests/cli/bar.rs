@@ -44,12 +44,14 @@ fn a_bar_fits_any_width_from_20_columns_on() {
         };
         let bars = bars(&written);
         assert!(bars.len() > 3, "{columns} columns: {written:?}");
+        let steps = ["preparing", "choosing how to connect", "metering", "looking at long paths"];
+        let tells = |bar: &str| bar.contains("samples/s") || steps.iter().any(|step| bar.ends_with(step));
+        // On a busy machine, one may be drawn before there are samples to tell a rate of.
+        assert_eq!(bars.last().is_some_and(|bar| tells(bar)), columns >= 56, "{columns} columns: {bars:?}");
         for bar in bars {
             let width = bar.chars().count();
             assert!(width <= columns as usize, "{width} of {columns} columns: {bar:?}");
-            let steps = ["preparing", "choosing how to connect", "metering", "looking at long paths"];
-            let tells = bar.contains("samples/s") || steps.iter().any(|step| bar.ends_with(step));
-            assert_eq!(tells, columns >= 56, "{columns} columns: {bar:?}");
+            assert!(!tells(bar) || columns >= 56, "{columns} columns: {bar:?}");
             assert!(!bar.contains("noise") || columns >= 80, "{columns} columns: {bar:?}");
         }
     }
