@@ -17,7 +17,7 @@ use crate::trace::bodies::BodyLeaf;
 /// Most bodies that are lights of their own and need no tree; and most groups, a power of two.
 pub const FEW: usize = 16;
 
-/// By how much of its radius the box around a body is larger.
+/// By how much of its radius the box around a body is larger on every side.
 const MARGIN: f64 = 1e-3;
 
 /// A tree over bodies.
@@ -79,12 +79,18 @@ fn parts(range: Range<usize>) -> Vec<Range<usize>> {
 
 /// Lower and upper corner of the box around some bodies `[m]`.
 fn planes(bodies: &[Emitter]) -> [[f32; 3]; 2] {
-    let balls = bodies.iter().map(Emitter::bounds);
-    let (low, high) = balls.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (center, radius)| {
-        let reach = radius * (1.0 + MARGIN);
+    let (low, high) = bodies.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), body| {
+        let (center, reach) = (DVec3::from(body.origin.map(f64::from)), reach(body));
         (low.min(center - reach), high.max(center + reach))
     });
     [low, high].map(|corner| corner.as_vec3().to_array())
+}
+
+/// How far the box around a body reaches from its centre along each axis `[m]`: for a disk of normal n, `R sqrt(1 - n^2)`.
+fn reach(body: &Emitter) -> DVec3 {
+    let normal = DVec3::from(body.normal.map(f64::from));
+    let across = (1.0 - normal * normal).max(DVec3::ZERO);
+    f64::from(body.radius) * (across.map(f64::sqrt) + MARGIN)
 }
 
 /// The order of `bodies` and their groups: as they are, and one each, where they are few.
@@ -175,6 +181,24 @@ mod tests {
                 next = held.end;
             });
             assert_eq!(next, all.len());
+        }
+    }
+
+    #[test]
+    fn boxes_hold_the_rims_of_disks_and_are_as_flat_as_they_are() {
+        for normal in [DVec3::Z, DVec3::new(1.0, -1.0, 0.0), DVec3::new(0.3, -2.0, 0.7), DVec3::new(1e-4, 0.0, 1.0)] {
+            let disk = Emitter::disk(DVec3::new(5.0, -2.0, 0.5), normal, 0.25, [1.0; 3]);
+            let [low, high] = planes(&[disk]).map(|corner| DVec3::from(corner.map(f64::from)));
+            let [center, u, v] = [disk.origin, disk.tangent, disk.bitangent].map(|v| DVec3::from(v.map(f64::from)));
+            let rim = (0..360).map(|degree| {
+                let (sin, cos) = f64::from(degree).to_radians().sin_cos();
+                center + 0.25 * (cos * u + sin * v)
+            });
+            let (least, most) =
+                rim.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+            assert!(low.cmplt(least).all() && most.cmplt(high).all(), "{normal}");
+            let margin = 2.1 * MARGIN * 0.25;
+            assert!(((high - low) - (most - least)).cmplt(DVec3::splat(margin)).all(), "{normal}");
         }
     }
 
