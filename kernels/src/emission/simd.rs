@@ -14,7 +14,7 @@ use core::f32::consts::TAU;
 use wide::{f32x8, u32x8};
 
 use crate::lanes::{self, LANES};
-use crate::tables::lights::Lights;
+use crate::tables::lights::{Lights, Places};
 use crate::transcendental::{exp, neg_ln, sin_cos_turn};
 use crate::vec3x8::Vec3x8;
 
@@ -22,12 +22,8 @@ impl Lights {
     /// Unit normals of the fronts of emitters at `point`.
     #[inline(always)]
     pub fn normal(&self, emitters: &[u32; LANES], point: Vec3x8) -> Vec3x8 {
-        let flat = self.gather3(emitters, |emitter| emitter.normal);
-        if !self.spheres {
-            return flat;
-        }
-        let from_center = point - self.gather3(emitters, |emitter| emitter.origin);
-        from_center.mul_add(self.gather(emitters, |emitter| emitter.curvature), flat)
+        let Places { origin, normal: flat, curvature, .. } = self.places(emitters);
+        if self.spheres { (point - origin).mul_add(curvature, flat) } else { flat }
     }
 
     /// Cosine to the normal, at `point`, on the side that shines, of rays that arrive there in `direction`; negative

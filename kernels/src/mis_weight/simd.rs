@@ -32,7 +32,7 @@ use crate::lanes::LANES;
 use crate::media::{Even, MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
 use crate::survival::LogSurvival;
-use crate::tables::lights::Lights;
+use crate::tables::lights::{Choices, Lights};
 use crate::transcendental::exp;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium, with_phase};
@@ -148,18 +148,19 @@ impl<P: PhaseX8> Batch<'_, P> {
             }
         });
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
+        let choices = lights.choices(&self.emitter_of);
         let last = &suffix.vertices[1];
         let arrival = Arrival {
             medium,
             hues: colours.as_ref().and_then(|colours| colours.hues()),
-            inverse_area: lights.gather(&self.emitter_of, |emitter| emitter.density),
+            inverse_area: choices.density,
             last_squared: *last_squared,
             last_depth: medium.optical_depth_along(last.arc, last.depth),
             cos_light: *cos_light,
             skipped: Passed::NOTHING,
         };
         for a in fewest_edges..=needed {
-            let attempt = self.selection(suffix, a) * self.reach(starts, a);
+            let attempt = self.selection(&choices, suffix, a) * self.reach(starts, a);
             let vertex = &mut suffix.vertices[a];
             (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
             vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
@@ -336,10 +337,10 @@ impl<P: PhaseX8> Batch<'_, P> {
 
     /// Probability of selecting the candidates' lights from suffix vertex `a`.
     #[inline(always)]
-    fn selection(&self, suffix: &Suffix<'_>, a: usize) -> f32x8 {
+    fn selection(&self, lights: &Choices, suffix: &Suffix<'_>, a: usize) -> f32x8 {
         let SuffixVertex { position, light_sum, .. } = suffix.vertices[a];
         let is_inserted = a <= self.inserted && self.lights.selection_depends_on_start();
         let sum = if is_inserted { selection::light_sum(self.lights, position) } else { light_sum };
-        selection::probability(self.lights, &self.emitter_of, position, sum)
+        selection::probability(self.lights, lights, position, sum)
     }
 }

@@ -48,10 +48,10 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
         }
         let light_sum =
             if lights.selection_depends_on_start() { outlook.light_sum.gather(&lane_of) } else { f32x8::ONE };
-        let selected = selection::probability(lights, &emitter_of, start, light_sum);
+        let choices = lights.choices(&emitter_of);
+        let selected = selection::probability(lights, &choices, start, light_sum);
         let attempt = selected * survival.reach(starts.depth(1));
-        let inverse_area = lights.gather(&emitter_of, |emitter| emitter.density);
-        let geometry = inverse_area * attempt * (distance * distance) / cos_light;
+        let geometry = choices.density * attempt * (distance * distance) / cos_light;
         let depth = medium.optical_depth_along(distance, f32x8::ZERO);
         let connected = starts.eligible(1).select(geometry * inverse_density * exp(depth), f32x8::ZERO);
         let sum = starts.reach_of_walk(survival, walk) + connected;

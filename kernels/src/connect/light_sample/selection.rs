@@ -8,8 +8,7 @@
 
 use wide::{f32x8, u32x8};
 
-use crate::lanes::LANES;
-use crate::tables::lights::{LEAST_SELECTION_DISTANCE, Lights};
+use crate::tables::lights::{Choices, LEAST_SELECTION_DISTANCE, Lights};
 use crate::vec3x8::Vec3x8;
 
 /// One over the distance from `position` to `center` [1/m], capped.
@@ -64,13 +63,9 @@ pub fn choose(lights: &Lights, position: Vec3x8, sum: f32x8, u: f32x8) -> u32x8 
     chosen
 }
 
-/// Probability of choosing the lights of these emitters from `position`, with `sum` from [`light_sum`].
+/// Probability of choosing the lights of emitters from `position`, with `sum` from [`light_sum`].
 #[inline(always)]
-pub fn probability(lights: &Lights, emitters: &[u32; LANES], position: Vec3x8, sum: f32x8) -> f32x8 {
-    let share = lights.gather(emitters, |emitter| lights.light_of(emitter).share);
-    if !lights.selection_depends_on_start() {
-        return share;
-    }
-    let center = lights.gather3(emitters, |emitter| lights.light_of(emitter).center);
-    share * inverse_distance(position, center) / sum
+pub fn probability(lights: &Lights, emitters: &Choices, position: Vec3x8, sum: f32x8) -> f32x8 {
+    let Choices { center, share, .. } = *emitters;
+    if lights.selection_depends_on_start() { share * inverse_distance(position, center) / sum } else { share }
 }

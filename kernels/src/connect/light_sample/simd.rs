@@ -17,7 +17,7 @@ use crate::columns::queues::CandidateBatch;
 use crate::connect::distant;
 use crate::lanes::LANES;
 use crate::random::{self, uniform_x8};
-use crate::tables::lights::{FAR, Lights};
+use crate::tables::lights::{FAR, Lights, Places};
 use crate::transcendental::sin_cos_turn;
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
@@ -93,16 +93,14 @@ fn emitters_of(lights: &Lights, light: u32x8, words: u32x8) -> u32x8 {
 /// Points on emitters, uniform in area.
 #[inline(always)]
 fn point_on(lights: &Lights, emitters: &[u32; LANES], u: f32x8, v: f32x8) -> Vec3x8 {
-    let origin = lights.gather3(emitters, |emitter| emitter.origin);
-    let tangent = lights.gather3(emitters, |emitter| emitter.tangent);
-    let bitangent = lights.gather3(emitters, |emitter| emitter.bitangent);
-    let radius = lights.gather(emitters, |emitter| emitter.radius);
+    let Places { origin, radius, curvature, .. } = lights.places(emitters);
+    let [tangent, bitangent] = lights.axes(emitters);
     let (sin, cos) = sin_cos_turn(v);
     let root = u.sqrt();
     let mut r = radius * root;
     let mut axial = f32x8::ZERO;
     if lights.has_spheres() {
-        let sphere = lights.gather(emitters, |emitter| emitter.curvature).simd_gt(f32x8::ZERO);
+        let sphere = curvature.simd_gt(f32x8::ZERO);
         let across = root * (f32x8::ONE - u).sqrt();
         r = sphere.select((across + across) * radius, r);
         axial = sphere.select((f32x8::ONE - (u + u)) * radius, axial);

@@ -16,17 +16,19 @@ mod light;
 mod meshes;
 mod neighbours;
 mod panorama;
+mod rows;
 
 use glam::DVec3;
 use wide::f32x8;
 
 use crate::lanes::LANES;
-use crate::vec3x8::Vec3x8;
 pub use bodies::BodyTree;
 pub use distant::{Distant, FAR, Source};
 pub use emitter::{Emitter, Shape};
 pub use light::Light;
 pub use panorama::{Band, Panorama};
+use rows::Row;
+pub use rows::{Choices, Places};
 
 /// How a connection picks its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +53,8 @@ pub const LEAST_SELECTION_DISTANCE: f32 = 1e-9;
 pub struct Lights {
     emitters: Vec<Emitter>,
     lights: Vec<Light>,
+    /// What kernels ask of emitters.
+    rows: Vec<Row>,
     /// Emitters that are disks or spheres; they come first.
     bodies: usize,
     /// Boxes around them, if they are many.
@@ -118,9 +122,18 @@ impl Lights {
             spheres: emitters.iter().any(|emitter| emitter.shape == Shape::Sphere),
             double_sided: emitters.iter().any(|emitter| emitter.double_sided),
             groups: lights.iter().any(|light| light.emitters.len() > 1),
+            rows: Vec::new(),
             emitters,
             lights,
         }
+        .completed()
+    }
+
+    /// The same with what follows from its emitters.
+    fn completed(mut self) -> Self {
+        let light = |emitter: &Emitter| (emitter.shape != Shape::Distant).then(|| self.light_of(emitter));
+        self.rows = self.emitters.iter().map(|emitter| Row::new(emitter, light(emitter))).collect();
+        self
     }
 
     /// The same, and lights at infinity, among which connections choose by `selection`.
@@ -131,7 +144,7 @@ impl Lights {
         assert!(self.distant.is_empty(), "lights at infinity come all at once");
         self.emitters.extend(sources.iter().map(|source| Emitter::distant(source.radiance())));
         self.distant = distant::place(sources, selection);
-        self
+        self.completed()
     }
 
     /// The same without those that are not at infinity, and with `bodies` in their place.
@@ -139,7 +152,7 @@ impl Lights {
         let distant = &self.emitters[self.emitters.len() - self.distant.len()..];
         let mut lights = Self::new(bodies, self.selection);
         lights.emitters.extend_from_slice(distant);
-        Self { distant: self.distant.clone(), ..lights }
+        Self { distant: self.distant.clone(), ..lights }.completed()
     }
 
     /// What connections choose among, but those to lights at infinity.
@@ -269,13 +282,6 @@ impl Lights {
             [only] => f32x8::splat(value(only)),
             all => f32x8::new(emitters.map(|emitter| value(&all[emitter as usize]))),
         }
-    }
-
-    /// One vector of eight emitters.
-    #[inline(always)]
-    pub fn gather3(&self, emitters: &[u32; LANES], value: impl Fn(&Emitter) -> [f32; 3]) -> Vec3x8 {
-        let component = |axis: usize| self.gather(emitters, |emitter| value(emitter)[axis]);
-        Vec3x8::new(component(0), component(1), component(2))
     }
 
     /// The light of an emitter.
