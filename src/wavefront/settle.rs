@@ -74,9 +74,10 @@ impl Wavefront<'_> {
         }
     }
 
-    /// Nothing lies between a point in front of the only emitter and that emitter, where nothing is solid.
+    /// Nothing lies between a point in front of a light and that light where nothing is solid and lights hide nothing of
+    /// each other.
     fn may_be_blocked(&self, bucket: Bucket) -> bool {
-        bucket.inserted > 0 || self.frame.lights.emitters().len() > 1 || self.frame.is_solid()
+        bucket.inserted > 0 || !self.frame.lights.are_clear() || self.frame.is_solid()
     }
 
     /// Candidates of the bucket that count anything; only counted if statistics are detailed.

@@ -230,6 +230,22 @@ pub fn swarm(count: u32, selection: Selection, size: [u32; 2]) -> Frame {
     Frame { lights: Lights::new(bodies, selection), ..base }
 }
 
+/// A wall of `side` times `side` disks in fog that nearly touch, connected with in straight lines; every other one is
+/// `turned` by so much `[rad]`.
+pub fn wall_of_lights(side: u32, turned: f64, size: [u32; 2]) -> Frame {
+    let base = fog_facing(0.0, 0.6, size);
+    let (normal, spacing) = (DVec3::new(0.3, 0.2, -1.0), 3.0 / f64::from(side));
+    let (across, up) = normal.normalize().any_orthonormal_pair();
+    let disk = |i: u32| {
+        let [x, y] = [i % side, i / side].map(|i| (f64::from(i) - 0.5 * f64::from(side - 1)) * spacing);
+        let turn = if i.is_multiple_of(2) { 0.0 } else { turned };
+        let facing = normal.normalize() * turn.cos() + across * turn.sin();
+        Emitter::disk(DVec3::new(0.0, 0.0, 1.5) + x * across + y * up, facing, 0.49 * spacing, [20.0; 3])
+    };
+    let lights = Lights::new((0..side * side).map(disk).collect(), Selection::IntensityDistance);
+    with_techniques(&Frame { lights, ..base }, Active::Nee, f64::INFINITY)
+}
+
 /// `frame` with its lights, which are disks, as spotlights of these exponents.
 pub fn focused(frame: &Frame, exponents: &[f64]) -> Frame {
     let disks = frame.lights.emitters().iter().zip(exponents).map(|(disk, exponent)| disk.focused(*exponent)).collect();

@@ -12,6 +12,7 @@ mod alias;
 mod bodies;
 mod distant;
 mod emitter;
+mod fronts;
 mod light;
 mod meshes;
 mod neighbours;
@@ -55,6 +56,8 @@ pub struct Lights {
     lights: Vec<Light>,
     /// What kernels ask of emitters.
     rows: Vec<Row>,
+    /// Whether none of them can hide another.
+    clear: bool,
     /// Emitters that are disks or spheres; they come first.
     bodies: usize,
     /// Boxes around them, if they are many.
@@ -123,6 +126,7 @@ impl Lights {
             double_sided: emitters.iter().any(|emitter| emitter.double_sided),
             groups: lights.iter().any(|light| light.emitters.len() > 1),
             rows: Vec::new(),
+            clear: false,
             emitters,
             lights,
         }
@@ -131,6 +135,7 @@ impl Lights {
 
     /// The same with what follows from its emitters.
     fn completed(mut self) -> Self {
+        self.clear = fronts::are_clear(&self.emitters);
         let light = |emitter: &Emitter| (emitter.shape != Shape::Distant).then(|| self.light_of(emitter));
         self.rows = self.emitters.iter().map(|emitter| Row::new(emitter, light(emitter))).collect();
         self
@@ -235,6 +240,12 @@ impl Lights {
     /// Middle of some emitters, as bright as they are `[m]`.
     pub fn center(&self, emitters: &core::ops::Range<u32>) -> DVec3 {
         meshes::bounds(&self.emitters[emitters.start as usize..emitters.end as usize]).0
+    }
+
+    /// Whether no light can come between another one and what that shines upon: there is only one, or they are disks
+    /// with nothing in front of them.
+    pub fn are_clear(&self) -> bool {
+        self.clear
     }
 
     /// Whether surfaces shine.
