@@ -91,12 +91,16 @@ fn volumes_may_be_of_several_colours() {
         )
     };
     let first = [0.2, 0.4, 0.1];
-    for (second, is_common) in [
-        ([0.3, 0.6, 0.15], true),
-        ([0.5, 0.1, 0.4], false),
-        ([0.3; 3], false),
-        ([0.0; 3], true),
-        ([0.3, 0.0, 0.6], false),
+    // Beyond 60 mean free paths, weights count no more: where one channel is so deep, others still come through.
+    let ink = [0.1, 0.4, 40.0];
+    for (first, second, is_common) in [
+        (first, [0.3, 0.6, 0.15], true),
+        (first, [0.5, 0.1, 0.4], false),
+        (first, [0.3; 3], false),
+        (first, [0.0; 3], true),
+        (first, [0.3, 0.0, 0.6], false),
+        (ink, ink, true),
+        (ink, [0.1, 0.3, 40.0], false),
     ] {
         let text = "[camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov_deg = 1\n[film]\nsize = [8, 8]\n\
                     [environment]\nradiance = 1\n[render]\ntechnique = \"path\"\n";
@@ -110,6 +114,37 @@ fn volumes_may_be_of_several_colours() {
             let off = (mean[c] - expected).abs();
             assert!(off < 4.2 * error[c] + 1e-4, "{second:?}, channel {c}: {} +- {}, {expected}", mean[c], error[c]);
             assert!(error[c] < 5e-3, "{} +- {} says little", mean[c], error[c]);
+        }
+    }
+}
+
+/// What two channels scatter does not depend on how deep the third one is.
+#[test]
+fn a_dense_channel_leaves_the_others_as_they_are() {
+    let scene = |extinction: [f64; 3], technique: &str| {
+        let half = extinction.map(|extinction| 0.5 * extinction);
+        let volume = |[near, far]: [i32; 2]| {
+            format!(
+                "[[volume]]\nscattering = {half:?}\nabsorption = {half:?}\n\
+                 shape = {{ type = \"box\", min = [-1, -1, {near}], max = [1, 1, {far}] }}\n"
+            )
+        };
+        let text = format!(
+            "[camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov_deg = 1\n[film]\nsize = [8, 8]\n\
+             [environment]\nradiance = 1\n[render]\ntechnique = \"{technique}\"\nmax_segments = 3\n"
+        );
+        let text = text + &[[0, 1], [2, 4]].map(volume).concat();
+        scene::parse("scene.toml", &text).unwrap_or_else(|error| panic!("{error}")).frame
+    };
+    let mean = |extinction: [f64; 3], technique: &str| render(&scene(extinction, technique), [8, 8], 0..4096).0.mean();
+    let ink = [0.3, 0.8, 50.0];
+    for technique in ["path", "nee", "bridge"] {
+        let (found, error) = mean(ink, technique);
+        for c in 0..2 {
+            let (grey, of_grey) = mean([ink[c]; 3], "nee");
+            let (off, error) = (found[c] - grey[c], error[c].hypot(of_grey[c]));
+            assert!(off.abs() < 4.2 * error, "{technique}, channel {c}: {} +- {error}, {}", found[c], grey[c]);
+            assert!(error < 0.02 * grey[c], "{technique}, channel {c}: {} +- {error} says little", found[c]);
         }
     }
 }

@@ -34,8 +34,9 @@ pub const ABOVE: f32 = 0.314_159;
 /// Least optical depth of a segment: quotients of depths stay finite.
 pub const LEAST_DEPTH: f32 = 1e-9;
 
-/// Most optical depth that weights count for a segment of which it is not known: `e^depth`, by which estimates are
-/// multiplied, stays a number. Behind so much there is no light, if it is there.
+/// Most optical depth that weights count for a segment of which it is not known, in the channel in which it is largest:
+/// `e^depth`, by which estimates are multiplied, stays a number. Behind so much there is no light, if it is there. Other
+/// channels, in which there may be, count their multiples of it, as estimates take them for that.
 pub const MOST_DEPTH: f32 = 60.0;
 
 /// By how much the means must exceed a depth, for rounding, to be known to be more.

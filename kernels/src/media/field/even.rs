@@ -7,7 +7,7 @@ use glam::DVec3;
 use wide::f32x8;
 
 use super::Field;
-use super::axis::{FieldAxis, LEAST_DEPTH, MOST_DEPTH};
+use super::axis::{FieldAxis, LEAST_DEPTH};
 use super::known::EvenPart;
 use super::map::Map;
 use crate::lanes;
@@ -27,7 +27,7 @@ pub struct EvenX8<'a> {
     /// The same over that of the clearest channel.
     over_clearest: f32x8,
     /// Largest optical depth of a segment.
-    most_depth: f32,
+    most_depth: f32x8,
 }
 
 /// Eight segments in it, and how far seeds have got on them.
@@ -50,7 +50,7 @@ impl<'a> EvenX8<'a> {
             extinction: f32x8::splat(field.even.as_ref().map_or(0.0, |even| even.extinction)),
             hue,
             over_clearest: hue * f32x8::splat(1.0 / field.clearest()),
-            most_depth: if field.is_known() { f32::INFINITY } else { MOST_DEPTH },
+            most_depth: field.most_depth(hue),
         }
     }
 
@@ -81,7 +81,7 @@ impl<'a> MediumX8 for EvenX8<'a> {
 
     #[inline(always)]
     fn optical_depth(self, _: Vec3x8, _: Vec3x8, length: f32x8) -> f32x8 {
-        self.depth(length).fast_min(f32x8::splat(self.most_depth))
+        self.depth(length).fast_min(self.most_depth)
     }
 
     #[inline(always)]

@@ -158,7 +158,7 @@ impl Medium for FieldTwin<'_> {
 
     fn optical_depth(&self, from: DVec3, to: DVec3) -> f64 {
         let depth = depth_until(&self.strata(from, to), from.distance(to)).max(1e-9);
-        if self.field.is_known() { depth } else { depth.min(f64::from(MOST_DEPTH)) }
+        if self.field.is_known() { depth } else { depth.min((f64::from(MOST_DEPTH) * self.hue).max(1e-9)) }
     }
 
     fn over_clearest(&self) -> f64 {

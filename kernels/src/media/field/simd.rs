@@ -6,7 +6,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Field;
-use super::axis::{FieldAxis, MOST_DEPTH};
+use super::axis::{FieldAxis, LEAST_DEPTH, MOST_DEPTH};
 use super::even::EvenX8;
 use crate::lanes;
 use crate::media::lanes::Crowding;
@@ -120,7 +120,7 @@ impl<'a> MediumX8 for FieldX8<'a> {
         if self.stays_even([from, to], lanes::ALL) {
             return self.as_even().optical_depth(from, to, length);
         }
-        let most = f32x8::splat(if self.field.is_known() { f32::INFINITY } else { MOST_DEPTH });
+        let most = self.field.most_depth(self.hue);
         self.axis(from, to, length).depth(most).fast_min(most)
     }
 
@@ -165,5 +165,16 @@ impl<'a> FieldX8<'a> {
     #[inline(always)]
     pub fn of(field: &'a Field) -> Self {
         Self { field, hue: f32x8::ONE }
+    }
+}
+
+impl Field {
+    /// Most optical depth that weights count for a segment, in channels of these hues.
+    #[inline(always)]
+    pub(super) fn most_depth(&self, hue: f32x8) -> f32x8 {
+        if self.is_known() {
+            return f32x8::splat(f32::INFINITY);
+        }
+        (hue * f32x8::splat(MOST_DEPTH)).fast_max(f32x8::splat(LEAST_DEPTH))
     }
 }
