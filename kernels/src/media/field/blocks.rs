@@ -35,8 +35,8 @@ pub struct Block {
 /// About what transmittances are estimated in a block, and how far from it extinctions are [1/m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
-    /// The mean, or in a block that is thick and uneven the least extinction, so that no estimate exceeds the
-    /// transmittance of that.
+    /// The mean, or in a block that is thick and uneven the extinction next to 0: the least, so that no estimate exceeds
+    /// the transmittance of that, unless extinctions are negative, between channels.
     pub control: f32,
     /// No extinction is farther from `control`: the majorant of residuals. 0 where there is but one extinction.
     pub spread: f32,
@@ -50,8 +50,11 @@ impl Block {
         }
         let mean = mean.clamp(least, most);
         let spread = (most - mean).max(mean - least) * WIDER;
-        let uneven = spread * edge > UNEVEN;
-        let [control, spread] = if uneven { [least, (most - least) * WIDER] } else { [mean, spread] };
+        if spread * edge <= UNEVEN {
+            return Self { most: most * WIDER, residual: Residual { control: mean, spread } };
+        }
+        let control = 0.0_f32.clamp(least, most);
+        let spread = (most - control).max(control - least) * WIDER;
         Self { most: most * WIDER, residual: Residual { control, spread } }
     }
 
