@@ -5,10 +5,8 @@ use wide::f32x8;
 
 use super::Columns;
 use super::simd::stream;
-use crate::columns::queues::EstimateColumns;
 use crate::lanes::LANES;
 use crate::media::field::tracking::RaysX8;
-use crate::media::field::tracking::simd::{factor, transmittances};
 use crate::media::field::{Apart, Unknown};
 use crate::{Step, lanes};
 
@@ -20,25 +18,20 @@ pub(super) fn estimate(step: Step, mut columns: Columns<'_, '_>, apart: &Apart) 
 /// Multiplies one channel of the paths of one hero by what is missing.
 fn multiply(step: Step, columns: &mut Columns<'_, '_>, unknown: Unknown<'_>) {
     let Columns { live, paths, immersion, vertex, ray, estimates, throughput, .. } = columns;
-    let EstimateColumns { product, depth: known, length } = &mut **estimates;
     let channel = &mut throughput.channels_mut()[unknown.channel];
     let asked = |(b, live): (usize, u32)| (b, live & unknown.asked(immersion.hero.batch(b)));
     let rays = live.each_batch().map(asked).map(|(b, live)| RaysX8 {
         first: LANES * b,
         live,
         origin: vertex.position.batch(b),
-        direction: ray.direction.batch(b) * length.batch(b),
+        direction: ray.direction.batch(b) * estimates.length.batch(b),
         stream: stream(step, paths, b),
         hues: [f32x8::ONE],
     });
-    transmittances(unknown.field, rays, |lane, [left]: [f32; 1], depth| {
-        product.x.rows_mut()[lane] = left;
-        known.rows_mut()[lane] = depth;
-    });
+    unknown.estimate(rays, &mut estimates.product, &mut estimates.depth);
     for (b, bits) in live.each_batch().map(asked).filter(|(_, bits)| *bits != 0) {
-        let (from, length) = (vertex.position.batch(b), length.batch(b));
-        let depth = unknown.depth(from, ray.direction.batch(b).mul_add(length, from), length);
-        let missing = factor(product.x.batch(b), f32x8::ONE, known.batch(b), depth);
+        let (from, length) = (vertex.position.batch(b), estimates.length.batch(b));
+        let missing = unknown.factor(b, estimates, from, ray.direction.batch(b).mul_add(length, from), length);
         let before = channel.batch(b);
         channel.set_batch(b, lanes::mask(bits).select(before * missing, before));
     }

@@ -34,8 +34,15 @@ pub trait MediumLanes: Copy {
         self.in_channel(|| u32x8::splat(channel as u32))
     }
 
-    /// The medium in the channel in which paths keep their running sums: that of [`Self::hues`] 1.
+    /// The medium in the channel of which the others are multiples, that of [`Self::hues`] 1, or, where they are apart,
+    /// their mean.
     fn own(&self) -> Self::Channel;
+
+    /// The medium of one of the running sums that paths keep: its own, or where channels are apart, that of one of them.
+    #[inline(always)]
+    fn of_sum(&self, _: usize) -> Self::Channel {
+        self.own()
+    }
 
     /// Extinction per channel, over that of any one of them, the same everywhere; not asked for where channels are
     /// apart.

@@ -142,6 +142,16 @@ impl Medium {
         }
     }
 
+    /// As twins ask it that add up one of the running sums of paths.
+    pub fn twin_of_sum(&self, sum: usize) -> reference::Twin<'_> {
+        match &self.kind {
+            Kind::Homogeneous(_) => self.own_twin(),
+            Kind::Field(field) => {
+                reference::Twin::Field(FieldTwin { field: field.of_sum(sum), hue: 1.0, phase: self.phase.twin() })
+            }
+        }
+    }
+
     /// As the twins of stages ask it that only homogeneous media have, in one channel.
     ///
     /// # Panics

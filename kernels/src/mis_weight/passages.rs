@@ -12,7 +12,7 @@ use crate::Step;
 use crate::columns::paths::PassageColumns;
 use crate::columns::trail::PassageTrail;
 use crate::connect::suffix::{Passage, Suffix};
-use crate::lanes::LANES;
+use crate::lanes::{self, LANES};
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, MediumX8, log_event};
 
@@ -41,15 +41,17 @@ impl Passages<'_, '_> {
         if !self.are_apart() {
             return self.fill_one(0, media.own(), suffix, inserted, most_edges);
         }
-        let mut dense = f32x8::ZERO;
         for c in 0..CHANNELS {
-            dense |= self.fill_one(c, media.channel(c), suffix, inserted, most_edges);
+            self.fill_one(c, media.of_sum(c), suffix, inserted, most_edges);
             let vertices = 1..=most_edges.max(inserted + 1);
             for (apart, vertex) in suffix.apart[vertices.clone()].iter_mut().zip(&suffix.vertices[vertices]) {
                 apart[c] = Passage { depth: vertex.depth, log_extinction: vertex.log_extinction };
             }
         }
-        dense
+        let vertices = suffix.vertices[1..=inserted].iter();
+        vertices.fold(lanes::mask(lanes::ALL), |dense, vertex| {
+            dense & media.own().extinction(vertex.position).simd_gt(f32x8::ZERO)
+        })
     }
 
     /// The same in the channel of one of the sums.
@@ -63,7 +65,7 @@ impl Passages<'_, '_> {
         most_edges: usize,
     ) -> f32x8 {
         let (current, trail) = (&self.current[channel], &self.trail[channel]);
-        let (mut depth, mut log, mut dense) = (f32x8::ZERO, f32x8::ZERO, f32x8::splat(f32::from_bits(u32::MAX)));
+        let (mut depth, mut log, mut dense) = (f32x8::ZERO, f32x8::ZERO, lanes::mask(lanes::ALL));
         for a in 1..=inserted + 1 {
             let next = suffix.vertices[a - 1].position;
             let vertex = &mut suffix.vertices[a];

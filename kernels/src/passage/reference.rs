@@ -16,9 +16,8 @@ use crate::media::reference::Medium as _;
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, live, on_surface, paths, vertex, next, passages, trails } = columns;
-    let is_one = passages.len() == 1;
-    for (c, (passage, trail)) in passages.iter_mut().zip(trails).enumerate() {
-        let medium = if is_one { medium.own_twin() } else { medium.twin(c) };
+    for (number, (passage, trail)) in passages.iter_mut().zip(trails).enumerate() {
+        let medium = medium.twin_of_sum(number);
         for lane in live.each() {
             let [from, to] = [vertex, next].map(|v| DVec3::from(v.position.row(lane).map(f64::from)));
             let is_first = paths.depth_of(step.clock, lane) == 0;

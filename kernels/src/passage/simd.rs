@@ -18,14 +18,13 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 #[inline(always)]
 fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
     let Columns { live, on_surface, paths, vertex, next, passages, trails, .. } = columns;
-    let is_one = passages.len() == 1;
     for (b, rows) in live.each_batch() {
         let (from, to) = (vertex.position.batch(b), next.position.batch(b));
         let length = (to - from).length_squared().sqrt();
         let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
-        let before = |sum: f32x8| at_camera.select(f32x8::ZERO, sum);
-        for (c, (passage, trail)) in passages.iter_mut().zip(trails.iter_mut()).enumerate() {
-            let medium = if is_one { medium.own() } else { medium.channel(c) };
+        let before = |depth: f32x8| at_camera.select(f32x8::ZERO, depth);
+        for (sum, (passage, trail)) in passages.iter_mut().zip(trails.iter_mut()).enumerate() {
+            let medium = medium.of_sum(sum);
             let [passed, extinction] = if medium.stays_even([from, to], rows) {
                 passed(medium.as_even(), from, to, length)
             } else {

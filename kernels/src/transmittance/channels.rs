@@ -8,7 +8,6 @@ use super::simd::vertex;
 use crate::Step;
 use crate::lanes::{self, LANES};
 use crate::media::field::tracking::RaysX8;
-use crate::media::field::tracking::simd::{factor, transmittances};
 use crate::media::field::{Apart, Unknown};
 use crate::random::{self, Stream};
 
@@ -49,17 +48,12 @@ fn multiply(step: Step, columns: &mut Columns<'_, '_>, segment: usize, unknown: 
             hues: [f32x8::ONE],
         }
     });
-    let (product, known) = (&mut estimates.product.x, &mut estimates.depth);
-    transmittances(unknown.field, rays, |row, [left]: [f32; 1], depth| {
-        product.rows_mut()[row] = left;
-        known.rows_mut()[row] = depth;
-    });
+    unknown.estimate(rays, &mut estimates.product, &mut estimates.depth);
     for (b, rows) in bucket.batches() {
         let (from, to, before) = (from.batch(b), to.batch(b), factors.batch(b));
         let counts = counting(b, rows, before);
         if counts.any() {
-            let depth = unknown.depth(from, to, (to - from).length_squared().sqrt());
-            let through = factor(product.batch(b), f32x8::ONE, known.batch(b), depth);
+            let through = unknown.factor(b, estimates, from, to, (to - from).length_squared().sqrt());
             factors.set_batch(b, counts.select(before * through, before));
         }
     }

@@ -16,7 +16,11 @@ use glam::DVec3;
 use wide::{f32x8, u32x8};
 
 use super::reference::FieldTwin;
+use super::tracking::RaysX8;
+use super::tracking::simd::{factor, transmittances};
 use super::{CHANNELS, Field, FieldX8, Volume};
+use crate::columns::queues::EstimateColumns;
+use crate::columns::{Column, Column3};
 use crate::lanes;
 use crate::media::MediumX8;
 use crate::media::reference::Medium as _;
@@ -115,10 +119,31 @@ impl Apart {
 }
 
 impl Unknown<'_> {
+    /// Estimates it along `rays`, each for one row of the columns, which are product and depth of [`EstimateColumns`].
+    #[inline(always)]
+    pub fn estimate(
+        &self,
+        rays: impl Iterator<Item = RaysX8<1>>,
+        product: &mut Column3<'_>,
+        depth: &mut Column<'_, f32>,
+    ) {
+        transmittances(self.field, rays, |row, [left]: [f32; 1], known| {
+            product.x.rows_mut()[row] = left;
+            depth.rows_mut()[row] = known;
+        });
+    }
+
+    /// What has been estimated of batch `b`, whose rays went from `from` to `to`, at this `length` `[m]`, over what weights
+    /// take it for.
+    #[inline(always)]
+    pub fn factor(&self, b: usize, estimates: &EstimateColumns<'_>, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
+        factor(estimates.product.x.batch(b), f32x8::ONE, estimates.depth.batch(b), self.depth(from, to, length))
+    }
+
     /// The optical depths that weights take it for, from `from` to `to`, at this `length` `[m]`: the channel's, less the
     /// hero's.
     #[inline(always)]
-    pub fn depth(&self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
+    fn depth(&self, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
         let of = |channel| FieldX8::of(self.apart.channel(channel)).optical_depth(from, to, length);
         self.hero.map_or(of(self.channel), |hero| of(self.channel) - of(hero))
     }

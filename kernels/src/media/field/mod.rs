@@ -216,6 +216,12 @@ impl Field {
         if self.apart.is_some() { CHANNELS } else { 1 }
     }
 
+    /// The field of one of these sums.
+    #[inline(always)]
+    pub fn of_sum(&self, sum: usize) -> &Self {
+        self.apart.as_ref().map_or(self, |apart| apart.channel(sum))
+    }
+
     /// Largest extinction per channel [1/m].
     pub fn largest(&self) -> [f32; CHANNELS] {
         [0, 1, 2].map(|c| {

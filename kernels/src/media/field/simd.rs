@@ -93,6 +93,11 @@ impl<'a> MediumLanes for ColouredFieldLanes<'a> {
         FieldX8::of(self.0)
     }
 
+    #[inline(always)]
+    fn of_sum(&self, sum: usize) -> FieldX8<'a> {
+        FieldX8::of(self.0.of_sum(sum))
+    }
+
     fn hues(&self) -> [f32; CHANNELS] {
         self.0.hues
     }

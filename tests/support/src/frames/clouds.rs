@@ -142,15 +142,15 @@ impl Colours {
     }
 }
 
-/// A block that is clear in one channel, a ball, a lumpy cloud and haze in the open; and a block in haze in a room, the
-/// optical depth through which is known in every channel.
+/// A block and a ball, of which every channel is clear in one, a lumpy cloud and haze in the open; and a block in haze in
+/// a room, the optical depth through which is known in every channel.
 pub fn colours(size: [u32; 2]) -> [Colours; 2] {
     let volumes = vec![
         solid(Shape::block([[-0.4, -0.3, 0.6], [0.2, 0.5, 1.1]]), 1.5),
         ball(DVec3::new(0.2, 0.1, 1.4), 0.7, 2.5),
         lumpy(3.0, DVec3::new(0.5, 0.3, 1.8), 8.0),
     ];
-    let hues = [[1.0, 0.6, 0.0], [0.1, 0.4, 1.0], [1.0; 3]];
+    let hues = [[1.0, 0.0, 0.0], [0.0, 0.4, 1.0], [1.0; 3]];
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let several = Colours::new("volumes of several colours in haze", &lights, volumes, &hues, [0.1, 0.2, 0.4]);
     let block = vec![solid(Shape::block([[-0.6, 0.2, 0.6], [0.5, 1.3, 2.0]]), 1.0)];
