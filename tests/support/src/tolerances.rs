@@ -79,6 +79,13 @@ pub fn turn(phase: &PhaseFunction, cosine: f64) -> f64 {
     (off / sine.max(1e-12)).min((2.0 * off).sqrt())
 }
 
+/// The vertex of a connection of one, at the turn by this cosine, between ends at this distance `[m]`: from a start that is
+/// far away, kernel and twin sum what is as large as the distance.
+pub fn turned_vertex(phase: &PhaseFunction, cosine: f64, distance: f64) -> Tolerance {
+    let Tolerance { absolute, relative } = CHAIN;
+    tolerance(absolute + distance * (POSITION.relative + turn(phase, cosine)), relative)
+}
+
 /// Lengths of paths so far: one sum.
 pub const ARC: Tolerance = tolerance(0.0, 2e-7);
 

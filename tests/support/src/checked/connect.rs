@@ -182,11 +182,8 @@ pub(super) fn check_omnee_build(step: Step, columns: omnee_sample::BuildColumns<
         let [start, vertex, point] = [&connections.start, &chains.vertices[0], &connections.point]
             .map(|column| glam::Vec3::from(column.row(at)).as_dvec3());
         let cosine = (vertex - start).normalize_or_zero().dot((point - vertex).normalize_or_zero());
-        let Tolerance { absolute, relative } = tolerances::CHAIN;
-        // From a start that is far away, both sum what is as large as the distance.
-        let of_distance = tolerances::POSITION.relative + tolerances::turn(&medium.phase, cosine);
-        let absolute = absolute + start.distance(point) * of_distance;
-        check_row("omnee_build", (0, at), &both, &[("vertex", Tolerance { absolute, relative })]);
+        let vertex = tolerances::turned_vertex(&medium.phase, cosine, start.distance(point));
+        check_row("omnee_build", (0, at), &both, &[("vertex", vertex)]);
     }
 }
 
