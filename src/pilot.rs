@@ -150,7 +150,9 @@ impl Trial {
 ///
 /// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks
 /// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
-/// with that.
+/// with that. Paths of any length, and those in volumes, end by their depth: in something dense, which bridges from
+/// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
+/// did not.
 ///
 /// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `monitor` says
 /// stop no further setting is tried, and the one at hand does not count.
@@ -165,7 +167,7 @@ pub fn choose(
     let monitor = &monitor.of_looks();
     let pilot = Pilot::new(frame, size, renderer, monitor);
     let mut search = Search { pilot, trials: Vec::new(), setting: Setting::of(frame) };
-    if frame.wanders() && choices.survival {
+    if (frame.wanders() || frame.varies()) && choices.survival {
         search.find_depths();
         choices.survival = false;
     }

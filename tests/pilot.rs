@@ -46,6 +46,28 @@ fn every_vertex_connects_where_there_are_volumes() {
     assert!(trials.iter().all(|trial| trial.setting.starts == u32::MAX), "{trials:#?}");
 }
 
+/// Deep in the ball the few walks of an early end would count as much as all of those that did not get there.
+#[test]
+fn walks_through_volumes_end_by_their_depth() {
+    let ball = r#"
+        medium = { scattering = 0.3, phase.g = 0.6 }
+        camera = { position = [0, 0, -8], look_at = [0, 0, 0], vertical_fov_deg = 40 }
+        light = [{ type = "disk", center = [3, 4, -3], normal = [-3, -4, 3], radius = 0.5, radiance = 20 }]
+        film = { size = [32, 32] }
+        render = { technique = "bridge", max_segments = 40, seed = 1 }
+
+        [[volume]]
+        name = "ball"
+        shape = { type = "sphere", center = [0, 0, 0], radius = 1 }
+        scattering = 8
+        phase.g = 0.3
+    "#;
+    let scene = scene::parse("ball.toml", ball).unwrap_or_else(|error| panic!("{error}"));
+    let survival = piloted(&scene).0.walk.survival;
+    assert!(survival.constant().is_none(), "the same probability at every depth");
+    assert!((1..=3).all(|depth| survival.at(depth) == 1.0), "an early end");
+}
+
 #[test]
 fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
     for (folder, settings) in [
