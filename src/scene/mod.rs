@@ -112,10 +112,11 @@ fn load_document(
     let contents = loaded.as_ref().map(|loaded| Contents::of(&loaded.model, chosen.of_model)).unwrap_or_default();
     let looks = loaded.as_ref().map(|loaded| (loaded.file.clone(), loaded.model.materials.clone()));
     let beside = loaded.as_ref().map_or_else(Vec::new, |loaded| loaded.model.files.clone());
-    let table = scene.medium.as_ref().and_then(|medium| medium.phase.file.as_ref());
+    let phases = scene.medium.iter().map(|medium| &medium.phase).chain(scene.volume.iter().map(|volume| &volume.phase));
+    let tables = phases.filter_map(|phase| phase.file.as_ref());
     let grids = scene.volume.iter().flat_map(|volume| [&volume.grid, &volume.emission_grid]);
     let grids = grids.flatten().map(|grid| &grid.file);
-    let named = scene.geometry.iter().chain(table).chain(grids).map(|file| document.folder().join(file));
+    let named = scene.geometry.iter().chain(tables).chain(grids).map(|file| document.folder().join(file));
     let files = named.chain(environment::file(&scene, document)).chain(beside).collect();
     let sky = environment::source(&scene, document)?;
     warnings.extend(environment::warning(&scene, sky.as_ref()));

@@ -253,6 +253,23 @@ fn keys_out_of_range_and_missing_grids_are_refused() {
 }
 
 #[test]
+fn the_table_of_a_volumes_phase_function_is_a_file_of_the_scene() {
+    let ball = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nscattering = 1\n\
+                phase = { type = \"tabulated\", file = \"phase.csv\" }";
+    let folder = with_volumes("", &[ball]);
+    let hashes = ["-1, 1\n1, 5\n", "-1, 1\n1, 6\n"].map(|table| {
+        folder.write("phase.csv", table);
+        folder.done(&["render", "scene.toml", "-o", "a.exr"]);
+        header(&folder.image("a.exr"), "scene_hash").to_string()
+    });
+    assert_ne!(hashes[0], hashes[1]);
+    folder.refused(&["render", "scene.toml", "-o", "png:phase.csv"], 2, "--output phase.csv: names a file that this");
+    folder.write("phase.csv", "-1, 1\n0.5\n");
+    let place = format!("{}: volume[0].phase.file: phase.csv:2: ", folder.place("file ="));
+    folder.refused(&["render", "scene.toml"], 1, &place);
+}
+
+#[test]
 fn a_volume_is_no_scene() {
     let run = with_cloud("").refused(&["render", "cloud.vdb"], 1, "cloud.vdb: is an OpenVDB file, not a scene\n");
     assert!(run.stderr.contains("[[volume]] grid = { file = \"..\" }"), "{run}");
