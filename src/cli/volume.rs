@@ -15,24 +15,30 @@ use crate::scene::{Densities, Loading, too_far_apart};
 use crate::volume::{self, GridSummary, VoxelGrid};
 
 /// Lists the grids in the file at `path`.
+///
+/// # Errors
+/// If the file cannot be read, or one of its grids, which is of a kind that can be: that after all have been listed.
 pub fn describe(path: &Path) -> Result<()> {
     let grids = volume::list(path)?;
     let count_of_all = grids.len();
     say(format!("{}: {}", path.display(), count(count_of_all, "grid")))?;
-    let mut first = grids.into_iter().take(MOST_NAMED).enumerate();
-    first.try_for_each(|(number, grid)| describe_grid(path, number, grid))?;
-    match count_of_all.checked_sub(MOST_NAMED) {
-        Some(more @ 1..) => say(format!("and {}", count(more, "more grid"))),
-        _ => Ok(()),
+    let mut fault = Ok(());
+    for (number, grid) in grids.into_iter().take(MOST_NAMED).enumerate() {
+        fault = fault.and(describe_grid(path, number, grid)?);
     }
+    if let Some(more @ 1..) = count_of_all.checked_sub(MOST_NAMED) {
+        say(format!("and {}", count(more, "more grid")))?;
+    }
+    fault
 }
 
-fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<()> {
+/// Says what is in a grid; inside, why it cannot be read.
+fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<Result<()>> {
     let half = if grid.is_half { " saved as half floats" } else { "" };
     let class = if grid.class == "unknown" { "unknown class" } else { &grid.class };
     let compression = if grid.compression == "none" { "not compressed" } else { &grid.compression };
     say(format!("grid {}: {}{half}, {class}, {compression}", quoted(&grid.name), grid.value_type))?;
-    let (grid, densities) = completed(path, index, grid);
+    let (grid, densities, fault) = completed(path, index, grid);
     match grid.active_voxels {
         Some(voxels) => say(format!("  active voxels: {voxels}{}", taken(voxels, grid.bits_per_voxel())))?,
         None => say("  active voxels: the file does not say how many")?,
@@ -58,14 +64,17 @@ fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<()> {
             "  mean free path at an extinction of 1/m: {densest} m where it is densest, {mean} m at that average"
         ))?;
     }
-    grid.obstacle.map_or(Ok(()), |obstacle| say(format!("  cannot be rendered: {obstacle}")))
+    if let Some(obstacle) = grid.obstacle {
+        say(format!("  cannot be rendered: {obstacle}"))?;
+    }
+    Ok(fault)
 }
 
 /// The same with what the file does not say of a grid that can be read: what its voxels are, or why they cannot be read
 /// after all.
-fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Option<Densities>) {
+fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Option<Densities>, Result<()>) {
     if grid.obstacle.is_some() {
-        return (grid, None);
+        return (grid, None, Ok(()));
     }
     match read(path, index) {
         Ok(found) => {
@@ -75,11 +84,11 @@ fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Opti
             let nothing = densities.nothing().map(|nothing| format!("it {nothing}"));
             let obstacle = nothing.or_else(|| Some(format!("its {}", too_far_apart(&found)?)));
             let densities = Some(densities).filter(|densities| densities.most > 0.0);
-            (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities)
+            (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities, Ok(()))
         }
         Err(error) => {
             let place = error.place.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&error.place).to_string();
-            (GridSummary { obstacle: Some(format!("{place}: {}", error.finding)), ..grid }, None)
+            (GridSummary { obstacle: Some(format!("{place}: {}", error.finding)), ..grid }, None, Err(error))
         }
     }
 }
