@@ -146,9 +146,19 @@ impl Truncation {
     }
 }
 
+impl Share {
+    /// Whether its error is not much smaller than itself.
+    fn is_vague(self) -> bool {
+        matches!(self, Self::About { share, error } if error > 0.5 * share)
+    }
+}
+
 impl fmt::Display for Share {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
+            Self::About { share, .. } if self.is_vague() => {
+                write!(f, "perhaps {:.0} % of the light, which a short look does not tell", 100.0 * share)
+            }
             Self::About { share, error } => {
                 let decimals = usize::from(error < 0.0095);
                 let [share, error] = [share, error].map(|value| 100.0 * value);
@@ -156,7 +166,7 @@ impl fmt::Display for Share {
             }
             // Rounded down: it is a bound.
             Self::AtLeast(share) => write!(f, "at least {} % of the light", (1000.0 * share).floor() / 10.0),
-            Self::Unknown => write!(f, "an unknown share of the light, perhaps nearly all of it"),
+            Self::Unknown => write!(f, "an unknown share of the light, of which a short look found next to nothing"),
         }
     }
 }
@@ -167,6 +177,9 @@ impl fmt::Display for Truncation {
         write!(f, "paths of more than {max_segments} segments are left out, and with them {share}: ")?;
         match (sufficient, likely, share) {
             (Some(limit), ..) => write!(f, "--max-segments {limit} would leave out 1 % or less"),
+            _ if *max_segments < LONGEST_PATH && (share.is_vague() || *share == Share::Unknown) => {
+                write!(f, "--max-segments auto leaves out as little as can be")
+            }
             (None, Some(limit), _) => write!(f, "--max-segments {limit} would leave out about 1 %"),
             (None, None, Share::About { .. }) => {
                 write!(f, "even {LONGEST_PATH}, the largest possible limit, may leave out more than 1 %")
@@ -294,11 +307,18 @@ mod tests {
         let (text, entry) = told(Share::About { share: 0.0893, error: 0.0102 }, None, Some(320));
         assert!(text.ends_with("of the light: --max-segments 320 would leave out about 1 %"), "{text}");
         assert_eq!(entry, "0.089 +- 0.01 beyond 15 segments, about 0.01 beyond 320");
+        let (text, entry) = told(Share::About { share: 0.17, error: 0.17 }, None, Some(16));
+        let ending = "perhaps 17 % of the light, which a short look does not tell: --max-segments auto leaves out as little \
+                      as can be";
+        assert!(text.ends_with(ending), "{text}");
+        assert_eq!(entry, "0.17 +- 0.2 beyond 15 segments, about 0.01 beyond 16");
         let (text, entry) = told(Share::AtLeast(0.9999), None, None);
         assert!(text.contains("at least 99.9 % of the light: most of it may need more than 65536"), "{text}");
         assert_eq!(entry, "at least 1.0 beyond 15 segments, no sufficient limit known");
         let (text, entry) = told(Share::Unknown, None, None);
-        assert!(text.contains("with them an unknown share of the light, perhaps nearly all of it: "), "{text}");
+        let ending = "an unknown share of the light, of which a short look found next to nothing: --max-segments auto leaves \
+                      out as little as can be";
+        assert!(text.ends_with(ending), "{text}");
         assert!(entry.starts_with("unknown beyond 15 segments"), "{entry}");
     }
 }
