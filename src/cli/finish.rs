@@ -148,6 +148,7 @@ pub fn per_pixel(session: &Session) -> String {
             let (least, most) = (film.fewest_samples(), film.most_samples());
             format!("{} samples per pixel ({least} to {most})", number(count, 4))
         }
+        count @ 1e6.. => format!("{count:.0} samples per pixel"),
         count => format!("{} samples per pixel", number(count, 4)),
     }
 }
