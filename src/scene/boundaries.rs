@@ -36,7 +36,12 @@ pub struct Wanted<'a> {
 pub fn take(loaded: Option<&mut Loaded>, document: &Document, wanted: &[Wanted<'_>]) -> Result<Vec<ClosedMesh>> {
     let Some(first) = wanted.first() else { return Ok(Vec::new()) };
     let loaded = loaded.ok_or_else(|| no_geometry(document, first))?;
-    let boundaries = wanted.iter().map(|wanted| boundary(loaded, document, wanted)).collect::<Result<_>>()?;
+    let of_file = |wanted: &Wanted<'_>, error| document.error_of_file(&wanted.path, error);
+    let one = |wanted: &Wanted<'_>| match parts(loaded, wanted)[..] {
+        [] => Err(unknown(loaded, document, wanted)),
+        ref parts => boundary(loaded, parts).map_err(|error| of_file(wanted, error)),
+    };
+    let boundaries = wanted.iter().map(one).collect::<Result<_>>()?;
     remove(&mut loaded.model, |instance| wanted.iter().any(|wanted| is_called(instance, wanted.name)));
     Ok(boundaries)
 }
@@ -45,13 +50,13 @@ fn is_called(instance: &Instance, name: &str) -> bool {
     instance.name == name || instance.mesh.as_deref() == Some(name)
 }
 
-/// The union of all nodes that are called like the boundary.
-fn boundary(loaded: &Loaded, document: &Document, wanted: &Wanted<'_>) -> Result<ClosedMesh> {
-    let named = loaded.model.instances.iter().filter(|instance| is_called(instance, wanted.name));
-    let parts: Vec<_> = named.collect();
-    if parts.is_empty() {
-        return Err(unknown(loaded, document, wanted));
-    }
+/// All nodes that are called like the boundary.
+fn parts<'a>(loaded: &'a Loaded, wanted: &Wanted<'_>) -> Vec<&'a Instance> {
+    loaded.model.instances.iter().filter(|instance| is_called(instance, wanted.name)).collect()
+}
+
+/// The union of `parts`.
+fn boundary(loaded: &Loaded, parts: &[&Instance]) -> Result<ClosedMesh> {
     let count = parts.iter().map(|part| part.triangles.len()).sum::<usize>();
     let finding = || format!("has {count} triangles, more than the limit of {MOST_TRIANGLES} for what bounds a volume");
     let too_many = || Error::failure(place(loaded, parts[0]), finding(), "give it fewer triangles");
@@ -110,8 +115,10 @@ fn unknown(loaded: &Loaded, document: &Document, wanted: &Wanted<'_>) -> Error {
     let finding = format!("{} is {}, but {} has no such mesh", wanted.path, quoted(wanted.name), loaded.file);
     let mut names: Vec<&str> = Vec::new();
     for instance in &loaded.model.instances {
-        if !names.contains(&instance.name.as_str()) {
-            names.push(&instance.name);
+        for name in [instance.name.as_str()].into_iter().chain(instance.mesh.as_deref()) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
         }
     }
     let remedy = match names.is_empty() {

@@ -170,7 +170,7 @@ impl Check<'_> {
         volumes::medium(self.document, around, &volumes, origin)
     }
 
-    /// An error if endless ways through `medium`, which is around everything, meet light without end.
+    /// An error if rays through `medium`, which is around everything and has no end, meet infinite light.
     fn ends(&self, medium: &schema::Medium) -> Result<()> {
         let extinction = |c: usize| medium.scattering.0[c] + medium.absorption.0[c];
         let Some(channel) = (0..3).find(|c| medium.emission.0[*c] > 0.0 && extinction(*c) == 0.0) else {
@@ -179,7 +179,7 @@ impl Check<'_> {
         let everywhere = (0..3).all(|c| extinction(c) == 0.0);
         let place = if everywhere { String::new() } else { format!(" in {}", ["red", "green", "blue"][channel]) };
         let finding = format!(
-            "given, but the medium has no extinction{place}, so that endless ways would meet light without end"
+            "given, but the medium has no extinction{place}, so that the light along an endless ray would be infinite"
         );
         let remedy = "give scattering or absorption, or put the emission into a [[volume]], which needs none";
         Err(self.wrong("medium.emission", finding, remedy))
@@ -190,6 +190,10 @@ impl Check<'_> {
         let scattering = self.coefficient(&format!("{table}.scattering"), medium.scattering)?;
         let absorption = self.coefficient(&format!("{table}.absorption"), medium.absorption)?;
         let extinction: [f64; 3] = core::array::from_fn(|c| scattering[c] + absorption[c]);
+        let most = extinction.into_iter().fold(0.0, f64::max);
+        let finding = format!("{}, which makes an extinction of {most:?}/m with the scattering", medium.absorption);
+        let remedy = "give smaller coefficients: scattering and absorption together go up to 1e9/m";
+        self.require(most <= LARGEST, &format!("{table}.absorption"), finding, remedy)?;
         let grey = extinction.iter().all(|channel| (channel - extinction[0]).abs() <= 1e-6 * extinction[0]);
         let extinction = if grey { [extinction[0]; 3] } else { extinction };
         let albedo = |c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 };

@@ -78,7 +78,7 @@ impl Document {
     pub fn read(path: &Path) -> Result<Self> {
         let file = path.display().to_string();
         if volume::is_volume(path) && path.is_file() {
-            let remedy = "name it in a scene, as the grid of a volume: [[volume]] grid = { file = \"..\" }";
+            let remedy = "name it in a scene, as the grid of a volume: [[volume]] grid = { file = \"cloud.vdb\" }";
             return Err(Error::failure(file, "is an OpenVDB file, not a scene", remedy));
         }
         let bytes = read_small(path)?;
@@ -197,6 +197,11 @@ impl Document {
         let place = self.place(path);
         let kind = if place.starts_with("--") { Kind::Usage } else { Kind::Failure };
         Error { kind, ..Error::failure(place, finding, remedy) }
+    }
+
+    /// The same of an error in the file that the value at `path` names.
+    pub fn error_of_file(&self, path: &str, Error { place, finding, remedy, kind }: Error) -> Error {
+        Error { kind, ..self.error(path, format!("{path}: {place}: {finding}"), remedy) }
     }
 }
 

@@ -46,7 +46,7 @@ pub fn source(scene: &Scene, document: &Document) -> Result<Option<Source>> {
         }
         (None, None) => {
             let finding = "environment has neither a radiance nor an image";
-            Err(document.error("environment", finding, "give it one of the two"))
+            Err(document.error("environment", finding, "give one of the two"))
         }
     }
 }
@@ -95,8 +95,9 @@ impl Sky<'_> {
         let finding = || format!("{name:?}, but there is no file {}", path.display());
         let remedy = "give the path of an OpenEXR or Radiance image, relative to the folder of the scene";
         self.require(path.is_file(), "image", finding(), remedy)?;
-        let image = image::read_radiances(&path)?;
-        let fault = |finding: String, remedy: &str| Error::failure(path.display(), finding, remedy);
+        let of_file = |error: Error| self.document.error_of_file("environment.image", error);
+        let image = image::read_radiances(&path).map_err(of_file)?;
+        let fault = |finding: String, remedy: &str| of_file(Error::failure(path.display(), finding, remedy));
         let [width, height] = sides(&image).ok_or_else(|| {
             let finding =
                 format!("has {}x{} pixels, more than {} along a side", image.width, image.height, LARGEST_SIDE);

@@ -117,18 +117,19 @@ impl Keys<'_> {
         let remedy = "give the path of a CSV file with rows of cosine and value";
         let file = self.phase.file.as_ref().ok_or_else(|| self.missing("file", remedy))?;
         let path = self.document.folder().join(file);
-        let text = read(&path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
-        let rows = rows(&text).map_err(|(line, finding)| {
-            Error::failure(
-                format!("{}:{line}", path.display()),
-                finding,
-                "write a cosine and a value, for example 0.5, 1.2",
-            )
-        })?;
-        PhaseFunction::tabulated(&rows).map_err(|finding| {
-            Error::failure(path.display(), finding, "write rows of cosine and value, by ascending cosine from -1 to 1")
-        })
+        table(&path, remedy).map_err(|error| self.document.error_of_file(&format!("{}.file", self.at), error))
     }
+}
+
+/// The table in the file at `path`.
+fn table(path: &Path, remedy: &str) -> Result<PhaseFunction> {
+    let text = read(path).map_err(|finding| Error::failure(path.display(), finding, remedy))?;
+    let rows = rows(&text).map_err(|(line, finding)| {
+        let remedy = "write a cosine and a value, for example 0.5, 1.2";
+        Error::failure(format!("{}:{line}", path.display()), finding, remedy)
+    })?;
+    let remedy = "write rows of cosine and value, by ascending cosine from -1 to 1";
+    PhaseFunction::tabulated(&rows).map_err(|finding| Error::failure(path.display(), finding, remedy))
 }
 
 /// The text of a file of at most [`LARGEST_TABLE`] bytes; of a larger one, or of one without end, no more is read.

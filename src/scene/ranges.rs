@@ -63,9 +63,10 @@ impl Owner<'_> {
 
     /// The vector at `key`, which has a direction.
     pub fn direction(&self, key: &str, value: [f64; 3]) -> Result<DVec3> {
-        let direction = self.position(key, value)?;
-        let remedy = "give a direction: a vector other than zero";
-        self.require(direction.length() > 1e-30, key, format!("{value:?}"), remedy)?;
+        let direction = DVec3::from(value);
+        let ok = value.iter().all(|x| x.abs() <= LARGEST) && direction.length() > 1e-30;
+        let remedy = "give a direction: three numbers from -1e9 to 1e9 that are not all 0";
+        self.require(ok, key, format!("{value:?}"), remedy)?;
         Ok(direction)
     }
 

@@ -21,6 +21,7 @@ use super::loading::Look;
 use super::model::Loaded;
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
+use crate::figures::point;
 use crate::warning::Warning;
 pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
@@ -88,6 +89,7 @@ pub fn medium(
     volumes: &[Volume<'_>],
     origin: DVec3,
 ) -> Result<(Medium, Vec<Option<Filling>>)> {
+    warn_of_idle(&around, volumes);
     if volumes.len() > MOST_VOLUMES {
         let finding = format!("there are {} volumes, but a scene has {MOST_VOLUMES} at most", volumes.len());
         return Err(document.error("volume", finding, "leave some out, or join grids"));
@@ -130,6 +132,24 @@ pub fn medium(
     Ok((if let Some(glow) = glow { medium.with_glow(glow) } else { medium }, fillings))
 }
 
+/// Warns of volumes that make no difference: where all is vacuum anyway, or densities multiply nothing.
+fn warn_of_idle(around: &Medium, volumes: &[Volume<'_>]) {
+    let acts = |medium: &Medium| medium.largest_extinction() > 0.0 || medium.glow.is_some();
+    let all_idle = !acts(around) && !volumes.iter().any(|volume| acts(&volume.medium));
+    for volume in volumes {
+        let Volume { document, table, keys, medium, warn, .. } = volume;
+        let tell = |path: &str, finding: String| warn(Warning::new(document.place(path), finding));
+        if all_idle {
+            let finding = "has neither scattering nor absorption nor emission, and there is no other medium";
+            tell(table, format!("{table} {finding}, so that it does nothing"));
+        } else if keys.grid.is_some() && medium.largest_extinction() == 0.0 {
+            let path = format!("{table}.grid");
+            let finding = format!("{path} is given, but {table} has neither scattering nor absorption to multiply");
+            tell(&path, finding);
+        }
+    }
+}
+
 /// Extinction per channel over that of the channel in which it is largest, if `media` have it in common. Vacuum goes with
 /// all.
 fn common_hues<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<[f32; 3]> {
@@ -164,7 +184,7 @@ impl Volume<'_> {
         let mut densities = None;
         let (unit, voxels) = match &self.keys.grid {
             Some(grid) => {
-                let quantity = Quantity::extinction(extinction);
+                let quantity = Quantity::extinction(extinction, self.keys);
                 let unit = (f64::from(extinction) * grid.scale) as f32;
                 let found = self.voxels("grid", grid, &quantity, origin)?;
                 densities = found.as_ref().map(|(_, densities)| densities.clone());
@@ -175,7 +195,7 @@ impl Volume<'_> {
                 (extinction, None)
             }
             None if shape.is_none() => {
-                let remedy = "give it a shape, or a grid, which is bounded by its own densities";
+                let remedy = "add a shape, or a grid, whose densities bound it";
                 let finding = format!("{} has neither a shape nor a grid", self.table);
                 return Err(self.document.error(&self.table, finding, remedy));
             }
@@ -190,6 +210,7 @@ impl Volume<'_> {
             .filter(|_| self.keys.shape.is_none())
             .map(|densities| densities.bounds);
         let placed = Placed { shape, voxels, extinction: unit };
+        self.must_have_an_inside(&placed, origin)?;
         self.must_meet("grid", placed.voxels.as_ref().zip(densities.as_ref()), &placed, origin)?;
         self.must_meet("emission_grid", source.voxels.as_ref().zip(glowing.as_ref()), &placed, origin)?;
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
@@ -199,6 +220,19 @@ impl Volume<'_> {
             source,
             Filling { bounds, mean_cosine: self.medium.phase.mean_cosine(), densities, glowing, bytes },
         )))
+    }
+
+    /// An error if single precision does not tell where it begins and ends: positions are counted from the camera.
+    fn must_have_an_inside(&self, placed: &Placed, origin: DVec3) -> Result<()> {
+        let [low, high] = placed.bounds().map(|corner| corner.as_vec3());
+        let [first, last] = placed.bounds().map(|corner| point((corner + origin).to_array()));
+        let path = &self.table;
+        let finding = format!(
+            "{path} is from {first} to {last} m, too far from the camera for its size: single precision, in which \
+             positions are counted from there, knows no difference"
+        );
+        let remedy = "move it nearer to the camera, or make it larger";
+        if low.cmplt(high).all() { Ok(()) } else { Err(self.document.error(path, finding, remedy)) }
     }
 
     fn warn(&self, key: &str, finding: impl core::fmt::Display) {

@@ -120,7 +120,7 @@ impl Archive {
 /// Reads up to the number of grids.
 fn header(input: &mut Input) -> Checked<()> {
     let is_vdb = input.len()? >= 8 && input.u64()? == MAGIC;
-    require(is_vdb, || "is not an OpenVDB file", "give an OpenVDB file, which other programs call .vdb")?;
+    require(is_vdb, || "is not an OpenVDB file", "give an OpenVDB file: its name mostly ends in .vdb")?;
     let version = input.u32()?;
     let finding = || format!("has version {version} of the OpenVDB format; {OLDEST} to {NEWEST} can be read");
     require(

@@ -104,6 +104,11 @@ pub fn read_listed(path: &Path, number: usize, progress: &dyn Fn(u64, u64)) -> R
     of_entry(&name, input, &archive, entry, progress)
 }
 
+/// Whether the file at `path` can be read and has no grid called `name`.
+pub fn lacks(path: &Path, name: &str) -> bool {
+    list(path).is_ok_and(|grids| !grids.is_empty() && grids.iter().all(|grid| grid.name != name))
+}
+
 /// What is in a file that is in memory; `file` is what errors call it.
 ///
 /// # Errors

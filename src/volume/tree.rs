@@ -101,7 +101,7 @@ impl Tree {
 fn root_entry(input: &mut Input, origins: &mut BTreeSet<[i32; 3]>) -> Checked<Cube> {
     let origin = input.coordinates()?;
     let is_aligned = origin.iter().all(|coordinate| coordinate.trailing_zeros() >= UPPER);
-    require(is_aligned, || format!("has a node at {origin:?}, which are no multiples of 4096"), DAMAGED)?;
+    require(is_aligned, || format!("has a node at {origin:?}, where nodes are at multiples of 4096"), DAMAGED)?;
     require(origins.insert(origin), || format!("has two nodes at {origin:?}"), DAMAGED)?;
     Ok(Cube { origin, log_edge: UPPER })
 }
@@ -114,7 +114,7 @@ pub fn check(value: f32, is_active: bool, place: impl FnOnce() -> Cube) -> Check
     let (finding, remedy) = if !value.is_finite() {
         (format!("has the value {value}"), "save the grid with finite values")
     } else if value < 0.0 {
-        (format!("has the value {value:?}; no density is negative"), "save the grid with values of 0 or more")
+        (format!("has the value {value:?}, which is negative"), "save the grid with densities of 0 or more")
     } else {
         (format!("is not active, but has the value {value:?}"), "activate it, or set inactive voxels to 0")
     };

@@ -235,7 +235,7 @@ fn keys_out_of_range_and_missing_grids_are_refused() {
         (", scale_by = -1", "volume[0].grid.scale_by is -1.0"),
         (", rotate_deg = [0, 0, 999]", "volume[0].grid.rotate_deg is [0.0, 0.0, 999.0]"),
         (", translate = [1e10, 0, 0]", "volume[0].grid.translate is [10000000000.0, 0.0, 0.0]"),
-        (", name = \"smoke\"", "volume[0].grid.file: cloud.vdb: has no grid \"smoke\""),
+        (", name = \"smoke\"", "volume[0].grid.name: cloud.vdb: has no grid \"smoke\""),
     ] {
         let run = with_cloud(keys).run(&["render", "scene.toml"]);
         assert!(run.code == Some(1) && run.stderr.contains(finding), "{keys}: {run}");
@@ -250,6 +250,62 @@ fn keys_out_of_range_and_missing_grids_are_refused() {
     std::fs::remove_file(folder.path("cloud.vdb")).expect("a file");
     let run = folder.refused(&["render", "scene.toml"], 1, &folder.place("file ="));
     assert!(run.stderr.contains("volume[0].grid.file is \"cloud.vdb\", but there is no file cloud.vdb\n"), "{run}");
+}
+
+/// Of several numbers whose product is too large, the largest is to blame.
+#[test]
+fn the_key_that_does_most_is_blamed() {
+    let folder = with_cloud("");
+    let leaf = fogbow::volume::Leaf { origin: [0; 3], values: [1e12; 512].into() };
+    fogbow_testing::volume_writer::write(&folder.path("dense.vdb"), 0.25, &[leaf]);
+    for (set, finding) in [
+        ("volume[0].scattering=9e8", "volume[0].scattering is 900000000.0, which makes 2.197e8 mean free paths"),
+        ("volume[0].absorption=[0, 9e8, 0]", "volume[0].absorption is [0.0, 900000000.0, 0.0], which makes 2.197e8"),
+        ("volume[0].grid.scale=1e6", "volume[0].grid.scale is 1000000.0, which makes 2.441e6 mean free paths"),
+        ("volume[0].grid.scale_by=1e6", "volume[0].grid.scale_by is 1000000.0, which makes 2.441e6 mean free paths"),
+        (
+            "volume[0].grid.file=dense.vdb",
+            "volume[0].grid.file is \"dense.vdb\", whose largest density is 1.000e12, which makes an extinction of 1.000e13/m",
+        ),
+        ("volume[0].grid.scale_by=1e-20", "volume[0].grid.scale_by is 1e-20, which makes voxels of 2.500e-21 m"),
+        ("volume[0].grid.file=", "volume[0].grid.file is empty"),
+    ] {
+        let run = folder.run(&["info", "scene.toml", "--set", set]);
+        assert!(run.code == Some(2) && run.stderr.contains(finding), "{set}: {run}");
+    }
+    let run = folder.run(&["info", "scene.toml", "--set", "volume[0].scattering=1e9"]);
+    let finding = "volume[0].absorption is 3.0, which makes an extinction of 1000000003.0/m with the scattering";
+    assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
+}
+
+#[test]
+fn volumes_that_do_nothing_are_told() {
+    let folder = with_cloud("");
+    let told = |folder: &Folder, sets: &[&str]| {
+        let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        folder.done(&[&["info", "scene.toml"], &sets[..]].concat()).stdout
+    };
+    let vacuum = ["volume[0].scattering=0", "volume[0].absorption=0"];
+    let all_vacuum =
+        "volume[0] has neither scattering nor absorption nor emission, and there is no other medium, so that it";
+    assert!(told(&folder, &vacuum).contains(all_vacuum));
+    let in_fog = [vacuum[0], vacuum[1], "medium.scattering=1"];
+    let without = "volume[0].grid is given, but volume[0] has neither scattering nor absorption to multiply";
+    let said = told(&folder, &in_fog);
+    assert!(said.contains(without) && !said.contains(all_vacuum), "{said}");
+    // A hole in fog.
+    let hole = with_volumes(MEDIUM, &["shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }"]);
+    let said = told(&hole, &[]);
+    assert!(!said.contains("warning") && said.contains("a sphere, vacuum"), "{said}");
+}
+
+#[test]
+fn volumes_too_far_away_to_have_a_size_are_refused() {
+    let shape = "shape = { type = \"box\", min = [1e8, 0, 0], max = [100000001, 1, 1] }\nscattering = 1";
+    let run = with_volumes("", &[shape]).run(&["info", "scene.toml"]);
+    let finding = "volume[0] is from [100000000, 0, 0] to [100000000, 1, 1] m, too far from the camera for its size";
+    assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
+    with_volumes("", &[&shape.replace("100000001", "100000100")]).done(&["info", "scene.toml"]);
 }
 
 #[test]
@@ -272,7 +328,7 @@ fn the_table_of_a_volumes_phase_function_is_a_file_of_the_scene() {
 #[test]
 fn a_volume_is_no_scene() {
     let run = with_cloud("").refused(&["render", "cloud.vdb"], 1, "cloud.vdb: is an OpenVDB file, not a scene\n");
-    assert!(run.stderr.contains("[[volume]] grid = { file = \"..\" }"), "{run}");
+    assert!(run.stderr.contains("[[volume]] grid = { file = \"cloud.vdb\" }"), "{run}");
 }
 
 /// The test scene with a cloud, `empty.vdb` beside it, in which no density is above 0.
@@ -353,6 +409,10 @@ fn a_shape_that_misses_its_grid_is_refused() {
 
 #[test]
 fn grids_that_reach_too_far_are_refused() {
+    let run = with_cloud(", translate = [1e9, 0, 0]").run(&["info", "scene.toml"]);
+    let finding =
+        "volume[0].grid.translate is [1000000000.0, 0.0, 0.0], which puts the densities of \"cloud.vdb\" at [";
+    assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
     let folder = with_cloud("");
     let set = "volume[0].grid.scale_by=1e8";
     let finding = "volume[0].grid.scale_by is 100000000.0, which puts the densities of \"cloud.vdb\" at [";

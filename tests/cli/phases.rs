@@ -71,14 +71,16 @@ fn faulty_keys_say_what_is_wrong() {
 #[test]
 fn faulty_tables_name_their_line() {
     let folder = with_phase("{ type = \"tabulated\", file = \"phase.csv\" }");
-    folder.refused(&["render", "scene.toml"], 1, "phase.csv: cannot be read");
+    let place = format!("{}: medium.phase.file: ", folder.place("file ="));
+    folder.refused(&["render", "scene.toml"], 1, &format!("{place}phase.csv: cannot be read"));
     let endless = with_phase("{ type = \"tabulated\", file = \"/dev/zero\" }");
-    endless.refused(&["render", "scene.toml"], 1, "/dev/zero: is larger than 16 MiB, too large for a table");
+    let finding = format!("{}: medium.phase.file: /dev/zero: is larger than 16 MiB", endless.place("file ="));
+    endless.refused(&["render", "scene.toml"], 1, &finding);
     folder.write("phase.csv", "cosine, value\n-1, 1\n0.5\n");
-    folder.refused(&["render", "scene.toml"], 1, "phase.csv:3: \"0.5\" is not a pair of numbers");
+    folder.refused(&["render", "scene.toml"], 1, &format!("{place}phase.csv:3: \"0.5\" is not a pair of numbers"));
     for (table, finding) in [("-1, 1\n", "at least two rows"), ("-1, 0\n1, 0\n", "zero"), ("1, 1\n-1, 1\n", "ascend")] {
         folder.write("phase.csv", table);
-        let run = folder.refused(&["render", "scene.toml"], 1, "phase.csv: ");
+        let run = folder.refused(&["render", "scene.toml"], 1, &format!("{place}phase.csv: "));
         assert!(run.stderr.contains(finding), "{table}: {run}");
     }
 }

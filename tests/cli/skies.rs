@@ -58,7 +58,7 @@ fn images_that_are_no_skies_are_refused() {
     };
     for (value, text) in [(-1.0, "-1.0"), (f32::NAN, "NaN"), (f32::INFINITY, "inf")] {
         let pixel = move |x: usize, y: usize| (1.0, if (x, y) == (5, 2) { value } else { 2.0 }, 3.0);
-        let expected = format!("sky.exr: has a pixel that is {text}: column 5, row 2, channel G");
+        let expected = format!("environment.image: sky.exr: has a pixel that is {text}: column 5, row 2, channel G");
         finding(&with_image(pixel, ""), &expected);
     }
     finding(&with_image(|_, _| (1e30, 1.0, 1.0), "scale = 10\n"), "sky.exr: has a pixel that is 1e30: column 0");

@@ -157,7 +157,8 @@ fn errors_say_what_is_wrong_and_where() {
     for (name, expected) in [
         ("Candle", "scene.toml:2:"),
         ("Candle", "volume[0].shape.name is \"Candle\", but test.gltf has no such mesh"),
-        ("Candle", "give one of its names: \"Cube\", \"Wax\", \"Shining\", \"Thread\""),
+        ("Candle", "give one of its names: \"Cube\", \"Wax\", \"Open\", \"Shining\", \"Thread\""),
+        ("Open", "scene.toml:2:"),
         ("Open", "test.gltf: node 0 \"Wax\": bounds a volume, but is not closed: 3 of its edges are open: from"),
         ("Open", "merge vertices by distance"),
         ("Shining", "bounds a volume and shines, with material 1 \"Lamp\""),

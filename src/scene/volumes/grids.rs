@@ -5,13 +5,14 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 
 use super::Volume;
 use super::files::{GridOfFile, MOST_BRICKS, far_apart};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::figures::point;
 use crate::gltf::quoted;
 use crate::scene::filling::Densities;
 use crate::scene::loading::Loading;
 use crate::scene::ranges::{LARGEST, LARGEST_EMISSION};
-use crate::scene::schema::{self, ShapeKind};
+use crate::scene::schema::{self, ShapeKind, Spectrum};
+use crate::volume;
 
 /// Largest factor of densities or sizes.
 const LARGEST_SCALE: f64 = 1e9;
@@ -22,6 +23,8 @@ const MOST_PER_VOXEL: f64 = 1e4;
 pub(super) struct Quantity {
     /// What it is called.
     name: &'static str,
+    /// The key of the volume that gives most of it, and what that key is.
+    given: (&'static str, Spectrum),
     /// Its unit, as it stands behind a number.
     unit: &'static str,
     /// That of density 1.
@@ -33,10 +36,12 @@ pub(super) struct Quantity {
 }
 
 impl Quantity {
-    /// An extinction [1/m].
-    pub fn extinction(of_one: f32) -> Self {
+    /// The extinction of a volume with these `keys` [1/m].
+    pub fn extinction(of_one: f32, keys: &schema::Volume) -> Self {
+        let given = [("scattering", keys.scattering), ("absorption", keys.absorption)];
         Self {
             name: "extinction",
+            given: given.into_iter().max_by(|a, b| largest(a.1).total_cmp(&largest(b.1))).expect("two coefficients"),
             unit: "/m",
             factor: f64::from(of_one),
             largest: LARGEST,
@@ -46,10 +51,26 @@ impl Quantity {
 
     /// An emission per channel.
     pub fn emission(of_one: [f32; 3]) -> Self {
-        let factor = f64::from(of_one.into_iter().fold(0.0, f32::max));
+        let given = ("emission", Spectrum(of_one.map(f64::from)));
         let (largest, most_per_voxel) = (LARGEST_EMISSION, f64::INFINITY);
-        Self { name: "emission", unit: " W/(m^3 sr)", factor, largest, most_per_voxel }
+        Self { name: "emission", given, unit: " W/(m^3 sr)", factor: self::largest(given.1), largest, most_per_voxel }
     }
+}
+
+/// That of the channel in which it is largest.
+fn largest(spectrum: Spectrum) -> f64 {
+    spectrum.0.into_iter().fold(0.0, f64::max)
+}
+
+/// One of the numbers that a product is made of.
+struct Factor {
+    /// The key of the volume that says it.
+    key: String,
+    /// What that key is.
+    is: String,
+    value: f64,
+    /// What makes it smaller.
+    remedy: &'static str,
 }
 
 impl Volume<'_> {
@@ -65,12 +86,16 @@ impl Volume<'_> {
         self.check_keys(table, grid)?;
         let key = |name: &str| format!("{table}.{name}");
         let path = self.document.folder().join(&grid.file);
-        let finding = format!("{}, but there is no file {}", quoted(&grid.file), path.display());
         let remedy = "give the path of an OpenVDB file, relative to the folder of the scene";
+        self.require(!grid.file.is_empty(), &key("file"), "empty", remedy)?;
+        let finding = format!("{}, but there is no file {}", quoted(&grid.file), path.display());
         self.require(path.exists(), &key("file"), finding, remedy)?;
         let look = |done, total| (self.look)(Loading::of(&path, done, total));
-        let file =
-            self.files.read(&path, grid.name.as_deref(), &look).map_err(|error| self.of_file(&key("file"), error))?;
+        let file = self.files.read(&path, grid.name.as_deref(), &look).map_err(|error| {
+            let is_misnamed = grid.name.as_ref().is_some_and(|name| volume::lacks(&path, name));
+            let key = key(if is_misnamed { "name" } else { "file" });
+            self.document.error_of_file(&format!("{}.{key}", self.table), error)
+        })?;
         let spanned = file.bricks_spanned;
         let finding = format!("a grid whose {}", far_apart(spanned));
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
@@ -88,14 +113,8 @@ impl Volume<'_> {
             return Ok(None);
         }
         let bricks = file.bricks.clone().expect("bricks where densities count and are not too far apart");
-        self.check_densities(table, grid, &densities, quantity, (&to_world, origin))?;
+        self.check_densities(table, grid, &densities, quantity, (&file, origin))?;
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
-    }
-
-    /// An error in the file that `key` names.
-    fn of_file(&self, key: &str, Error { place, finding, remedy, kind }: Error) -> Error {
-        let path = format!("{}.{key}", self.table);
-        Error { kind, ..self.document.error(&path, format!("{path}: {place}: {finding}"), remedy) }
     }
 
     /// The keys at `table` by which a grid is placed and scaled, on their own.
@@ -114,43 +133,84 @@ impl Volume<'_> {
         Ok(())
     }
 
-    /// What `densities` are in their place, which `to_world` and the `origin` say, times `quantity`.
+    /// Whether `densities` are in reach in their place, and how dense they are there times `quantity`. If they are too
+    /// far away or too dense, the key to blame is the one that does most about it.
     fn check_densities(
         &self,
         table: &str,
         grid: &schema::Grid,
         densities: &Densities,
         quantity: &Quantity,
-        (to_world, origin): (&DAffine3, DVec3),
+        (file, origin): (&GridOfFile, DVec3),
     ) -> Result<()> {
+        self.must_be_near(table, grid, densities.bounds.map(|corner| corner + origin))?;
         let key = |name: &str| format!("{table}.{name}");
-        let [low, high] = densities.bounds.map(|corner| corner + origin);
-        let is_near = low.abs().max(high.abs()).max_element() <= LARGEST;
-        let [low, high] = [low, high].map(|corner| point(corner.to_array()));
-        let finding =
-            format!("{:?}, which puts the densities of {} at {low} to {high} m", grid.scale_by, quoted(&grid.file));
-        let remedy = "give a smaller scale_by or another translate: coordinates go from -1e9 to 1e9 m";
-        self.require(is_near, &key("scale_by"), finding, remedy)?;
-        let Quantity { name, unit, factor, largest, most_per_voxel } = quantity;
+        let of_key = |key: String, value: f64, is: String| Factor { key, is, value, remedy: "give a smaller number" };
+        let of_file = |value: f64, is: String, remedy| Factor {
+            key: key("file"),
+            is: format!("{}, {is}", quoted(&grid.file)),
+            value,
+            remedy,
+        };
+        let Quantity { name, given: (given, coefficient), unit, factor, largest, most_per_voxel } = quantity;
         let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
-        let finding = format!("{:?}, which makes an {name} of {most:.3e}{unit}", grid.scale);
-        let remedy = format!("give a smaller number: {name} goes up to {largest:e}{unit}");
-        self.require(most <= *largest, &key("scale"), finding, &remedy)?;
-        let axes = to_world.matrix3;
-        let edge = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
-        let finding =
-            format!("{:?}, which makes {:.3e} mean free paths from a voxel to the next", grid.scale, most * edge);
-        let remedy = format!("give a smaller number, or resample the grid: {most_per_voxel} is the most");
-        self.require(most * edge <= *most_per_voxel, &key("scale"), finding, &remedy)?;
-        Ok(())
+        let mut factors = vec![
+            of_key((*given).into(), *factor, coefficient.to_string()),
+            of_key(key("scale"), grid.scale, format!("{:?}", grid.scale)),
+            of_file(
+                f64::from(densities.most),
+                format!("whose largest density is {:.3e}", densities.most),
+                "give a smaller scale",
+            ),
+        ];
+        let limit = format!("{name} goes up to {largest:e}{unit}");
+        self.must_be_at_most(*largest, most, &format!("an {name} of {most:.3e}{unit}"), &factors, &limit)?;
+        let edge = longest_edge(&file.index_to_world);
+        factors.push(of_key(key("scale_by"), grid.scale_by, format!("{:?}", grid.scale_by)));
+        factors.push(of_file(edge, format!("whose voxels are {edge:.3e} m apart"), "resample the grid"));
+        let per_voxel = most * edge * grid.scale_by;
+        let made = format!("{per_voxel:.3e} mean free paths from a voxel to the next");
+        let limit = format!("{most_per_voxel} is the most");
+        self.must_be_at_most(*most_per_voxel, per_voxel, &made, &factors, &limit)
+    }
+
+    /// An error about the largest of `factors`, of which `product` is made, if that is more than `most`; `made` says how
+    /// much.
+    fn must_be_at_most(&self, most: f64, product: f64, made: &str, factors: &[Factor], limit: &str) -> Result<()> {
+        let Some(Factor { key, is, remedy, .. }) = factors.iter().max_by(|a, b| a.value.total_cmp(&b.value)) else {
+            return Ok(());
+        };
+        self.require(product <= most, key, format!("{is}, which makes {made}"), &format!("{remedy}: {limit}"))
+    }
+
+    /// An error if a grid that reaches from `low` to `high` reaches too far.
+    fn must_be_near(&self, table: &str, grid: &schema::Grid, [low, high]: [DVec3; 2]) -> Result<()> {
+        let reach = |moved: DVec3| (low - moved).abs().max((high - moved).abs()).max_element();
+        let (key, is, remedy) = if reach(DVec3::from(grid.translate)) <= LARGEST {
+            ("translate", format!("{:?}", grid.translate), "move it less")
+        } else if grid.scale_by > 1.0 {
+            ("scale_by", format!("{:?}", grid.scale_by), "give a smaller number")
+        } else {
+            ("file", quoted(&grid.file), "give a smaller scale_by")
+        };
+        let [first, last] = [low, high].map(|corner| point(corner.to_array()));
+        let file =
+            if key == "file" { "its densities".into() } else { format!("the densities of {}", quoted(&grid.file)) };
+        let finding = format!("{is}, which puts {file} at {first} to {last} m");
+        let remedy = format!("{remedy}: coordinates go from -1e9 to 1e9 m");
+        self.require(reach(DVec3::ZERO) <= LARGEST, &format!("{table}.{key}"), finding, &remedy)
     }
 
     /// To index coordinates, which lead `to_world`.
     fn to_index(&self, table: &str, grid: &schema::Grid, to_world: &DAffine3) -> Result<ToIndex> {
         let to_index = to_world.inverse();
-        let finding = format!("{:?} of the file and of its transform, too much or too little for f32", grid.scale_by);
+        let finding = format!(
+            "{:?}, which makes voxels of {:.3e} m, too small for single precision",
+            grid.scale_by,
+            longest_edge(to_world)
+        );
         let sound = to_index.is_finite() && to_index.matrix3.to_cols_array().iter().all(|entry| entry.abs() < 1e12);
-        self.require(sound, &format!("{table}.scale_by"), finding, "enlarge it by another factor")?;
+        self.require(sound, &format!("{table}.scale_by"), finding, "give a larger number")?;
         let columns = to_index.matrix3.to_cols_array_2d();
         let moved = to_index.translation.to_array();
         Ok([0, 1, 2].map(|row| [columns[0][row], columns[1][row], columns[2][row], moved[row]]))
@@ -185,6 +245,12 @@ impl Volume<'_> {
         }
         self.require(false, table, finding, remedy)
     }
+}
+
+/// Distance from a voxel to the next along the axis where it is longest `[m]`.
+fn longest_edge(to_world: &DAffine3) -> f64 {
+    let axes = to_world.matrix3;
+    [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max)
 }
 
 /// From index coordinates of a grid of a file, placed as `grid` says, to positions counted from `origin`.

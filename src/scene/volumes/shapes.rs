@@ -16,14 +16,14 @@ impl Volume<'_> {
     pub(super) fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Shape> {
         let schema::Shape { kind, min, max, center, radius, name } = shape;
         let given = [
-            ("min", min.is_some(), kind == &ShapeKind::Box),
-            ("max", max.is_some(), kind == &ShapeKind::Box),
-            ("center", center.is_some(), kind == &ShapeKind::Sphere),
-            ("radius", radius.is_some(), kind == &ShapeKind::Sphere),
-            ("name", name.is_some(), kind == &ShapeKind::Mesh),
+            ("min", min.is_some(), kind == &ShapeKind::Box, "give the corner with the smallest coordinates, [x, y, z]"),
+            ("max", max.is_some(), kind == &ShapeKind::Box, "give the corner with the largest coordinates, [x, y, z]"),
+            ("center", center.is_some(), kind == &ShapeKind::Sphere, "give the position of its centre, [x, y, z]"),
+            ("radius", radius.is_some(), kind == &ShapeKind::Sphere, "give a radius from 1e-6 to 1e9 m"),
+            ("name", name.is_some(), kind == &ShapeKind::Mesh, "give the name of a closed mesh of the geometry"),
         ];
-        for (key, given, wanted) in given {
-            let (what, remedy) = if wanted { ("missing", "give it") } else { ("given", "leave it out") };
+        for (key, given, wanted, remedy) in given {
+            let (what, remedy) = if wanted { ("missing", remedy) } else { ("given", "leave it out") };
             let finding = format!("{what}: the shape is a {}", kind.name());
             self.require(given == wanted, &format!("shape.{key}"), finding, remedy)?;
         }
