@@ -10,7 +10,7 @@ use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::{REFERENCE, SIMD};
 use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
-use fogbow_testing::agreement::{assert_same, means};
+use fogbow_testing::agreement::{assert_same, assert_same_of, means};
 use fogbow_testing::frames::clouds::{IN_FIELDS, colours, solid};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, render, render_with};
@@ -41,7 +41,7 @@ fn assert_that_of_grey_extinction(name: &str, base: &Frame, turn: usize, samples
         for active in Active::ALL {
             let seed = 100 * active as u32 + segments;
             let found = means(&Frame { seed, ..frames::with_techniques(&frame, active, 4.0) }, samples);
-            assert_same(&format!("{name}, {active:?}, {segments} segments"), found, truth);
+            assert_same_of(active, &format!("{name}, {segments} segments"), found, truth);
         }
     }
 }
@@ -68,7 +68,7 @@ fn volumes_of_several_colours_have_the_means_of_grey_ones_in_every_channel() {
             for active in IN_FIELDS {
                 let frame = frames::with_techniques(&of_length(&colours.frame), active, 4.0);
                 let found = means(&Frame { seed: 100 * active as u32 + segments, ..frame }, 1000);
-                assert_same(&format!("{}, {active:?}, {segments} segments", colours.name), found, truth);
+                assert_same_of(active, &format!("{}, {segments} segments", colours.name), found, truth);
             }
         }
     }
