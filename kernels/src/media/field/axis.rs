@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! segment in cells: p + t v, t in [0, 1];     [t0, t1] = its part within a box a little larger than that of all cells
-//! n = ceil(|v| (t1 - t0)), at most 64: so many strata of it, each with the mean of the cell at its middle; 1 where all
+//! n = ceil(|v| (t1 - t0)), at most 16: so many strata of it, each with the mean of the cell at its middle; 1 where all
 //!     of it is known to have one extinction
 //! tau~ = length ((t1 - t0) / n * sum_{i < n} mean(p + (t0 + (i + 1/2) / n (t1 - t0)) v) + (1 - (t1 - t0)) mu_around)
 //! ```
@@ -23,7 +23,7 @@ use crate::media::AxisX8;
 use crate::vec3x8::Vec3x8;
 
 /// Most strata of a segment.
-pub const MOST_STRATA: f32 = 64.0;
+pub const MOST_STRATA: f32 = 16.0;
 
 /// By how many cells that box is larger at the lower faces. From one face of the grid itself to the other their middles
 /// would fall on borders of cells, where which cell they are in is a matter of rounding.

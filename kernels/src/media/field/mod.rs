@@ -12,7 +12,7 @@
 //! ```text
 //! tau~ = sum of the cells' means at n points of the segment, evenly spread over its part within all cells and a little
 //!        beyond, times that part's length / n, and what is around for the rest of it
-//!        n = the cells it is long, rounded up, at most 64
+//!        n = the cells it is long, rounded up, at most 16
 //! ```
 //!
 //! and no more than 60, so that nothing overflows. Where a cell's mean is farther above its least extinction than one mean

@@ -3,7 +3,7 @@
 //! ```text
 //! extinction: that of the first volume that the point is in, or else of what is around
 //! density:    sum over the eight voxels about the point of value * prod over axes of (1 - distance from the voxel)
-//! tau~:       a segment has as many strata as it is cells long, at most 64, over its part in a box a little larger than
+//! tau~:       a segment has as many strata as it is cells long, at most 16, over its part in a box a little larger than
 //!             all cells, each with the mean of the cell at its middle; the rest of it is in what is around
 //! one shape:  the pieces before, within and behind it
 //! ```
