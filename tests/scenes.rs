@@ -93,6 +93,8 @@ fn volumes_may_be_of_several_colours() {
     let first = [0.2, 0.4, 0.1];
     // Beyond 60 mean free paths, weights count no more: where one channel is so deep, others still come through.
     let ink = [0.1, 0.4, 40.0];
+    // Nearly clear in one channel, and clearer by half: that counts, however little it is of the others.
+    let nearly_clear = [4e4, 0.4, 4e4];
     for (first, second, is_common) in [
         (first, [0.3, 0.6, 0.15], true),
         (first, [0.5, 0.1, 0.4], false),
@@ -101,6 +103,8 @@ fn volumes_may_be_of_several_colours() {
         (first, [0.3, 0.0, 0.6], false),
         (ink, ink, true),
         (ink, [0.1, 0.3, 40.0], false),
+        (nearly_clear, [4e4, 0.4, 4e4], true),
+        (nearly_clear, [4e4, 0.2, 4e4], false),
     ] {
         let text = "[camera]\nposition = [0, 0, -5]\nlook_at = [0, 0, 0]\nvertical_fov_deg = 1\n[film]\nsize = [8, 8]\n\
                     [environment]\nradiance = 1\n[render]\ntechnique = \"path\"\n";

@@ -156,7 +156,7 @@ fn common_hues<'a>(media: impl Iterator<Item = &'a Medium>) -> Option<[f32; 3]> 
     let mut common = None;
     for own in media.filter(|medium| medium.largest_extinction() > 0.0).map(hues) {
         let common = *common.get_or_insert(own);
-        if (0..3).any(|c| (own[c] - common[c]).abs() > SAME_HUE) {
+        if (0..3).any(|c| (own[c] - common[c]).abs() > SAME_HUE * common[c]) {
             return None;
         }
     }
