@@ -28,7 +28,8 @@ pub fn bytes(file: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Reads `cases` damaged files, beginning with number `first`. Whatever comes of it, it is a sound grid or an error.
+/// Reads `cases` damaged files, beginning with number `first`. Whatever comes of it, it is a sound grid, which is not
+/// empty, or an error.
 ///
 /// # Panics
 /// If it is neither.
@@ -69,6 +70,7 @@ impl Outcomes {
                 Ok(grid) => {
                     assert_sound(&grid);
                     self.read += 1;
+                    assert!(has_densities(&grid), "damage has left nothing");
                 }
                 Err(error) => {
                     assert!(!error.finding.is_empty() && !error.remedy.is_empty(), "{error:?}");
@@ -77,6 +79,10 @@ impl Outcomes {
             }
         }
     }
+}
+
+fn has_densities(grid: &VoxelGrid) -> bool {
+    grid.leaves.iter().any(|leaf| leaf.values.iter().any(|density| *density > 0.0))
 }
 
 /// What all grids promise.
