@@ -247,8 +247,7 @@ impl Volume<'_> {
         let finding = format!("given, but {}.emission, which it multiplies, is 0", self.table);
         let remedy = "give the emission where the density of the grid is 1, or leave the grid out";
         self.require(emission != [0.0; 3], "emission_grid", finding, remedy)?;
-        let quantity = Quantity::emission(emission);
-        let found = self.voxels("emission_grid", grid, &quantity, origin)?;
+        let found = self.voxels("emission_grid", grid, &Quantity::emission(self.keys), origin)?;
         let Some((voxels, densities)) = found else { return Ok((Source::NONE, None)) };
         let emission = emission.map(|channel| (f64::from(channel) * grid.scale) as f32);
         Ok((Source { emission, voxels: Some(voxels) }, Some(densities)))

@@ -57,7 +57,7 @@ fn emission_that_cannot_be_is_refused_with_a_reason() {
         ),
         (
             format!("{block}emission = 1e19\nemission_grid = {{ file = \"blob.vdb\", scale = 1e3 }}"),
-            "volume[0].emission_grid.scale is 1000.0, which makes an emission of",
+            "volume[0].emission is 1e19, which makes an emission of",
         ),
         (format!("{block}emission = 1\nemission_grid = {{ file = \"blob.vdb\", name = \"flame\" }}"), "flame"),
     ] {

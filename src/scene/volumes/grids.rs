@@ -49,11 +49,16 @@ impl Quantity {
         }
     }
 
-    /// An emission per channel.
-    pub fn emission(of_one: [f32; 3]) -> Self {
-        let given = ("emission", Spectrum(of_one.map(f64::from)));
-        let (largest, most_per_voxel) = (LARGEST_EMISSION, f64::INFINITY);
-        Self { name: "emission", given, unit: " W/(m^3 sr)", factor: self::largest(given.1), largest, most_per_voxel }
+    /// The emission of a volume with these `keys`.
+    pub fn emission(keys: &schema::Volume) -> Self {
+        Self {
+            name: "emission",
+            given: ("emission", keys.emission),
+            unit: " W/(m^3 sr)",
+            factor: largest(keys.emission),
+            largest: LARGEST_EMISSION,
+            most_per_voxel: f64::INFINITY,
+        }
     }
 }
 
