@@ -240,6 +240,28 @@ impl Renderer {
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// So many looks at the region of `film`, of `samples` of every pixel each, one look's after the other's, none of which
+    /// are kept: what each of them counted, of what `empty` says is to be counted; nothing if the monitor said stop
+    /// before. A look is the work of one worker, as few paths that are long fill more lanes together than in tiles of
+    /// their own.
+    pub fn looks(
+        &self,
+        empty: &Stats,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        film: &Film,
+        (count, samples): (u32, u32),
+        monitor: &Monitor,
+    ) -> Option<Vec<Stats>> {
+        let radiance = &film.layers()[..=RADIANCE];
+        self.in_turn(frame, pipeline, count as usize, |wavefront, number| {
+            let first = number as u32 * samples;
+            wavefront.stats = empty.clone();
+            take(wavefront, first..first + samples, &mut Tile::new(radiance, film.region()), monitor)?;
+            Some(wavefront.stats.clone())
+        })
+    }
+
     /// Takes these samples of every pixel of `film` and keeps none of them; what they say of its tiles, or nothing if
     /// the monitor said stop before.
     pub fn probe(
@@ -250,28 +272,48 @@ impl Renderer {
         samples: Range<u32>,
         monitor: &Monitor,
     ) -> Option<Vec<Vec<Cell>>> {
-        let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; film.tile_count()]));
         let radiance = &film.layers()[..=RADIANCE];
+        self.in_turn(frame, pipeline, film.tile_count(), |wavefront, index| {
+            let mut tile = Tile::new(radiance, film.tile(index).region());
+            take(wavefront, samples.clone(), &mut tile, monitor)?;
+            Some(adaptive::cells(&tile))
+        })
+    }
+
+    /// What `work` finds for each number below `count`: workers take them in turn, each with a wavefront of its own. None
+    /// if there is nothing for one of them.
+    fn in_turn<T: Clone + Send>(
+        &self,
+        frame: &Frame,
+        pipeline: &Pipeline,
+        count: usize,
+        work: impl Fn(&mut Wavefront<'_>, usize) -> Option<T> + Sync,
+    ) -> Option<Vec<T>> {
+        let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; count]));
         self.pool.broadcast(|_| {
             let arena = Bump::new();
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
             let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
             loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= film.tile_count() {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                if number >= count {
                     break;
                 }
-                let mut tile = Tile::new(radiance, film.tile(index).region());
-                for start in samples.clone().step_by(SAMPLES_PER_BLOCK as usize) {
-                    let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
-                    if monitor.stops() || !wavefront.render_while(block, &mut tile, || monitor.finishes_blocks()) {
-                        return;
-                    }
-                }
-                let cells = adaptive::cells(&tile);
-                found.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(cells);
+                let Some(one) = work(&mut wavefront, number) else { return };
+                found.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(one);
             }
         });
         found.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
     }
+}
+
+/// Takes these samples of every pixel of `tile`; nothing if the monitor said stop before.
+fn take(wavefront: &mut Wavefront<'_>, samples: Range<u32>, tile: &mut Tile, monitor: &Monitor) -> Option<()> {
+    for start in samples.clone().step_by(SAMPLES_PER_BLOCK as usize) {
+        let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
+        if monitor.stops() || !wavefront.render_while(block, tile, || monitor.finishes_blocks()) {
+            return None;
+        }
+    }
+    Some(())
 }

@@ -32,7 +32,7 @@ use fogbow_kernels::survival::Survival;
 use fogbow_kernels::{LONGEST_PATH, PathLengths};
 
 use crate::figures::number;
-use crate::film::{Film, tile_size};
+use crate::film::Film;
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
 use crate::stats::{LightByLength, Stats};
@@ -264,17 +264,14 @@ impl Looker<'_> {
         let samples = way.samples.div_ceil(region.pixels() as u32);
         let lengths = PathLengths { max: longest, ..frame.lengths };
         let frame = Frame { lengths, techniques, seed: SEED, ..frame }.with_walk(way.starts, way.survival);
-        let look = |number: u32| {
-            let tile = if longest > LONGEST[1] { side / 2 } else { tile_size(region) };
-            let film = Film::new(&frame, region, tile);
-            let samples = number * samples..(number + 1) * samples;
-            let counted = Stats::new(false).by_length(&frame);
-            let stats = self.renderer.render_counting(counted, &frame, &SIMD, &film, samples, self.monitor);
+        let film = Film::new(&frame, region, side);
+        let counted = Stats::new(false).by_length(&frame);
+        let looks = self.renderer.looks(&counted, &frame, &SIMD, &film, (LOOKS, samples), self.monitor)?;
+        let light = |stats: &Stats| {
             let light = stats.light_by_length.as_ref().map_or_else(Vec::new, LightByLength::values);
-            let is_whole = !self.monitor.stops();
-            is_whole.then(|| light.into_iter().map(|light| light / stats.samples as f64).collect())
+            light.into_iter().map(|light| light / stats.samples as f64).collect()
         };
-        (0..LOOKS).map(look).collect()
+        Some(looks.iter().map(light).collect())
     }
 }
 
