@@ -150,7 +150,7 @@ impl Trial {
 ///
 /// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks
 /// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
-/// with that. Paths of any length, and those in volumes, end by their depth: in something dense, which bridges from
+/// with that. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
 /// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
 /// did not.
 ///

@@ -41,7 +41,10 @@ impl Quantity {
         let given = [("scattering", keys.scattering), ("absorption", keys.absorption)];
         Self {
             name: "extinction",
-            given: given.into_iter().max_by(|a, b| largest(a.1).total_cmp(&largest(b.1))).expect("two coefficients"),
+            given: given
+                .into_iter()
+                .max_by(|a, b| largest_channel(a.1).total_cmp(&largest_channel(b.1)))
+                .expect("two coefficients"),
             unit: "/m",
             factor: f64::from(of_one),
             largest: LARGEST,
@@ -55,15 +58,15 @@ impl Quantity {
             name: "emission",
             given: ("emission", keys.emission),
             unit: " W/(m^3 sr)",
-            factor: largest(keys.emission),
+            factor: largest_channel(keys.emission),
             largest: LARGEST_EMISSION,
             most_per_voxel: f64::INFINITY,
         }
     }
 }
 
-/// That of the channel in which it is largest.
-fn largest(spectrum: Spectrum) -> f64 {
+/// The largest of its channels.
+fn largest_channel(spectrum: Spectrum) -> f64 {
     spectrum.0.into_iter().fold(0.0, f64::max)
 }
 

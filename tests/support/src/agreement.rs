@@ -65,7 +65,7 @@ pub fn means(frame: &Frame, samples: u32) -> [(f64, f64); 3] {
     [0, 1, 2].map(|channel| (mean[channel], error[channel]))
 }
 
-/// How well means have to be known: beyond this their agreement says little. Most are known to 2 to 4 %.
+/// How well means have to be known: beyond this their agreement says little. Most are known to 4 % or better.
 const KNOWN: f64 = 0.15;
 
 /// The same of path tracing, which has to come upon the lights.

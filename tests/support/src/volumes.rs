@@ -81,6 +81,7 @@ impl Outcomes {
     }
 }
 
+/// Whether there is anything in it.
 fn has_densities(grid: &VoxelGrid) -> bool {
     grid.leaves.iter().any(|leaf| leaf.values.iter().any(|density| *density > 0.0))
 }
