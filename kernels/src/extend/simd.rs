@@ -14,6 +14,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
+use crate::columns::View3;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::LANES;
 use crate::tables::lights::{Emitter, FAR, Lights};
@@ -45,7 +46,8 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
         let max = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
-        let Nearest { distance: nearest, met, any } = Nearest::of::<MANY>(lights, origin, direction, max, live);
+        let Nearest { distance: nearest, met } = Nearest::of::<MANY>(lights, origin, direction, max, live);
+        let any = nearest.simd_lt(max);
         let bits = lanes::bits(any) & live;
         // The bound that hits have lowered is that of rays which meet something.
         let open =
@@ -64,7 +66,7 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
             on_surface.insert_batch(b, beams.trace(search, lights, live, &mut found, surface_hits));
         }
         if found.open != 0 {
-            found.list(b, lights, direction, hits);
+            found.list(b, lights, directions, hits);
             continue;
         }
         let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
@@ -78,15 +80,13 @@ struct Nearest {
     distance: f32x8,
     /// Which it is.
     met: u32x8,
-    /// Rays that meet one, as a mask.
-    any: f32x8,
 }
 
 impl Nearest {
     /// On rays up to `max`; on dead ones, any.
     #[inline(always)]
     fn of<const MANY: bool>(lights: &Lights, origin: Vec3x8, direction: Vec3x8, max: f32x8, live: u32) -> Self {
-        let mut found = Self { distance: max, met: u32x8::splat(0), any: f32x8::ZERO };
+        let mut found = Self { distance: max, met: u32x8::splat(0) };
         let tree = if MANY { lights.tree() } else { None };
         let Some(tree) = tree else {
             for (index, body) in lights.bodies().iter().enumerate() {
@@ -94,8 +94,8 @@ impl Nearest {
             }
             return found;
         };
-        let bodies::Nearest { met, body, distance } = bodies::closest(tree, &Rays { origin, direction, max }, live);
-        Self { distance, met: body, any: lanes::mask(met) }
+        let bodies::Nearest { body, distance } = bodies::closest(tree, &Rays { origin, direction, max }, live);
+        Self { distance, met: body }
     }
 
     #[inline(always)]
@@ -104,7 +104,6 @@ impl Nearest {
         let hit = distance.simd_lt(self.distance);
         self.distance = hit.select(distance, self.distance);
         self.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), self.met);
-        self.any |= hit;
     }
 }
 
@@ -139,8 +138,8 @@ impl Found {
     }
 
     /// Lists what the rays of batch `b` meet, of which some go on to infinity.
-    fn list(&self, b: usize, lights: &Lights, direction: Vec3x8, hits: &mut HitQueue<'_>) {
-        let direction = direction.to_arrays();
+    fn list(&self, b: usize, lights: &Lights, directions: View3<'_>, hits: &mut HitQueue<'_>) {
+        let direction = directions.at(b).to_arrays();
         for i in lanes::each(self.bits | self.open) {
             let lane = (b * LANES + i) as u32;
             if self.bits >> i & 1 == 1 {

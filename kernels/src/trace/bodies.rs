@@ -151,11 +151,9 @@ impl BodyLeaf {
 
 /// The nearest bodies on rays of unit direction.
 pub struct Nearest {
-    /// Rays that meet one, as bits.
-    pub met: u32,
-    /// Their indices; on equal distances the smaller one.
+    /// Their indices; on equal distances the smaller one, and 0 where there is none.
     pub body: u32x8,
-    /// How far away they are; bounds where there is none `[m]`.
+    /// How far away they are; bounds, which none of them reaches, where there is none `[m]`.
     pub distance: f32x8,
 }
 
@@ -163,7 +161,7 @@ pub struct Nearest {
 #[inline(always)]
 pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
     let slabs = Slabs::new(rays, tree.extent);
-    let mut found = Nearest { met: 0, body: u32x8::splat(0), distance: rays.max };
+    let mut found = Nearest { body: u32x8::splat(0), distance: rays.max };
     for lane in lanes::each(live & enter_any(tree.top(), &slabs, rays.max)) {
         let Ray { origin, direction, max } = rays.at(lane);
         let (origin, direction) = (Vec3x8::splat(origin), Vec3x8::splat(direction));
@@ -172,7 +170,6 @@ pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
             tree.leaves[leaf].improve(&mut best, bound, origin, direction)
         });
         let Some((body, distance)) = best else { continue };
-        found.met |= 1 << lane;
         (found.body.as_mut_array()[lane], found.distance.as_mut_array()[lane]) = (body, distance);
     }
     found

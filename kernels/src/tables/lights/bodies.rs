@@ -226,7 +226,8 @@ mod tests {
             let nearest = (0..).zip(distances).filter(|(_, distance)| *distance < max);
             let nearest = nearest.min_by(|(_, a), (_, b)| a.total_cmp(b));
             let found = trace::closest(&tree, &rays, 1 << 3);
-            let found = (found.met == 8).then(|| (found.body.to_array()[3], found.distance.to_array()[3]));
+            let (body, distance) = (found.body.to_array()[3], found.distance.to_array()[3]);
+            let found = (distance < max).then_some((body, distance));
             assert_eq!(found, nearest, "ray {i}");
             let [a, b] = [from, to].map(Vec3x8::splat);
             let crosses = |body: &Emitter| Bodies::one(body).cross(body.shape, a, b).any();
