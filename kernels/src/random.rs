@@ -247,7 +247,7 @@ pub fn uniform(word: u32) -> f64 {
 #[inline(always)]
 pub fn uniform_x8(word: u32x8) -> f32x8 {
     let cell: i32x8 = bytemuck::cast(word >> DROPPED);
-    (f32x8::from_i32x8(cell) + f32x8::splat(0.5)) * f32x8::splat(CELL)
+    f32x8::from_i32x8(cell).mul_add(f32x8::splat(CELL), f32x8::splat(0.5 * CELL))
 }
 
 #[cfg(test)]
