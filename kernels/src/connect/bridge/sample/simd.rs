@@ -97,17 +97,23 @@ fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl Ph
 /// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
 #[inline(always)]
 fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
+    let step = |k: u32| {
+        let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
+        Vec3x8::new(neg_ln(f32x8::ONE - length), cosine, azimuth)
+    };
+    for (k, vertex) in (0..).zip(&mut *chain) {
+        vertex.set_batch(b, step(k));
+    }
+    let last = step(chain.len() as u32).x;
     let mut frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3x8::splat);
     let mut position = Vec3x8::ZERO;
-    let edges = chain.len() as u32;
-    for (k, vertex) in (0..).zip(chain) {
-        let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
-        position = frame[2].mul_add(neg_ln(f32x8::ONE - length), position);
+    for vertex in chain {
+        let Vec3x8 { x: length, y: cosine, z: azimuth } = vertex.batch(b);
+        position = frame[2].mul_add(length, position);
         vertex.set_batch(b, position);
         frame = phase.sample(cosine).carry(frame, azimuth);
     }
-    let [length, ..] = sequence.uniforms(random::BRIDGE_WALK.nth(edges));
-    frame[2].mul_add(neg_ln(f32x8::ONE - length), position)
+    frame[2].mul_add(last, position)
 }
 
 /// Moves the vertices of a walk to their places.
