@@ -5,8 +5,8 @@
 //! T   = T * albedo
 //! ```
 //!
-//! 1. Triangles differ from row to row: their points and normals are fetched one by one, the directions drawn eight at
-//!    a time.
+//! 1. Triangles differ from row to row: corners, normals, which take f64, and albedos are fetched one by one, all else is
+//!    done eight at a time.
 
 use wide::{f32x8, u32x8};
 
@@ -30,12 +30,15 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let lane_of = surface_hits.lane.batch(b).to_array();
         let direction = ray.direction.gather(&lane_of);
 
-        let mut points = Points::default();
-        let directions = direction.to_arrays();
+        let mut met = Met::default();
         for i in 0..count {
-            points.set(i, surfaces, surface_hits.row(b * LANES + i), directions.map(|component| component[i]));
+            met.set(i, surfaces, surface_hits.row(b * LANES + i));
         }
-        let normal = Vec3x8::new(points.normal[0].into(), points.normal[1].into(), points.normal[2].into());
+        let front = vector(met.front);
+        let is_front = front.dot(direction).simd_lt(f32x8::ZERO);
+        let normal = Vec3x8::select(is_front, front, -front);
+        let barycentric = [surface_hits.second.batch(b), surface_hits.third.batch(b)];
+        let position = surface::leave_x8(&surface::point_x8(met.corners.map(vector), barycentric), normal);
 
         let u = uniform_x8(flights.cosine.gather(&lane_of));
         let (sin, cos) = sin_cos_turn(uniform_x8(flights.azimuth.gather(&lane_of)));
@@ -47,56 +50,57 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let at_camera = lanes::as_mask(birth.simd_eq(u32x8::splat(step.clock)));
         let arc = at_camera.select(f32x8::ZERO, vertex.arc.gather(&lane_of) + surface_hits.distance.batch(b));
         let depth = u32x8::splat(step.clock + 1) - birth;
-        let position = Vec3x8::new(points.position[0].into(), points.position[1].into(), points.position[2].into());
         next.position.scatter(&lane_of, count, position);
         next.arc.scatter(&lane_of, count, arc);
         next_ray.direction.scatter(&lane_of, count, reflected);
         last_surface.normal.scatter(&lane_of, count, normal);
         last_surface.depth.scatter(&lane_of, count, depth);
-        for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(points.albedo) {
+        for (throughput, albedo) in throughput.channels_mut().iter_mut().zip(met.albedo) {
             let product = throughput.gather(&lane_of) * f32x8::new(albedo);
             throughput.scatter(&lane_of, count, product);
         }
-        for i in lanes::each(points.black) {
+        let black = met.black | (met.one_sided & !lanes::bits(is_front));
+        for i in lanes::each(black & lanes::first(count)) {
             live.remove(lane_of[i] as usize);
         }
     }
 }
 
-/// Where eight paths met surfaces, component by component.
+/// Three components of eight rows.
+#[inline(always)]
+fn vector([x, y, z]: [[f32; LANES]; 3]) -> Vec3x8 {
+    Vec3x8::new(x.into(), y.into(), z.into())
+}
+
+/// The triangles that eight paths met, component by component.
 #[derive(Default)]
-struct Points {
-    position: [[f32; LANES]; 3],
-    normal: [[f32; LANES]; 3],
+struct Met {
+    corners: [[[f32; LANES]; 3]; 3],
+    /// Unit normals of their fronts.
+    front: [[f32; LANES]; 3],
     albedo: [[f32; LANES]; 3],
     /// Rows that end there.
     black: u32,
+    /// Rows that end there if they come from the back.
+    one_sided: u32,
 }
 
-impl Points {
-    /// Fills row `i` with what a ray in `direction` found.
+impl Met {
+    /// Fills row `i` with what a ray found.
     #[inline(always)]
-    fn set(&mut self, i: usize, surfaces: &Surfaces, found: SurfaceHit, direction: [f32; 3]) {
+    fn set(&mut self, i: usize, surfaces: &Surfaces, found: SurfaceHit) {
         let SurfaceHit { triangle, distance, second, third, .. } = found;
-        let hit = TriangleHit { triangle, distance, barycentric: [second, third] };
         let corners = surfaces.geometry().corners(triangle as usize);
         let front = surface::normal(corners);
-        let is_front = dot(front, direction) < 0.0;
-        let normal = if is_front { front } else { front.map(|component| -component) };
-        let position = surface::leave(&surface::point(corners, hit.barycentric), normal, normal);
-        let albedo = surfaces.albedo(&hit);
-        if albedo == [0.0; 3] || !(is_front || surfaces.material(triangle).double_sided) {
-            self.black |= 1 << i;
-        }
+        let albedo = surfaces.albedo(&TriangleHit { triangle, distance, barycentric: [second, third] });
+        self.black |= u32::from(albedo == [0.0; 3]) << i;
+        self.one_sided |= u32::from(!surfaces.material(triangle).double_sided) << i;
         for axis in 0..3 {
-            self.position[axis][i] = position[axis];
-            self.normal[axis][i] = normal[axis];
+            for corner in 0..3 {
+                self.corners[corner][axis][i] = corners[corner][axis];
+            }
+            self.front[axis][i] = front[axis];
             self.albedo[axis][i] = albedo[axis];
         }
     }
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }

@@ -32,6 +32,10 @@
 //! coordinates.
 
 use glam::DVec3;
+use wide::{f32x8, i32x8};
+
+use crate::lanes;
+use crate::vec3x8::Vec3x8;
 
 /// Half a unit in the last place of 1.
 const UNIT: f32 = f32::EPSILON / 2.0;
@@ -71,6 +75,31 @@ pub fn point(corners: [[f32; 3]; 3], barycentric: [f32; 2]) -> Point {
     Point { position: [0, 1, 2].map(position), error: [0, 1, 2].map(error) }
 }
 
+/// [`Point`] of eight rows.
+#[derive(Clone, Copy, Debug)]
+pub struct PointX8 {
+    /// Where they are `[m]`.
+    pub position: Vec3x8,
+    /// Bounds of the distance of every component from that of a point of the triangle `[m]`.
+    pub error: Vec3x8,
+}
+
+/// [`point`] for eight rows, in the same arithmetic.
+#[inline(always)]
+pub fn point_x8(corners: [Vec3x8; 3], barycentric: [f32x8; 2]) -> PointX8 {
+    let [b1, b2] = barycentric;
+    let b0 = ((f32x8::ONE - b1) - b2).fast_max(f32x8::ZERO);
+    let component = |a: f32x8, b: f32x8, c: f32x8| {
+        let [x, y, z] = [b0 * a, b1 * b, b2 * c];
+        let (least, most) = (a.fast_min(b).fast_min(c), a.fast_max(b).fast_max(c));
+        let error = f32x8::splat(gamma(9)) * (x.abs() + y.abs() + z.abs());
+        ((x + y + z).fast_max(least).fast_min(most), error)
+    };
+    let [a, b, c] = corners;
+    let [x, y, z] = [component(a.x, b.x, c.x), component(a.y, b.y, c.y), component(a.z, b.z, c.z)];
+    PointX8 { position: Vec3x8::new(x.0, y.0, z.0), error: Vec3x8::new(x.1, y.1, z.1) }
+}
+
 /// The unit normal of a triangle's plane, right-handed around its corners; every component is off by one rounding.
 /// Zero where the triangle has no area.
 #[inline]
@@ -101,9 +130,30 @@ pub fn leave(point: &Point, normal: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
     })
 }
 
+/// [`leave`] for eight rows, to the side of which `normal` is the unit normal, in the same arithmetic.
+#[inline(always)]
+pub fn leave_x8(point: &PointX8, normal: Vec3x8) -> Vec3x8 {
+    let PointX8 { position, error } = *point;
+    let [x, y, z] = [normal.x.abs() * error.x, normal.y.abs() * error.y, normal.z.abs() * error.z];
+    let clearance = (x + y + z) * f32x8::splat(1.0 + 16.0 * UNIT);
+    let start = |position: f32x8, outwards: f32x8| {
+        let moved = position + clearance * outwards;
+        let least = f32x8::splat(LEAST);
+        // The next number away from 0 has the next bits; towards 0, those before.
+        let away = lanes::as_integer_mask(!(moved.is_sign_negative() ^ outwards.is_sign_negative()));
+        let bits = |number: f32x8| bytemuck::cast::<f32x8, i32x8>(number);
+        let step = bytemuck::cast::<_, i32x8>(away).select(i32x8::splat(1), i32x8::splat(-1));
+        let next = bytemuck::cast::<i32x8, f32x8>(bits(moved) + step);
+        let next = moved.abs().simd_lt(least).select(outwards.is_sign_negative().select(-least, least), next);
+        outwards.simd_eq(f32x8::ZERO).select(position, next)
+    };
+    Vec3x8::new(start(position.x, normal.x), start(position.y, normal.y), start(position.z, normal.z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::LANES;
     use crate::random::{uniform, words};
 
     /// Triangles near and far, large and small, and weights in them.
@@ -131,6 +181,36 @@ mod tests {
                 let exact: f64 = (0..3).map(|i| weights[i] * f64::from(corners[i][axis])).sum();
                 let off = (f64::from(found.position[axis]) - exact).abs();
                 assert!(off <= f64::from(found.error[axis]), "{corners:?} at {b1}, {b2}, axis {axis}: off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn eight_rows_start_where_one_does() {
+        let upright = |axis: usize, at: f32| {
+            let corner = |u: f32, v: f32| {
+                let mut corner = [u, v, u - v];
+                corner[axis] = at;
+                corner
+            };
+            ([corner(0.0, 0.5), corner(2.0, -1.0), corner(-1.0, 3.0)], [0.25, 0.5])
+        };
+        let walls = [0, 1, 2].into_iter().flat_map(|axis| [0.0, 1.0, -3.0].map(|at| upright(axis, at)));
+        let cases: Vec<_> = walls.chain(cases()).collect();
+        for cases in cases.chunks_exact(LANES) {
+            let vector = |of: &dyn Fn(usize) -> [f32; 3]| {
+                let [x, y, z] = [0, 1, 2].map(|axis: usize| f32x8::new(lanes::per_lane(|lane| of(lane)[axis])));
+                Vec3x8::new(x, y, z)
+            };
+            let weight = |which: usize| f32x8::new(lanes::per_lane(|lane| cases[lane].1[which]));
+            let point_of = point_x8([0, 1, 2].map(|i| vector(&|lane| cases[lane].0[i])), [weight(0), weight(1)]);
+            for side in [1.0, -1.0] {
+                let outwards = |lane: usize| normal(cases[lane].0).map(|component| side * component);
+                let starts = leave_x8(&point_of, vector(&outwards)).to_arrays();
+                for (lane, (corners, weights)) in cases.iter().enumerate() {
+                    let expected = leave(&point(*corners, *weights), outwards(lane), outwards(lane));
+                    assert_eq!(starts.map(|axis| axis[lane]), expected, "{corners:?} at {weights:?}");
+                }
             }
         }
     }
