@@ -8,25 +8,14 @@ use core::f32::consts::{LN_2, LOG2_E};
 
 use wide::{f32x8, i32x8, u32x8};
 
-/// `c[0] + c[1] x + c[2] x^2 + ..`, one after the other.
+/// `c[0] + c[1] x + c[2] x^2 + ..`
 #[inline(always)]
-fn horner<const N: usize>(x: f32x8, c: [f32; N]) -> f32x8 {
+fn polynomial<const N: usize>(x: f32x8, c: [f32; N]) -> f32x8 {
     let mut sum = f32x8::splat(c[N - 1]);
     for i in (0..N - 1).rev() {
         sum = sum.mul_add(x, f32x8::splat(c[i]));
     }
     sum
-}
-
-/// `c[0] + c[1] x + .. + c[6] x^6`, half of it at once: neighbours are joined by x, pairs by x^2, fours by x^4. What waits
-/// for a logarithm waits for three joints instead of six.
-#[inline(always)]
-fn estrin(x: f32x8, c: [f32; 7]) -> f32x8 {
-    let c = c.map(f32x8::splat);
-    let x2 = x * x;
-    let low = c[3].mul_add(x, c[2]).mul_add(x2, c[1].mul_add(x, c[0]));
-    let high = c[6].mul_add(x2, c[5].mul_add(x, c[4]));
-    high.mul_add(x2 * x2, low)
 }
 
 /// `-ln v` for a normal `v > 0`: the free flight, in mean free paths, for `v = 1 - u`.
@@ -41,8 +30,10 @@ pub fn neg_ln(v: f32x8) -> f32x8 {
     let exponent = above >> 23_i32;
     let fraction = bits - bytemuck::cast::<i32x8, u32x8>(exponent << 23_i32);
     let m = bytemuck::cast::<u32x8, f32x8>(fraction) - f32x8::ONE;
-    let p =
-        estrin(m, [0.333_339_1, -0.250_013_4, 0.199_630_63, -0.165_775_85, 0.149_147_67, -0.142_674_86, 0.087_004_356]);
+    let p = polynomial(
+        m,
+        [0.333_339_1, -0.250_013_4, 0.199_630_63, -0.165_775_85, 0.149_147_67, -0.142_674_86, 0.087_004_356],
+    );
     let m2 = m * m;
     let ln_fraction = (m * m2).mul_add(p, m2.mul_neg_add(f32x8::splat(0.5), m));
     -f32x8::from_i32x8(exponent).mul_add(f32x8::splat(LN_2), ln_fraction)
@@ -57,7 +48,8 @@ pub fn exp(x: f32x8) -> f32x8 {
     let exponent = (x * f32x8::splat(LOG2_E)).round_ties_even();
     let f = exponent.mul_neg_add(f32x8::splat(LN_2_HIGH), x);
     let f = exponent.mul_neg_add(f32x8::splat(LN_2_LOW), f) * f32x8::splat(LOG2_E);
-    let power = estrin(f, [1.0, LN_2, 0.240_226_48, 0.055_503_324, 0.009_618_437, 0.001_339_887_4, 0.000_153_533_62]);
+    let power =
+        polynomial(f, [1.0, LN_2, 0.240_226_48, 0.055_503_324, 0.009_618_437, 0.001_339_887_4, 0.000_153_533_62]);
     let scale: u32x8 = bytemuck::cast(exponent.fast_trunc_int() << 23_i32);
     bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(power) + scale)
 }
@@ -67,8 +59,8 @@ pub fn exp(x: f32x8) -> f32x8 {
 pub fn sin_cos_half_turn(u: f32x8) -> (f32x8, f32x8) {
     let x = u - f32x8::splat(0.5);
     let x2 = x * x;
-    let sin = x * horner(x2, [core::f32::consts::PI, -5.167_71, 2.550_069_8, -0.598_242_1, 0.077_560_39]);
-    let cos = horner(x2, [1.0, -4.934_795_4, 4.058_451, -1.332_093_8, 0.220_080_66]);
+    let sin = x * polynomial(x2, [core::f32::consts::PI, -5.167_71, 2.550_069_8, -0.598_242_1, 0.077_560_39]);
+    let cos = polynomial(x2, [1.0, -4.934_795_4, 4.058_451, -1.332_093_8, 0.220_080_66]);
     (sin, cos)
 }
 
