@@ -137,7 +137,8 @@ impl Found {
         }
     }
 
-    /// Lists what the rays of batch `b` meet, of which some go on to infinity.
+    /// Lists what the rays of batch `b` meet, of which some go on to infinity. It looks up their directions: were they
+    /// handed over, every batch would write them to memory, and read them from there.
     fn list(&self, b: usize, lights: &Lights, directions: View3<'_>, hits: &mut HitQueue<'_>) {
         let direction = directions.at(b).to_arrays();
         for i in lanes::each(self.bits | self.open) {

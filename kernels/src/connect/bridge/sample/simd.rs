@@ -7,7 +7,9 @@
 //! ```
 //!
 //! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits.
-//! 2. The walk's vertices wait in the chain's own columns for the rotation, which is known only at its end.
+//! 2. The walk's vertices wait in the chain's own columns for the rotation, which is known only at its end. Before them
+//!    the numbers that make its edges are there: edges need each other's directions, but not each other's numbers, whose
+//!    logarithms would hold up the turns.
 //! 3. p and q have closed forms because the walk leaves along z: `p = (-x z, -y z, r^2) / r`, `q = (y, -x, 0) / r` for
 //!    `e = (x, y, z)`, `r^2 = x^2 + y^2`.
 //! 4. Rotation, scale and roll are one matrix, multiplied once per vertex.
@@ -97,14 +99,15 @@ fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl Ph
 /// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
 #[inline(always)]
 fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
-    let step = |k: u32| {
+    // Length of an edge, and cosine and azimuth of the turn at its end, as uniform numbers.
+    let edge = |k: u32| {
         let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
         Vec3x8::new(neg_ln(f32x8::ONE - length), cosine, azimuth)
     };
     for (k, vertex) in (0..).zip(&mut *chain) {
-        vertex.set_batch(b, step(k));
+        vertex.set_batch(b, edge(k));
     }
-    let last = step(chain.len() as u32).x;
+    let last = edge(chain.len() as u32).x;
     let mut frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3x8::splat);
     let mut position = Vec3x8::ZERO;
     for vertex in chain {
