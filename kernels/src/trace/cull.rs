@@ -13,7 +13,7 @@
 use wide::f32x8;
 
 use super::rays::{Rays, Slabs};
-use crate::lanes;
+use crate::lanes::{self, LANES};
 use crate::tables::geometry::{Geometry, Node};
 
 /// The rays that may meet a triangle, as bits. The others meet none.
@@ -34,8 +34,14 @@ pub fn may_meet(geometry: &Geometry, rays: &Rays) -> u32 {
 /// The rays that enter any of the boxes of a node no later than `max`, as bits.
 #[inline(always)]
 pub fn enter_any(node: &Node, slabs: &Slabs, max: f32x8) -> u32 {
-    let rows = node.planes.map(|row| row.to_array());
-    let taken = rows[0].iter().take_while(|lower| **lower < f32::INFINITY).count();
-    let enter = |child: usize| lanes::bits(slabs.enter(&rows.map(|row| row[child]), max).1);
-    (0..taken).fold(0, |bits, child| bits | enter(child))
+    let rows = node.planes.each_ref().map(|row| row.as_array());
+    let mut entered = 0;
+    for child in 0..LANES {
+        let planes = rows.map(|row| row[child]);
+        if planes[0] == f32::INFINITY {
+            break;
+        }
+        entered |= lanes::bits(slabs.enter(&planes, max).1);
+    }
+    entered
 }
