@@ -96,8 +96,8 @@ impl Met {
         self.black |= u32::from(albedo == [0.0; 3]) << i;
         self.one_sided |= u32::from(!surfaces.material(triangle).double_sided) << i;
         for axis in 0..3 {
-            for corner in 0..3 {
-                self.corners[corner][axis][i] = corners[corner][axis];
+            for (rows, corner) in self.corners.iter_mut().zip(corners) {
+                rows[axis][i] = corner[axis];
             }
             self.front[axis][i] = front[axis];
             self.albedo[axis][i] = albedo[axis];
