@@ -17,8 +17,8 @@ use super::Columns;
 use crate::columns::View3;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::LANES;
-use crate::tables::lights::{Emitter, FAR, Lights};
-use crate::trace::bodies::{self, Bodies};
+use crate::tables::lights::{FAR, Lights};
+use crate::trace::bodies::{self, Nearest};
 use crate::trace::{Hits, OneByOne, Rays, Search};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
@@ -46,7 +46,7 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
         let max = at_camera.select(f32x8::splat(f32::INFINITY), flight[b]);
-        let Nearest { distance: nearest, met } = Nearest::of::<MANY>(lights, origin, direction, max, live);
+        let Nearest { body, distance: nearest } = nearest::<MANY>(lights, &Rays { origin, direction, max }, live);
         let any = nearest.simd_lt(max);
         let bits = lanes::bits(any) & live;
         // The bound that hits have lowered is that of rays which meet something.
@@ -58,7 +58,7 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
         let mut found = Found {
             bits,
             open,
-            emitter: met.to_array(),
+            emitter: body.to_array(),
             distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
         };
         if !surfaces.is_empty() {
@@ -74,36 +74,12 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
     }
 }
 
-/// The nearest disk or sphere on each of eight rays.
-struct Nearest {
-    /// How far away it is; the bound of the ray where there is none.
-    distance: f32x8,
-    /// Which it is.
-    met: u32x8,
-}
-
-impl Nearest {
-    /// On rays up to `max`; on dead ones, any.
-    #[inline(always)]
-    fn of<const MANY: bool>(lights: &Lights, origin: Vec3x8, direction: Vec3x8, max: f32x8, live: u32) -> Self {
-        let mut found = Self { distance: max, met: u32x8::splat(0) };
-        let tree = if MANY { lights.tree() } else { None };
-        let Some(tree) = tree else {
-            for (index, body) in lights.bodies().iter().enumerate() {
-                found.meet(body, index, origin, direction);
-            }
-            return found;
-        };
-        let bodies::Nearest { body, distance } = bodies::closest(tree, &Rays { origin, direction, max }, live);
-        Self { distance, met: body }
-    }
-
-    #[inline(always)]
-    fn meet(&mut self, body: &Emitter, index: usize, origin: Vec3x8, direction: Vec3x8) {
-        let distance = Bodies::one(body).meet(body.shape, origin, direction, self.distance);
-        let hit = distance.simd_lt(self.distance);
-        self.distance = hit.select(distance, self.distance);
-        self.met = lanes::as_integer_mask(hit).select(u32x8::splat(index as u32), self.met);
+/// The nearest disk or sphere on each of eight rays; on dead ones, any.
+#[inline(always)]
+fn nearest<const MANY: bool>(lights: &Lights, rays: &Rays, live: u32) -> Nearest {
+    match if MANY { lights.tree() } else { None } {
+        Some(tree) => bodies::closest(tree, rays, live),
+        None => bodies::closest_among(lights.bodies(), rays),
     }
 }
 

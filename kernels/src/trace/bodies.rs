@@ -157,6 +157,19 @@ pub struct Nearest {
     pub distance: f32x8,
 }
 
+/// The nearest of some bodies on eight rays of unit direction.
+#[inline(always)]
+pub fn closest_among(bodies: &[Emitter], rays: &Rays) -> Nearest {
+    let mut found = Nearest { body: u32x8::splat(0), distance: rays.max };
+    for (index, body) in (0..).zip(bodies) {
+        let distance = Bodies::one(body).meet(body.shape, rays.origin, rays.direction, found.distance);
+        let nearer = distance.simd_lt(found.distance);
+        found.distance = nearer.select(distance, found.distance);
+        found.body = lanes::as_integer_mask(nearer).select(u32x8::splat(index), found.body);
+    }
+    found
+}
+
 /// The nearest bodies of a tree on the `live` ones of eight rays of unit direction.
 #[inline(always)]
 pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
