@@ -34,6 +34,12 @@ impl Vec3x8 {
         Self::new(f32x8::splat(v[0]), f32x8::splat(v[1]), f32x8::splat(v[2]))
     }
 
+    /// From its components as arrays of eight.
+    #[inline(always)]
+    pub fn from_arrays([x, y, z]: [[f32; 8]; 3]) -> Self {
+        Self::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
+    }
+
     /// The components as arrays of eight.
     #[inline(always)]
     pub fn to_arrays(self) -> [[f32; 8]; 3] {

@@ -34,11 +34,11 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         for i in 0..count {
             met.set(i, surfaces, surface_hits.row(b * LANES + i));
         }
-        let front = vector(met.front);
+        let front = Vec3x8::from_arrays(met.front);
         let is_front = front.dot(direction).simd_lt(f32x8::ZERO);
         let normal = Vec3x8::select(is_front, front, -front);
         let barycentric = [surface_hits.second.batch(b), surface_hits.third.batch(b)];
-        let position = surface::leave_x8(&surface::point_x8(met.corners.map(vector), barycentric), normal);
+        let position = surface::leave(&surface::points(met.corners.map(Vec3x8::from_arrays), barycentric), normal);
 
         let u = uniform_x8(flights.cosine.gather(&lane_of));
         let (sin, cos) = sin_cos_turn(uniform_x8(flights.azimuth.gather(&lane_of)));
@@ -64,12 +64,6 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             live.remove(lane_of[i] as usize);
         }
     }
-}
-
-/// Three components of eight rows.
-#[inline(always)]
-fn vector([x, y, z]: [[f32; LANES]; 3]) -> Vec3x8 {
-    Vec3x8::new(x.into(), y.into(), z.into())
 }
 
 /// The triangles that eight paths met, component by component.

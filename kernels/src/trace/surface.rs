@@ -32,7 +32,7 @@
 //! coordinates.
 
 use glam::DVec3;
-use wide::{f32x8, i32x8};
+use wide::{f32x8, u32x8};
 
 use crate::lanes;
 use crate::vec3x8::Vec3x8;
@@ -48,45 +48,19 @@ const fn gamma(n: u32) -> f32 {
     n as f32 * UNIT / (1.0 - n as f32 * UNIT)
 }
 
-/// A point of a triangle as f32 knows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Where it is `[m]`.
-    pub position: [f32; 3],
-    /// Bound of the distance of every component from that of a point of the triangle `[m]`, >= 0.
-    pub error: [f32; 3],
-}
-
-/// The point with the weights `barycentric` of the second and third corner, `[0, 1]` and of sum up to 1 but for
-/// rounding.
-#[inline]
-pub fn point(corners: [[f32; 3]; 3], barycentric: [f32; 2]) -> Point {
-    let [b1, b2] = barycentric;
-    let b0 = ((1.0 - b1) - b2).max(0.0);
-    let [a, b, c] = corners;
-    let terms = |axis: usize| [b0 * a[axis], b1 * b[axis], b2 * c[axis]];
-    let position = |axis: usize| {
-        let [x, y, z] = terms(axis);
-        let least = a[axis].min(b[axis]).min(c[axis]);
-        let most = a[axis].max(b[axis]).max(c[axis]);
-        (x + y + z).clamp(least, most)
-    };
-    let error = |axis: usize| gamma(9) * terms(axis).iter().map(|term| term.abs()).sum::<f32>();
-    Point { position: [0, 1, 2].map(position), error: [0, 1, 2].map(error) }
-}
-
-/// [`Point`] of eight rows.
+/// Points of eight triangles as f32 knows them.
 #[derive(Clone, Copy, Debug)]
-pub struct PointX8 {
+pub struct Points {
     /// Where they are `[m]`.
     pub position: Vec3x8,
-    /// Bounds of the distance of every component from that of a point of the triangle `[m]`.
+    /// Bounds of the distance of every component from that of a point of the triangle `[m]`, >= 0.
     pub error: Vec3x8,
 }
 
-/// [`point`] for eight rows, in the same arithmetic.
+/// The points with the weights `barycentric` of the second and third corner, `[0, 1]` and of sum up to 1 but for
+/// rounding.
 #[inline(always)]
-pub fn point_x8(corners: [Vec3x8; 3], barycentric: [f32x8; 2]) -> PointX8 {
+pub fn points(corners: [Vec3x8; 3], barycentric: [f32x8; 2]) -> Points {
     let [b1, b2] = barycentric;
     let b0 = ((f32x8::ONE - b1) - b2).fast_max(f32x8::ZERO);
     let component = |a: f32x8, b: f32x8, c: f32x8| {
@@ -97,7 +71,7 @@ pub fn point_x8(corners: [Vec3x8; 3], barycentric: [f32x8; 2]) -> PointX8 {
     };
     let [a, b, c] = corners;
     let [x, y, z] = [component(a.x, b.x, c.x), component(a.y, b.y, c.y), component(a.z, b.z, c.z)];
-    PointX8 { position: Vec3x8::new(x.0, y.0, z.0), error: Vec3x8::new(x.1, y.1, z.1) }
+    Points { position: Vec3x8::new(x.0, y.0, z.0), error: Vec3x8::new(x.1, y.1, z.1) }
 }
 
 /// The unit normal of a triangle's plane, right-handed around its corners; every component is off by one rounding.
@@ -108,46 +82,24 @@ pub fn normal(corners: [[f32; 3]; 3]) -> [f32; 3] {
     (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
 }
 
-/// The start of a ray in `direction` from a point of a plane with unit `normal`: beyond the point's error, on the side
-/// that the direction goes to.
-///
-/// Which side that is follows from the sign of `direction . normal`; directions within a few units in the last place of
-/// the plane may be taken for either.
-#[inline]
-pub fn leave(point: &Point, normal: [f32; 3], direction: [f32; 3]) -> [f32; 3] {
-    let products = |a: [f32; 3], b: [f32; 3]| [a[0] * b[0], a[1] * b[1], a[2] * b[2]];
-    let towards: f64 = (0..3).map(|axis| f64::from(direction[axis]) * f64::from(normal[axis])).sum();
-    let clearance = products(normal.map(f32::abs), point.error).iter().sum::<f32>() * (1.0 + 16.0 * UNIT);
-    let outwards = normal.map(|component| if towards < 0.0 { -component } else { component });
-    [0, 1, 2].map(|axis| {
-        let moved = point.position[axis] + clearance * outwards[axis];
-        match outwards[axis] {
-            0.0 => point.position[axis],
-            component if moved.abs() < LEAST => LEAST.copysign(component),
-            component if component > 0.0 => moved.next_up(),
-            _ => moved.next_down(),
-        }
-    })
-}
-
-/// [`leave`] for eight rows, to the side of which `normal` is the unit normal, in the same arithmetic.
+/// The starts of rays from points of planes: beyond the points' error, on the side to which the unit normals `outwards`
+/// point.
 #[inline(always)]
-pub fn leave_x8(point: &PointX8, normal: Vec3x8) -> Vec3x8 {
-    let PointX8 { position, error } = *point;
-    let [x, y, z] = [normal.x.abs() * error.x, normal.y.abs() * error.y, normal.z.abs() * error.z];
+pub fn leave(points: &Points, outwards: Vec3x8) -> Vec3x8 {
+    let Points { position, error } = *points;
+    let [x, y, z] = [outwards.x.abs() * error.x, outwards.y.abs() * error.y, outwards.z.abs() * error.z];
     let clearance = (x + y + z) * f32x8::splat(1.0 + 16.0 * UNIT);
     let start = |position: f32x8, outwards: f32x8| {
         let moved = position + clearance * outwards;
         let least = f32x8::splat(LEAST);
         // The next number away from 0 has the next bits; towards 0, those before.
         let away = lanes::as_integer_mask(!(moved.is_sign_negative() ^ outwards.is_sign_negative()));
-        let bits = |number: f32x8| bytemuck::cast::<f32x8, i32x8>(number);
-        let step = bytemuck::cast::<_, i32x8>(away).select(i32x8::splat(1), i32x8::splat(-1));
-        let next = bytemuck::cast::<i32x8, f32x8>(bits(moved) + step);
+        let step = away.select(u32x8::splat(1), u32x8::splat(u32::MAX));
+        let next: f32x8 = bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(moved) + step);
         let next = moved.abs().simd_lt(least).select(outwards.is_sign_negative().select(-least, least), next);
         outwards.simd_eq(f32x8::ZERO).select(position, next)
     };
-    Vec3x8::new(start(position.x, normal.x), start(position.y, normal.y), start(position.z, normal.z))
+    Vec3x8::new(start(position.x, outwards.x), start(position.y, outwards.y), start(position.z, outwards.z))
 }
 
 #[cfg(test)]
@@ -156,60 +108,48 @@ mod tests {
     use crate::lanes::LANES;
     use crate::random::{uniform, words};
 
+    /// Corners of a triangle, and weights of a point in it.
+    type Case = ([[f32; 3]; 3], [f32; 2]);
+
     /// Triangles near and far, large and small, and weights in them.
-    fn cases() -> impl Iterator<Item = ([[f32; 3]; 3], [f32; 2])> {
-        (0..100_000).map(|i| {
-            let random = |block: u32| words(i, 0, block, 3).map(|word| uniform(word) as f32);
-            let [far, size, u, v] = random(0);
-            let (far, size) = (10_f32.powf(12.0 * far - 6.0), 10_f32.powf(12.0 * size - 6.0));
-            let center = random(1);
-            let corner = |block: u32| {
-                let offset = random(block);
-                [0, 1, 2].map(|axis| far * (2.0 * center[axis] - 1.0) + size * (offset[axis] - 0.5))
-            };
-            let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-            ([corner(2), corner(3), corner(4)], weights)
+    fn cases() -> impl Iterator<Item = [Case; LANES]> {
+        (0..12_500).map(|batch| {
+            lanes::per_lane(|lane| {
+                let random = |block: u32| words(8 * batch + lane as u32, 0, block, 3).map(|word| uniform(word) as f32);
+                let [far, size, u, v] = random(0);
+                let (far, size) = (10_f32.powf(12.0 * far - 6.0), 10_f32.powf(12.0 * size - 6.0));
+                let center = random(1);
+                let corner = |block: u32| {
+                    let offset = random(block);
+                    [0, 1, 2].map(|axis| far * (2.0 * center[axis] - 1.0) + size * (offset[axis] - 0.5))
+                };
+                let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+                ([corner(2), corner(3), corner(4)], weights)
+            })
         })
+    }
+
+    fn vectors(rows: [[f32; 3]; LANES]) -> Vec3x8 {
+        Vec3x8::from_arrays([0, 1, 2].map(|axis| rows.map(|row| row[axis])))
+    }
+
+    fn points_of(cases: &[Case; LANES]) -> Points {
+        let corners = [0, 1, 2].map(|i| vectors(cases.map(|(corners, _)| corners[i])));
+        points(corners, [0, 1].map(|i| f32x8::new(cases.map(|(_, weights)| weights[i]))))
     }
 
     #[test]
     fn points_are_within_their_error_of_the_triangle() {
-        for (corners, [b1, b2]) in cases() {
-            let found = point(corners, [b1, b2]);
-            let weights = [1.0 - f64::from(b1) - f64::from(b2), f64::from(b1), f64::from(b2)];
-            for axis in 0..3 {
-                let exact: f64 = (0..3).map(|i| weights[i] * f64::from(corners[i][axis])).sum();
-                let off = (f64::from(found.position[axis]) - exact).abs();
-                assert!(off <= f64::from(found.error[axis]), "{corners:?} at {b1}, {b2}, axis {axis}: off by {off:e}");
-            }
-        }
-    }
-
-    #[test]
-    fn eight_rows_start_where_one_does() {
-        let upright = |axis: usize, at: f32| {
-            let corner = |u: f32, v: f32| {
-                let mut corner = [u, v, u - v];
-                corner[axis] = at;
-                corner
-            };
-            ([corner(0.0, 0.5), corner(2.0, -1.0), corner(-1.0, 3.0)], [0.25, 0.5])
-        };
-        let walls = [0, 1, 2].into_iter().flat_map(|axis| [0.0, 1.0, -3.0].map(|at| upright(axis, at)));
-        let cases: Vec<_> = walls.chain(cases()).collect();
-        for cases in cases.chunks_exact(LANES) {
-            let vector = |of: &dyn Fn(usize) -> [f32; 3]| {
-                let [x, y, z] = [0, 1, 2].map(|axis: usize| f32x8::new(lanes::per_lane(|lane| of(lane)[axis])));
-                Vec3x8::new(x, y, z)
-            };
-            let weight = |which: usize| f32x8::new(lanes::per_lane(|lane| cases[lane].1[which]));
-            let point_of = point_x8([0, 1, 2].map(|i| vector(&|lane| cases[lane].0[i])), [weight(0), weight(1)]);
-            for side in [1.0, -1.0] {
-                let outwards = |lane: usize| normal(cases[lane].0).map(|component| side * component);
-                let starts = leave_x8(&point_of, vector(&outwards)).to_arrays();
-                for (lane, (corners, weights)) in cases.iter().enumerate() {
-                    let expected = leave(&point(*corners, *weights), outwards(lane), outwards(lane));
-                    assert_eq!(starts.map(|axis| axis[lane]), expected, "{corners:?} at {weights:?}");
+        for cases in cases() {
+            let Points { position, error } = points_of(&cases);
+            let (position, error) = (position.to_arrays(), error.to_arrays());
+            for (lane, (corners, [b1, b2])) in cases.into_iter().enumerate() {
+                let weights = [1.0 - f64::from(b1) - f64::from(b2), f64::from(b1), f64::from(b2)];
+                for axis in 0..3 {
+                    let exact: f64 = (0..3).map(|i| weights[i] * f64::from(corners[i][axis])).sum();
+                    let off = (f64::from(position[axis][lane]) - exact).abs();
+                    let error = f64::from(error[axis][lane]);
+                    assert!(off <= error, "{corners:?} at {b1}, {b2}, axis {axis}: off by {off:e}");
                 }
             }
         }
@@ -219,25 +159,49 @@ mod tests {
     fn starts_from_planes_of_coordinates_are_normal_numbers() {
         let floor = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         for side in [1.0, -1.0] {
-            let [x, y, z] = leave(&point(floor, [0.25, 0.5]), normal(floor), [0.3, 0.4, side]);
+            let outwards = Vec3x8::splat(normal(floor).map(|component| side * component));
+            let [x, y, z] = leave(&points_of(&[(floor, [0.25, 0.5]); LANES]), outwards).to_arrays().map(|axis| axis[0]);
             assert!([x, y] == [0.25, 0.5] && z * side > 0.0 && z.is_normal(), "{z:e}");
         }
     }
 
     #[test]
-    fn starts_are_strictly_on_the_side_that_the_ray_goes_to() {
-        for (corners, weights) in cases() {
-            let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
-            let exact_normal = (b - a).cross(c - a).normalize_or_zero();
-            let normal = normal(corners);
-            // Differences of corners that are hardly apart are in line by chance.
-            if exact_normal == DVec3::ZERO {
-                continue;
+    fn starts_of_upright_walls_are_the_next_numbers() {
+        for (axis, at) in [0, 1, 2].into_iter().flat_map(|axis| [1.0_f32, -3.0, 1e6].map(|at| (axis, at))) {
+            for side in [1.0, -1.0] {
+                // Only rounding takes a point from such a wall: what is left is one step.
+                let mut outwards = [0.0; 3];
+                outwards[axis] = side;
+                let on_wall = Points { position: Vec3x8::splat([at; 3]), error: Vec3x8::ZERO };
+                let start = leave(&on_wall, Vec3x8::splat(outwards)).to_arrays().map(|axis| axis[3]);
+                let next = if side > 0.0 { at.next_up() } else { at.next_down() };
+                let expected = [0, 1, 2].map(|other| if other == axis { next } else { at });
+                assert_eq!(start, expected, "axis {axis} at {at}, side {side}");
             }
+        }
+    }
+
+    #[test]
+    fn starts_are_strictly_on_the_side_that_the_ray_goes_to() {
+        for cases in cases() {
+            let normals = cases.map(|(corners, _)| normal(corners));
             for sign in [1.0, -1.0] {
-                let start = leave(&point(corners, weights), normal, normal.map(|component| sign * component));
-                let height = (DVec3::from(start.map(f64::from)) - a).dot(exact_normal);
-                assert!(f64::from(sign) * height > 0.0, "{corners:?} at {weights:?}: {height:e} on the side {sign}");
+                let outwards = vectors(normals.map(|normal| normal.map(|component| sign * component)));
+                let starts = leave(&points_of(&cases), outwards).to_arrays();
+                for (lane, (corners, weights)) in cases.into_iter().enumerate() {
+                    let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
+                    let exact_normal = (b - a).cross(c - a).normalize_or_zero();
+                    // Differences of corners that are hardly apart are in line by chance.
+                    if exact_normal == DVec3::ZERO {
+                        continue;
+                    }
+                    let start = starts.map(|axis| axis[lane]);
+                    let height = (DVec3::from(start.map(f64::from)) - a).dot(exact_normal);
+                    assert!(
+                        f64::from(sign) * height > 0.0,
+                        "{corners:?} at {weights:?}: {height:e} on the side {sign}"
+                    );
+                }
             }
         }
     }

@@ -161,14 +161,17 @@ pub fn depart(mesh: &Mesh, count: usize, seed: u32) -> Departures {
         let corners = geometry.corners(triangle);
         let [u, v, ..] = random.uniforms();
         let weights = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-        let from = surface::point(corners, weights.map(|weight| weight as f32));
+        let from = surface::points(corners.map(Vec3x8::splat), weights.map(|weight| f32x8::splat(weight as f32)));
         let normal = surface::normal(corners);
         let away = random.direction();
         // Positions of the mesh surround the origin, so that outside is where a normal points away from it.
         let middle = corners.map(point).into_iter().sum::<DVec3>();
         let outside = away.dot(point(normal)) * middle.dot(point(normal)) > 0.0;
         let direction = away.as_vec3().to_array();
-        let origin = surface::leave(&from, normal, direction);
+        let side = (away.dot(point(normal)) as f32).signum();
+        let outwards = Vec3x8::splat(normal.map(|component| side * component));
+        let [x, y, z] = surface::leave(&from, outwards).to_arrays();
+        let origin = [x[0], y[0], z[0]];
         let hit = trace::closest(&geometry, &Ray { origin, direction, max: f32::INFINITY });
         match (outside, hit) {
             (true, Some(_)) => departures.returned += 1,
