@@ -190,16 +190,28 @@ impl Check<'_> {
         let scattering = self.coefficient(&format!("{table}.scattering"), medium.scattering)?;
         let absorption = self.coefficient(&format!("{table}.absorption"), medium.absorption)?;
         let extinction: [f64; 3] = core::array::from_fn(|c| scattering[c] + absorption[c]);
-        let most = extinction.into_iter().fold(0.0, f64::max);
-        let finding = format!("{}, which makes an extinction of {most:?}/m with the scattering", medium.absorption);
-        let remedy = "give smaller coefficients: scattering and absorption together go up to 1e9/m";
-        self.require(most <= LARGEST, &format!("{table}.absorption"), finding, remedy)?;
+        self.must_be_possible(table, medium, extinction)?;
         let grey = extinction.iter().all(|channel| (channel - extinction[0]).abs() <= 1e-6 * extinction[0]);
         let extinction = if grey { [extinction[0]; 3] } else { extinction };
         let albedo = |c: usize| if extinction[c] > 0.0 { (scattering[c] / extinction[c]) as f32 } else { 0.0 };
         let phase = phase::function(self.document, &format!("{table}.phase"), &medium.phase)?;
         let found = Medium::coloured(extinction.map(|channel| channel as f32), [0, 1, 2].map(albedo), phase);
         self.emission(table, medium.emission, found)
+    }
+
+    /// An error if `extinction`, the sum of the coefficients at `table`, is too large [1/m]. The key to blame is the one
+    /// that does most about it where it is largest.
+    fn must_be_possible(&self, table: &str, medium: &schema::Medium, extinction: [f64; 3]) -> Result<()> {
+        let worst = (1..3).fold(0, |worst, c| if extinction[c] > extinction[worst] { c } else { worst });
+        let (scattering, absorption) = (medium.scattering, medium.absorption);
+        let [(key, value), (other, _)] = if scattering.0[worst] > absorption.0[worst] {
+            [("scattering", scattering), ("absorption", absorption)]
+        } else {
+            [("absorption", absorption), ("scattering", scattering)]
+        };
+        let finding = format!("{value}, which makes an extinction of {:?}/m with the {other}", extinction[worst]);
+        let remedy = "give smaller coefficients: scattering and absorption together go up to 1e9/m";
+        self.require(extinction[worst] <= LARGEST, &format!("{table}.{key}"), finding, remedy)
     }
 
     /// `medium` with the emission of the keys at `table`.

@@ -95,6 +95,9 @@ fn coefficients_are_finite_and_not_negative() {
         let radiance = format!("radiance = {written}");
         refused("radiance = 10", &radiance, &format!("light[0].radiance is {shown}\n"));
     }
+    let finding =
+        "medium.scattering is 1000000000.0, which makes an extinction of 1000000000.3/m with the absorption\n";
+    refused("scattering = 0.7", "scattering = 1e9", finding);
 }
 
 #[test]
