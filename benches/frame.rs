@@ -1,5 +1,6 @@
 //! Whole frames: fog-facing, 256 x 256, g .9, K 15, and dense-plate, per technique; a lamp of 2 and of 10 082
-//! triangles; three lights and swarms of more; and the bare walk that no renderer can beat.
+//! triangles; three lights and swarms of more; fog as a grid of equal voxels beside fog itself; and the bare walk that no
+//! renderer can beat.
 //!
 //! ```text
 //! cargo bench --bench frame
@@ -12,9 +13,12 @@ use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_grou
 use fogbow::film::{Film, Region, TILE_SIZE};
 use fogbow::frame::Frame;
 use fogbow::render::{Monitor, Renderer, Workers};
+use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Selection;
+use fogbow_testing::frames::clouds::{centred, leaves, with_field};
 use fogbow_testing::frames::{self, Active};
+use glam::DVec3;
 
 const SIZE: [u32; 2] = [256, 256];
 
@@ -31,6 +35,24 @@ fn fog_facing() -> Frames {
         ("nee and omnee", frames::with_techniques(&base, Active::Omnee, 4.0)),
         ("bridge, all starts", frames::with_techniques(&base, Active::Bridge, 4.0)),
         ("bridge, 1 start", frames::with_techniques(&base, Active::Bridge, 4.0).with_walk(1, 1.0)),
+    ]
+}
+
+/// The fog of fog-facing, and a grid of 64^3 equal voxels that has it in a cube of 40 m.
+fn constant_grid() -> Frames {
+    let fog = frames::fog_facing(0.0, 0.9, SIZE);
+    let voxels = Voxels::new(&leaves(8, |_| 1.0), &centred(64, 40.0, DVec3::ZERO), Interpolation::Trilinear);
+    let grid = with_field(&fog, Field::grid(voxels, fog.medium.largest_extinction()));
+    let of = |base: &Frame, active: Active| frames::with_techniques(base, active, 4.0);
+    vec![
+        ("fog, path", of(&fog, Active::Path)),
+        ("grid, path", of(&grid, Active::Path)),
+        ("fog, nee", of(&fog, Active::Nee)),
+        ("grid, nee", of(&grid, Active::Nee)),
+        ("fog, mvnee-4", of(&fog, Active::Mvnee)),
+        ("grid, mvnee-4", of(&grid, Active::Mvnee)),
+        ("fog, bridge", of(&fog, Active::Bridge)),
+        ("grid, bridge", of(&grid, Active::Bridge)),
     ]
 }
 
@@ -81,6 +103,7 @@ fn frame(c: &mut Criterion) {
     bench(c, "dense-plate", dense_plate(), &SIMD, 4, &[2]);
     bench(c, "lamp", lamp(), &SIMD, 4, &[2]);
     bench(c, "lights", swarms(), &SIMD, 4, &[2]);
+    bench(c, "constant grid", constant_grid(), &SIMD, 8, &[1]);
     bench(c, "fog-facing, twins", fog_facing(), &REFERENCE, 1, &[1]);
 }
 
