@@ -5,20 +5,22 @@
 //! 1. The first segments of all rows that count go through the tracker, then the second ones: rays take the lanes of
 //!    those that have ended, and still a row's factors are multiplied in the sequence of its segments.
 //! 2. Their tau~ is found for whole batches afterwards.
-//! 3. A grey field has one hue. Where channels are apart they are estimated one after the other (`channels`).
+//! 3. Segments in the even part of the field, whose factor is 1, are left out: in a block of fog, nearly all.
+//! 4. A grey field has one hue. Where channels are apart they are estimated one after the other (`channels`).
 
 use wide::{f32x8, u32x8};
 
 use super::{Columns, channels};
 use crate::columns::Column3;
-use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use crate::columns::queues::{Bucket, CandidateQueue, ChainTable, WorthTable};
 use crate::lanes::LANES;
 use crate::media::MediumX8;
 use crate::media::field::tracking::RaysX8;
 use crate::media::field::tracking::simd::{factor, transmittances};
-use crate::media::field::{Field, FieldX8};
+use crate::media::field::{EvenX8, Field, FieldX8};
 use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream};
+use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -38,25 +40,24 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
     let hues_of = |row: usize| hues(field, flown.then(|| immersion.hero.rows()[lane_of(row)]));
     for segment in 0..=bucket.inserted {
         let (from, to) = (vertex(segment), vertex(segment + 1));
-        let rays = bucket.batches().map(|(b, rows)| {
-            let counts = |lane: &usize| {
-                let row = LANES * b + lane;
-                worth.weight.rows()[row] != 0.0 && worth.factor.any(row)
-            };
-            let live = lanes::each(rows).filter(counts).fold(0, |live, lane| live | 1 << lane);
+        let rays = bucket.batches().filter_map(|(b, rows)| {
+            let (origin, end) = (from.batch(b), to.batch(b));
+            let live = lanes::bits(asks(field, worth, b, rows, [origin, end]));
+            if live == 0 {
+                return None;
+            }
             let of = candidates.lane.batch(b).to_array();
             let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.gather(&of));
             let block = random::block_x8(u32x8::splat(step.clock) - birth, block);
-            let (origin, end) = (from.batch(b), to.batch(b));
             let hues = hues_x8(|lane| if live >> lane & 1 == 1 { hues_of(LANES * b + lane) } else { [0.0; CHANNELS] });
-            RaysX8 {
+            Some(RaysX8 {
                 first: LANES * b,
                 live,
                 origin,
                 direction: end - origin,
                 stream: Stream::new_x8(pixel, sample, block, step.seed, segment as u32),
                 hues: core::array::from_fn(|hue| hues[hue]),
-            }
+            })
         });
         transmittances(field, rays, |row, products: [f32; N], known| {
             estimates.product.set_row(row, [0, 1, 2].map(|c: usize| products[c.min(N - 1)]));
@@ -64,20 +65,30 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
         });
         for (b, rows) in bucket.batches() {
             let (from, to) = (from.batch(b), to.batch(b));
+            let asked = asks(field, worth, b, rows, [from, to]);
+            if !asked.any() {
+                continue;
+            }
             let depth = FieldX8::of(field).optical_depth(from, to, (to - from).length_squared().sqrt());
-            // Rows that count nothing were not estimated: what stands there is of no meaning.
-            let weighs = lanes::mask(rows) & !worth.weight.batch(b).simd_eq(f32x8::ZERO);
             let (products, known) = (estimates.product.batch(b), estimates.depth.batch(b));
             let products = [products.x, products.y, products.z];
             let hues = hues_x8(|lane| if rows >> lane & 1 == 1 { hues_of(LANES * b + lane) } else { [0.0; CHANNELS] });
             let through: [f32x8; N] = core::array::from_fn(|c| factor(products[c], hues[c], known, depth));
             for (c, channel) in worth.factor.channels_mut().iter_mut().enumerate() {
                 let before = channel.batch(b);
-                let counts = weighs & !before.simd_eq(f32x8::ZERO);
+                // Rows that do not ask were not estimated: what stands there is of no meaning.
+                let counts = asked & !before.simd_eq(f32x8::ZERO);
                 channel.set_batch(b, counts.select(before * through[c.min(N - 1)], before));
             }
         }
     }
+}
+
+/// Which of some `rows` of batch `b` count anything and are not settled, for a segment between two points.
+#[inline(always)]
+fn asks(field: &Field, worth: &WorthTable<'_>, b: usize, rows: u32, [from, to]: [Vec3x8; 2]) -> f32x8 {
+    let counts = !worth.weight.batch(b).simd_eq(f32x8::ZERO);
+    lanes::mask(rows & worth.factor.any_of_batch(b)) & counts & !EvenX8::new(field, f32x8::ONE).settles(from, to)
 }
 
 /// Vertex `number` of the connections of a bucket, counted from the start.

@@ -59,6 +59,17 @@ impl<'a> EvenX8<'a> {
     pub fn depth(self, length: f32x8) -> f32x8 {
         (self.extinction * length * self.hue).fast_max(f32x8::splat(LEAST_DEPTH))
     }
+
+    /// Which segments let through just what weights take them for: those that stay in the part and are not too deep. Of
+    /// these nothing is left to estimate.
+    #[inline(always)]
+    pub fn settles(self, from: Vec3x8, to: Vec3x8) -> f32x8 {
+        if self.field.even.is_none() {
+            return f32x8::ZERO;
+        }
+        let stays = self.field.in_even_part(self.field.in_cells(from), self.field.in_cells(to));
+        stays & self.depth((to - from).length_squared().sqrt()).simd_le(self.most_depth)
+    }
 }
 
 impl<'a> MediumX8 for EvenX8<'a> {
@@ -204,10 +215,11 @@ mod tests {
     use crate::media::field::{ColouredFieldLanes, Interpolation, Leaf, Shape, Volume, Voxels};
     use crate::media::reference::Medium as _;
     use crate::phase::HenyeyGreenstein;
-    use crate::random;
+    use crate::random::{self, Stream};
+    use crate::transmittance;
 
-    /// A cube of 32^3 voxels of one density, from -1 to 1 m along each axis; and a box.
-    fn fields() -> [Field; 2] {
+    /// A cube of 32^3 voxels of one density, from -1 to 1 m along each axis.
+    fn grid(extinction: f32) -> Field {
         let origins = (0..64).map(|leaf| [0, 1, 2].map(|axis: usize| 8 * (leaf >> (2 * axis) & 3)));
         let leaves: Vec<Leaf> = origins.map(|origin| Leaf { origin, values: [1.0; 512].into() }).collect();
         let to_index = [0, 1, 2].map(|axis| {
@@ -215,10 +227,14 @@ mod tests {
             row[axis] = 16.0;
             row
         });
-        let grid = Field::grid(Voxels::new(&leaves, &to_index, Interpolation::Trilinear), 3.0);
+        Field::grid(Voxels::new(&leaves, &to_index, Interpolation::Trilinear), extinction)
+    }
+
+    /// One, and a box.
+    fn fields() -> [Field; 2] {
         let shape = Shape::block([[-1.0; 3], [1.0, 0.9, 0.8]]);
         let solid = Field::new(vec![Volume { shape: Some(shape), voxels: None, extinction: 40.0 }], 0.1);
-        [grid, solid].map(|field| field.coloured([0.5, 1.0, 0.25]))
+        [grid(3.0), solid].map(|field| field.coloured([0.5, 1.0, 0.25]))
     }
 
     /// Numbers within +-`size`, other ones for every `seed`.
@@ -277,6 +293,35 @@ mod tests {
                     assert_eq!(even[..3], mixed[..3], "field {number}, {seed}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn what_it_settles_lets_through_what_weights_take_it_for() {
+        let [shallow, solid] = fields();
+        for (number, field) in [shallow, solid, grid(100.0)].iter().enumerate() {
+            let [mut settled, mut deep] = [0, 0];
+            for seed in 0..400 {
+                let [from, to] = [2 * seed, 2 * seed + 1].map(|seed| points(seed, 1.2));
+                let settles = lanes::bits(EvenX8::new(field, f32x8::ONE).settles(from, to));
+                for lane in 0..lanes::LANES {
+                    let ends = [from, to]
+                        .map(|v| DVec3::from([v.x, v.y, v.z].map(|component| f64::from(component.to_array()[lane]))));
+                    let stream = Stream::new(seed, lane as u32, 1, 2, 3);
+                    let estimate = transmittance::reference::estimate(field, None, ends[0], ends[1], stream);
+                    if settles >> lane & 1 == 1 {
+                        settled += 1;
+                        assert!(
+                            estimate.iter().all(|factor| (factor - 1.0).abs() < 1e-6),
+                            "field {number}, {ends:?}: {estimate:?}"
+                        );
+                    } else if field.even_between(ends[0], ends[1]).is_some() {
+                        deep += 1;
+                        assert!(estimate[1] < 1.0, "field {number}, {ends:?}: {estimate:?}");
+                    }
+                }
+            }
+            assert!(settled > 30 && (deep > 100) == (number == 2), "field {number}: {settled}, {deep} too deep");
         }
     }
 
