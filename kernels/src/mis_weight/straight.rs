@@ -1,7 +1,7 @@
-//! Weights where next event estimation alone competes with walks, in fog of one extinction.
+//! Weights where next event estimation alone competes with walks, in media without colour.
 //!
 //! ```text
-//! weight = profile / (reach(n) + reach(n - 1) r),    r = p_A P_l s^2 e^{mu_t s} / (p_w cos_light)
+//! weight = profile / (reach(n) + reach(n - 1) r),    r = p_A P_l s^2 e^tau / (p_w cos_light)
 //! ```
 //!
 //! One vertex is looked at, so that there is neither a suffix to fill nor a history to read.
@@ -21,7 +21,7 @@ use crate::{Step, lanes};
 /// Whether this is all that a bucket of candidates needs.
 pub(super) fn suffices<M: MediumLanes>(columns: &Columns<'_, '_>) -> bool {
     let alone = Techniques { nee: true, ..Techniques::default() };
-    let is_plain = !M::COLOURED && !M::Channel::VARIES && !columns.lights.has_distant();
+    let is_plain = !M::COLOURED && !columns.lights.has_distant();
     is_plain && columns.bucket.inserted == 0 && *columns.techniques == alone
 }
 
@@ -52,7 +52,11 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
         let selected = selection::probability(lights, &choices, start, light_sum);
         let attempt = selected * survival.reach(starts.depth(1));
         let geometry = choices.density * attempt * (distance * distance) / cos_light;
-        let depth = medium.optical_depth_along(distance, f32x8::ZERO);
+        let depth = if medium.stays_even([start, point], rows) {
+            medium.as_even().optical_depth(start, point, distance)
+        } else {
+            medium.optical_depth(start, point, distance)
+        };
         let connected = starts.eligible(1).select(geometry * inverse_density * exp(depth), f32x8::ZERO);
         let sum = starts.reach_of_walk(survival, walk) + connected;
         let weighs = cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
