@@ -9,8 +9,9 @@ use fogbow::wavefront::Source;
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::mvnee::{Mvnee, Seeds};
 use fogbow_kernels::connect::nee;
+use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
-use fogbow_kernels::media::field::tracking::{Ray, batches, reference, simd};
+use fogbow_kernels::media::field::tracking::{FlightsX8, Ray, RaysX8, batches, first_budget, reference, simd};
 use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
 use fogbow_kernels::pipeline::REFERENCE;
 use fogbow_kernels::random::{self, Stream, uniform};
@@ -54,7 +55,7 @@ fn rays(length: f64) -> Vec<Ray> {
 fn candidates(grid: &Field, rays: &[Ray]) -> u64 {
     let count = |ray: &Ray| {
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-        u64::from(reference::fly(grid, 1.0, origin, direction, ray.stream).1)
+        u64::from(reference::fly(grid, 1.0, origin, direction, first_budget(ray.stream), ray.stream).1)
     };
     rays.iter().map(count).sum()
 }
@@ -64,11 +65,18 @@ fn tracking(c: &mut Criterion) {
     let mut group = c.benchmark_group("grid of 256^3 voxels");
     let flights = rays(1.0);
     group.throughput(Throughput::Elements(candidates(&grid, &flights)));
+    let batched: Vec<RaysX8<1>> = batches(&flights).collect();
     group.bench_function("flights, candidates", |b| {
         b.iter(|| {
-            simd::flights(&grid, batches(&flights), |first, ended, flights| {
-                black_box((first, ended, flights));
-            })
+            let of = |batch: &RaysX8<1>| FlightsX8::from(*batch);
+            simd::flights(
+                &grid,
+                batched.iter().map(of),
+                |first| batched[first / LANES].stream,
+                |first, ended, flights| {
+                    black_box((first, ended, flights));
+                },
+            )
         });
     });
     let segments = rays(0.1);

@@ -152,7 +152,7 @@ impl Walk<'_> {
         self.path[self.path.len() - 1]
     }
 
-    /// A free flight, for a number `u` where extinction is the same everywhere.
+    /// A free flight, for a number `u`.
     fn fly(&self, u: f64) -> f64 {
         let ray = (self.last(), self.direction);
         medium_sample::reference::flight(&self.frame.medium, self.hero, ray, u, &self.draws())

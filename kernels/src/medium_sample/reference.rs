@@ -38,7 +38,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 /// Free flight of a path along the ray (origin, unit direction), in the channel of its hero: the one that a share `u` of
-/// all flights does not reach, or in a field a tracked one.
+/// all flights does not reach, which in a field is tracked.
 pub fn flight(medium: &Medium, hero: usize, ray: (DVec3, DVec3), u: f64, draws: &Draws) -> f64 {
     let Some(field) = medium.field() else {
         return medium.homogeneous_twin(hero).flight(u);
@@ -46,7 +46,7 @@ pub fn flight(medium: &Medium, hero: usize, ray: (DVec3, DVec3), u: f64, draws: 
     let Draws { pixel, sample, depth, seed } = *draws;
     let stream = Stream::new(pixel, sample, random::block(depth, random::TRACKING), seed, 0);
     let (field, hue) = field.channel(hero);
-    tracking::reference::flight(field, f64::from(hue), ray.0, ray.1, stream)
+    tracking::reference::flight(field, f64::from(hue), ray.0, ray.1, -(1.0 - u).ln(), stream)
 }
 
 /// The random words of the segment that leaves the vertex at `depth`: flight, cosine, azimuth, survival.

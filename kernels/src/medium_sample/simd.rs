@@ -6,7 +6,10 @@
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
 //! 2. Flights are drawn for whole batches, dying paths included.
-//! 3. In a field they are tracked instead ([`tracking`]), where channels are apart those of one hero after the other.
+//! 3. In a field their optical depths are drawn, with which they are tracked ([`tracking`]), where channels are apart
+//!    those of one hero after the other.
+
+use core::cell::RefCell;
 
 use wide::{f32x8, u32x8};
 
@@ -14,16 +17,17 @@ use super::Columns;
 use crate::lanes::LANES;
 use crate::media::MediumLanes;
 use crate::media::field::Field;
-use crate::media::field::tracking::{self, RaysX8};
+use crate::media::field::tracking::{self, FlightsX8};
 use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream, uniform_x8};
 use crate::survival::Survival;
+use crate::transcendental::neg_ln;
 use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, mut columns: Columns<'_, '_>) {
     if let Some(field) = columns.medium.field() {
-        sample(step, &mut columns, |_, _| f32x8::ZERO);
+        sample(step, &mut columns, |_, rest| neg_ln(rest));
         return track(step, columns, field);
     }
     let hero = columns.immersion.hero.view(columns.live.batches());
@@ -32,38 +36,41 @@ pub fn run(step: Step, mut columns: Columns<'_, '_>) {
     });
 }
 
-/// Overwrites the flights of live paths with those through a field.
+/// Overwrites the optical depths of flights of live paths with flights through a field.
 fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     let Columns { live, paths, immersion, vertex, ray, flights, .. } = columns;
-    let rays = |b: usize, live: u32, hue: f32x8| {
-        let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
-        let block = random::block_x8(depth, random::TRACKING);
-        RaysX8 {
-            first: LANES * b,
-            live,
-            origin: vertex.position.batch(b),
-            direction: ray.direction.batch(b),
-            stream: Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 0),
-            hues: [hue],
-        }
+    let flights = RefCell::new(&mut flights.flight);
+    let batch = |b: usize, live: u32, hue: f32x8| FlightsX8 {
+        first: LANES * b,
+        live,
+        origin: vertex.position.batch(b),
+        direction: ray.direction.batch(b),
+        hue,
+        budget: flights.borrow().batch(b),
+    };
+    let stream = |first: usize| {
+        let b = first / LANES;
+        let block = random::block_x8(u32x8::splat(step.clock) - paths.birth.batch(b), random::TRACKING);
+        Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 0)
     };
     let mut end = |first: usize, ended: u32, flown: f32x8| {
         let b = first / LANES;
-        let before = flights.flight.batch(b);
-        flights.flight.set_batch(b, lanes::mask(ended).select(flown, before));
+        let mut flights = flights.borrow_mut();
+        let before = flights.batch(b);
+        flights.set_batch(b, lanes::mask(ended).select(flown, before));
     };
     let heroes = |b: usize| immersion.hero.batch(b);
     if let Some(apart) = field.apart() {
         for hero in 0..CHANNELS {
-            let rays = live.each_batch().map(|(b, live)| rays(b, live & lanes::equal(heroes(b), hero), f32x8::ONE));
-            tracking::simd::flights(apart.channel(hero), rays, &mut end);
+            let of_hero = |(b, live)| batch(b, live & lanes::equal(heroes(b), hero), f32x8::ONE);
+            tracking::simd::flights(apart.channel(hero), live.each_batch().map(of_hero), stream, &mut end);
         }
         return;
     }
     let hues = field.hues();
     let hue = |b: usize| heroes(b).to_array().map(|hero| hues[(hero as usize).min(CHANNELS - 1)]);
     let hue = |b: usize| if field.is_grey() { f32x8::ONE } else { f32x8::new(hue(b)) };
-    tracking::simd::flights(field, live.each_batch().map(|(b, live)| rays(b, live, hue(b))), end);
+    tracking::simd::flights(field, live.each_batch().map(|(b, live)| batch(b, live, hue(b))), stream, end);
 }
 
 /// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.

@@ -1,11 +1,21 @@
 //! Flights and transmittances.
 
 use glam::DVec3;
+use wide::f32x8;
 
 use super::{TO_INDEX, grids, integral, leaves, point, real};
-use crate::media::field::tracking::{Ray, batches, reference as tracking_twin, simd as tracking};
+use crate::lanes::LANES;
+use crate::media::field::tracking::{
+    FlightsX8, Ray, RaysX8, batches, first_budget, reference as tracking_twin, simd as tracking,
+};
 use crate::media::field::{Field, Interpolation, Shape, Volume, Voxels};
 use crate::random::Stream;
+
+fn fly(grid: &Field, rays: &[Ray], end: impl FnMut(usize, u32, f32x8)) {
+    let batches: Vec<RaysX8<1>> = batches(rays).collect();
+    let flights = batches.iter().map(|batch| FlightsX8::from(*batch));
+    tracking::flights(grid, flights, |first| batches[first / LANES].stream, end);
+}
 
 fn rays(count: u32) -> Vec<Ray> {
     let ray = |i: u32| {
@@ -23,7 +33,7 @@ fn tracked_flights_are_those_of_the_twin_in_any_lane() {
             let rays = rays(count);
             let fly = |rays: &[Ray]| {
                 let mut found = vec![f32::NAN; rays.len()];
-                tracking::flights(grid, batches(rays), |first, ended, flights| {
+                fly(grid, rays, |first, ended, flights| {
                     crate::lanes::each(ended).for_each(|lane| found[first + lane] = flights.to_array()[lane]);
                 });
                 found
@@ -33,7 +43,14 @@ fn tracked_flights_are_those_of_the_twin_in_any_lane() {
             reversed.reverse();
             assert!(found.iter().zip(&reversed).all(|(a, b)| a.to_bits() == b.to_bits()), "{count} rays");
             let off = rays.iter().zip(&found).filter(|(ray, found)| {
-                let expected = tracking_twin::flight(grid, 1.0, real(ray.origin), real(ray.direction), ray.stream);
+                let expected = tracking_twin::flight(
+                    grid,
+                    1.0,
+                    real(ray.origin),
+                    real(ray.direction),
+                    first_budget(ray.stream),
+                    ray.stream,
+                );
                 let close = (f64::from(**found) - expected).abs() < 1e-4 * (1.0 + expected);
                 !(close || expected.is_infinite() && found.is_infinite())
             });
@@ -81,7 +98,7 @@ fn no_block_is_too_dense_to_leave() {
         hues: [1.0; 3],
     };
     let mut ended = 0;
-    tracking::flights(&grid, batches(&[beside]), |_, _, flights| {
+    fly(&grid, &[beside], |_, _, flights| {
         assert_eq!(flights.to_array()[0], f32::INFINITY);
         ended += 1;
     });
@@ -106,7 +123,8 @@ fn rays_beside_what_is_small_and_dense_meet_no_candidates_for_it() {
     let candidates = |i: u32| {
         let from = DVec3::new(0.0, 0.0, -2.0) + real(point(i));
         let direction = (real(point(9000 + i)) - from).normalize();
-        tracking_twin::fly(&field, 1.0, from, direction, Stream::new(i, 5, 6, 7, 0)).1
+        let stream = Stream::new(i, 5, 6, 7, 0);
+        tracking_twin::fly(&field, 1.0, from, direction, first_budget(stream), stream).1
     };
     let all: u32 = (0..rays).map(candidates).sum();
     assert!(all < 2 * rays, "{all} candidates on {rays} rays");
@@ -121,8 +139,8 @@ fn flights_and_transmittances_have_the_means_of_the_integral() {
         let (mut passed, mut sum, mut squares) = (0.0, 0.0, 0.0);
         for i in 0..samples {
             let stream = |part| Stream::new(i, 3, 4, 5, part);
-            passed +=
-                f64::from(u8::from(tracking_twin::flight(grid, 1.0, from, direction, stream(0)) > from.distance(to)));
+            let flight = tracking_twin::flight(grid, 1.0, from, direction, first_budget(stream(0)), stream(0));
+            passed += f64::from(u8::from(flight > from.distance(to)));
             let ([product], known) = tracking_twin::transmittance(grid, [1.0], from, to, stream(1));
             let estimate = product * (-known).exp();
             sum += estimate;

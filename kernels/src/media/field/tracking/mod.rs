@@ -12,7 +12,8 @@
 //! The majorants are those of the block, so that empty and even blocks cost a step and no candidate. Where extinction is
 //! coloured, flights are those of one channel, and one set of points serves all transmittances, since rates are those of
 //! the largest extinction: `T'_c = e^{-k_c int mu_c} prod (1 - k_c (mu(x) - mu_c) / mu_r)`. Each candidate has
-//! two numbers of the ray's [stream](crate::random::Stream), in the order in which they are met.
+//! two numbers of the ray's [stream](crate::random::Stream), in the order in which they are met: one decides what becomes
+//! of it, one how far away the next is. A flight's first candidate is as far away as its caller says.
 
 mod one_shape;
 mod quest;
@@ -24,7 +25,8 @@ use wide::{f32x8, u32x8};
 
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
-use crate::random::Stream;
+use crate::random::{Stream, uniform, uniform_x8};
+use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
 /// A ray through a field.
@@ -56,6 +58,53 @@ pub struct RaysX8<const N: usize> {
     pub stream: [u32x8; 4],
     /// Extinctions that count, over those of the field.
     pub hues: [f32x8; N],
+}
+
+/// Eight flights that have not drawn anything but how far away their first candidates are.
+#[derive(Clone, Copy, Debug)]
+pub struct FlightsX8 {
+    /// Row of that in lane 0; the others are in the rows behind it.
+    pub first: usize,
+    /// Lanes with a flight.
+    pub live: u32,
+    /// Where they start `[m]`.
+    pub origin: Vec3x8,
+    /// Where they go: unit directions.
+    pub direction: Vec3x8,
+    /// Extinctions that count, over that of the field.
+    pub hue: f32x8,
+    /// Mean free paths to their first candidates.
+    pub budget: f32x8,
+}
+
+impl FlightsX8 {
+    /// The rays of some `live` lanes, which draw from `stream`.
+    #[inline(always)]
+    fn rays(&self, live: u32, stream: [u32x8; 4]) -> RaysX8<1> {
+        let Self { first, origin, direction, hue, .. } = *self;
+        RaysX8 { first, live, origin, direction, stream, hues: [hue] }
+    }
+}
+
+impl From<RaysX8<1>> for FlightsX8 {
+    /// The flights of rays without numbers from elsewhere.
+    fn from(rays: RaysX8<1>) -> Self {
+        let RaysX8 { first, live, origin, direction, stream, hues: [hue] } = rays;
+        Self { first, live, origin, direction, hue, budget: first_budgets(stream) }
+    }
+}
+
+/// Mean free paths to the first candidate, for a ray without a number from elsewhere.
+pub fn first_budget(stream: Stream) -> f64 {
+    let [first, ..] = stream.words(0);
+    -(1.0 - uniform(first)).ln()
+}
+
+/// [`first_budget`] of eight streams.
+#[inline(always)]
+pub fn first_budgets(stream: [u32x8; 4]) -> f32x8 {
+    let [first, ..] = Stream::words_x8(stream, u32x8::splat(0));
+    neg_ln(f32x8::ONE - uniform_x8(first))
 }
 
 /// `rays` with the first N of their hues, eight at a time; their rows are their places.

@@ -2,21 +2,19 @@
 //!
 //! ```text
 //! [t0, t1]: the part of the ray in the shape, of extinction mu;     mu_a: extinction around it
-//! budget = -ln(1 - u),      u: the ray's first number
+//! budget: mean free paths that are left
 //! flight:        budget / mu_a                                              if budget < mu_a t0
 //!                t0 + (budget - mu_a t0) / mu                               if that is below t1
 //!                t1 + (budget - mu_a t0 - mu (t1 - t0)) / mu_a              otherwise: endless in vacuum
 //! transmittance: e^{-length (mu (t1 - t0) + mu_a (1 - (t1 - t0)))}
 //! ```
 
-use wide::{f32x8, u32x8};
+use wide::f32x8;
 
-use super::RaysX8;
+use super::{FlightsX8, RaysX8};
 use crate::lanes;
 use crate::media::field::Field;
 use crate::media::field::known::OneShape;
-use crate::random::{Stream, uniform_x8};
-use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
 /// The part of rays within the shape; nothing of it at their `end` where they miss it.
@@ -30,22 +28,20 @@ fn part(field: &Field, shape: &OneShape, origin: Vec3x8, direction: Vec3x8, end:
 
 /// The lengths of the flights of a batch.
 #[inline(always)]
-pub(super) fn flights(field: &Field, shape: &OneShape, batch: &RaysX8<1>) -> f32x8 {
+pub(super) fn flights(field: &Field, shape: &OneShape, batch: &FlightsX8) -> f32x8 {
     let infinity = f32x8::splat(f32::INFINITY);
     let [enter, exit] = part(field, shape, batch.origin, batch.direction, infinity);
     let missed = enter.simd_eq(infinity);
-    let [first, ..] = Stream::words_x8(batch.stream, u32x8::splat(0));
-    let budget = neg_ln(f32x8::ONE - uniform_x8(first));
-    let scale = batch.direction.length_squared().sqrt() * batch.hues[0];
+    let scale = batch.direction.length_squared().sqrt() * batch.hue;
     let [within, around] = [shape.extinction, field.around()].map(|extinction| f32x8::splat(extinction) * scale);
 
-    let early = if field.around() > 0.0 { budget.simd_lt(around * enter) } else { f32x8::ZERO };
+    let early = if field.around() > 0.0 { batch.budget.simd_lt(around * enter) } else { f32x8::ZERO };
     let before = if field.around() > 0.0 { around * enter } else { f32x8::ZERO };
-    let left = budget - before;
+    let left = batch.budget - before;
     let depth = missed.select(f32x8::ZERO, within * (exit - enter));
     let inside = left.simd_lt(depth);
     let after = (left - depth) / around; // in vacuum: without end, as is an exit that is never reached
-    early.select(budget / around, inside.select(enter + left / within, exit + after))
+    early.select(batch.budget / around, inside.select(enter + left / within, exit + after))
 }
 
 /// Hands what is known of every segment of a batch to `end`.

@@ -9,7 +9,6 @@ use crate::media::field::Field;
 use crate::media::field::axis::within;
 use crate::media::field::blocks::EDGE;
 use crate::random::{Stream, uniform_x8};
-use crate::transcendental::neg_ln;
 use crate::vec3x8::Vec3x8;
 
 /// A ray that is through.
@@ -110,9 +109,9 @@ impl<const N: usize> Lanes<N> {
         }
     }
 
-    /// Takes a batch to where it enters the cells.
+    /// Takes a batch to where it enters the cells, with so many mean free paths to its first candidates.
     #[inline(always)]
-    pub fn enter<Q: Quest<N>>(&mut self, field: &Field, batch: &RaysX8<N>, longest: f32) {
+    pub fn enter<Q: Quest<N>>(&mut self, field: &Field, batch: &RaysX8<N>, budget: f32x8, longest: f32) {
         let RaysX8 { first, stream, hues, .. } = *batch;
         let live = lanes::mask(batch.live);
         let [origin, direction] = [batch.origin, batch.direction].map(|v| Vec3x8::select(live, v, Vec3x8::ZERO));
@@ -148,11 +147,9 @@ impl<const N: usize> Lanes<N> {
         (self.next, self.delta, self.block) = (vector(next), vector(delta), index);
         (self.t, self.exit, self.scale) = (enter, exit, scale);
         (self.results, self.hues, self.known) = ([f32x8::ONE; N], hues, f32x8::ZERO);
-        (self.stream, self.candidates) = (stream, u32x8::splat(0));
+        self.stream = stream;
         self.row = u32x8::splat(first as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-        let [first, _] = self.draw();
-        self.budget = neg_ln(f32x8::ONE - first);
-        self.candidates = u32x8::splat(1);
+        (self.budget, self.candidates) = (budget, u32x8::splat(1));
         self.through = 0;
     }
 
@@ -196,13 +193,6 @@ impl<const N: usize> Lanes<N> {
         let [a, b, ..] = Stream::words_x8(self.stream, self.candidates);
         [uniform_x8(a), uniform_x8(b)]
     }
-}
-
-/// The first two numbers of every ray.
-#[inline(always)]
-pub(super) fn first_numbers(stream: [u32x8; 4]) -> [f32x8; 2] {
-    let [a, b, ..] = Stream::words_x8(stream, u32x8::splat(0));
-    [uniform_x8(a), uniform_x8(b)]
 }
 
 /// Puts lane `from` of `source` in lane `to`.

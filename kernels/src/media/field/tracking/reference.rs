@@ -17,15 +17,13 @@ use crate::media::reference::{depth_until, reach};
 use crate::random::{self, Stream};
 
 /// Length of the flight of a ray of unit `direction` that starts at `origin` `[m]`, where extinction is `hue` times that
-/// of the field; infinite where it leaves all there is.
-pub fn flight(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Stream) -> f64 {
-    fly(field, hue, origin, direction, stream).0
+/// of the field; infinite where it leaves all there is. It has `budget` mean free paths to its first candidate.
+pub fn flight(field: &Field, hue: f64, origin: DVec3, direction: DVec3, budget: f64, stream: Stream) -> f64 {
+    fly(field, hue, origin, direction, budget, stream).0
 }
 
 /// The same, and the number of candidates on its way, the collision included.
-pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Stream) -> (f64, u32) {
-    let [mut first, ..] = stream.words(0).map(random::uniform);
-    let mut budget = -(1.0 - first).ln();
+pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, mut budget: f64, stream: Stream) -> (f64, u32) {
     if field.is_known() {
         return (reach(&field.strata_along(origin, direction, f64::INFINITY), budget / hue), 1);
     }
@@ -55,8 +53,7 @@ pub fn fly(field: &Field, hue: f64, origin: DVec3, direction: DVec3, stream: Str
         if chance * f64::from(block.most) < walk.extinction() {
             return (walk.t, candidates);
         }
-        first = next;
-        budget = -(1.0 - first).ln();
+        budget = -(1.0 - next).ln();
     }
 }
 

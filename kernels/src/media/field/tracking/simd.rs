@@ -20,8 +20,8 @@
 use wide::{f32x8, i32x8, u32x8};
 
 use super::quest::{Flight, Quest, Transmittance};
-use super::rays::{Ended, Lanes, first_numbers};
-use super::{RaysX8, one_shape};
+use super::rays::{Ended, Lanes};
+use super::{FlightsX8, RaysX8, first_budgets, one_shape};
 use crate::lanes::{self, LANES};
 use crate::media::field::{EvenX8, Field};
 use crate::transcendental::{exp, neg_ln};
@@ -29,35 +29,39 @@ use crate::transcendental::{exp, neg_ln};
 /// So many rays that still cross blocks do not keep the others waiting.
 const FEW: u32 = 3;
 
-/// Hands the lengths of the flights of all rays, of unit directions, to `end`, some of a batch at a time: the row in lane
-/// 0, lanes and lengths, infinite where a flight leaves all there is. The hue of a ray is that of its flight.
-pub fn flights(field: &Field, rays: impl Iterator<Item = RaysX8<1>>, mut end: impl FnMut(usize, u32, f32x8)) {
+/// Hands the lengths of all flights to `end`, some of a batch at a time: the row in lane 0, lanes and lengths, infinite
+/// where a flight leaves all there is. `stream` has what those of a batch draw from, by the row in lane 0.
+pub fn flights(
+    field: &Field,
+    flights: impl Iterator<Item = FlightsX8>,
+    stream: impl Fn(usize) -> [u32x8; 4],
+    mut end: impl FnMut(usize, u32, f32x8),
+) {
     if let Some(shape) = &field.one {
-        return rays.for_each(|batch| end(batch.first, batch.live, one_shape::flights(field, shape, &batch)));
+        return flights.for_each(|batch| end(batch.first, batch.live, one_shape::flights(field, shape, &batch)));
     }
     let end = core::cell::RefCell::new(end);
-    let rays = rays.filter_map(|batch| {
-        let (ended, flights) = end_in_even_part(field, &batch);
+    let rays = flights.filter_map(|batch| {
+        let (ended, flown) = end_in_even_part(field, &batch);
         if ended != 0 {
-            end.borrow_mut()(batch.first, ended, flights);
+            end.borrow_mut()(batch.first, ended, flown);
         }
         let live = batch.live & !ended;
-        (live != 0).then_some(RaysX8 { live, ..batch })
+        (live != 0).then(|| (batch.rays(live, stream(batch.first)), batch.budget))
     });
     track::<1, Flight>(field, rays, f32::INFINITY, |row, ended| {
-        let flight = if ended.collided { ended.t } else { f32::INFINITY };
-        end.borrow_mut()(row - row % LANES, 1 << (row % LANES), f32x8::splat(flight));
+        let flown = if ended.collided { ended.t } else { f32::INFINITY };
+        end.borrow_mut()(row - row % LANES, 1 << (row % LANES), f32x8::splat(flown));
     });
 }
 
 /// The lanes of a batch whose flights end in the even part in which they began, and their lengths.
 #[inline(always)]
-fn end_in_even_part(field: &Field, batch: &RaysX8<1>) -> (u32, f32x8) {
+fn end_in_even_part(field: &Field, batch: &FlightsX8) -> (u32, f32x8) {
     let Some(even) = &field.even else { return (0, f32x8::ZERO) };
     let (start, way) = (field.in_cells(batch.origin), field.to_cells.directions(batch.direction));
-    let [first, _] = first_numbers(batch.stream);
-    let rate = batch.direction.length_squared().sqrt() * batch.hues[0] * f32x8::splat(even.extinction);
-    let flight = neg_ln(f32x8::ONE - first) / rate;
+    let rate = batch.direction.length_squared().sqrt() * batch.hue * f32x8::splat(even.extinction);
+    let flight = batch.budget / rate;
     // Convex: what begins and ends in it stays in it.
     let ended = even.holds(start) & even.holds(way.mul_add(flight, start));
     (lanes::bits(ended) & batch.live, flight)
@@ -92,7 +96,7 @@ pub fn transmittances<const N: usize>(
             end.borrow_mut()(batch.first + lane, [1.0; N], depths.to_array()[lane]);
         }
         let live = batch.live & !known;
-        (live != 0).then_some(RaysX8 { live, ..batch })
+        (live != 0).then(|| (RaysX8 { live, ..batch }, first_budgets(batch.stream)))
     });
     track::<N, Transmittance>(field, segments, 1.0, |row, ended| end.borrow_mut()(row, ended.results, ended.known));
 }
@@ -100,7 +104,7 @@ pub fn transmittances<const N: usize>(
 #[inline(always)]
 fn track<const N: usize, Q: Quest<N>>(
     field: &Field,
-    mut rays: impl Iterator<Item = RaysX8<N>>,
+    mut rays: impl Iterator<Item = (RaysX8<N>, f32x8)>,
     longest: f32,
     mut end: impl FnMut(usize, Ended<N>),
 ) {
@@ -109,7 +113,7 @@ fn track<const N: usize, Q: Quest<N>>(
         while lanes.live != lanes::ALL {
             if waiting.live == 0 {
                 let Some(batch) = rays.next() else { break };
-                waiting.set_out::<Q>(field, &batch, longest, &mut end);
+                waiting.set_out::<Q>(field, batch, longest, &mut end);
                 if waiting.live == 0 {
                     continue;
                 }
@@ -139,11 +143,11 @@ impl<const N: usize> Lanes<N> {
     fn set_out<Q: Quest<N>>(
         &mut self,
         field: &Field,
-        batch: &RaysX8<N>,
+        (batch, budget): (RaysX8<N>, f32x8),
         longest: f32,
         end: &mut impl FnMut(usize, Ended<N>),
     ) {
-        self.enter::<Q>(field, batch, longest);
+        self.enter::<Q>(field, &batch, budget, longest);
         let mut missed = batch.live & !lanes::bits(self.t.simd_lt(self.exit));
         let mut early = 0;
         if field.around() != 0.0 {
