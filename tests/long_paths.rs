@@ -104,18 +104,33 @@ fn slabs_reflect_and_transmit_as_adding_and_doubling_says() {
     }
 }
 
+/// A sheet of this preset, with its light at a distance along an axis and facing up or down it.
+fn sheet_of(preset: &str, [distance, normal]: [f64; 2], more: &[String]) -> LoadedScene {
+    let settings = [
+        format!("volume[0].preset={preset}"),
+        format!("light[0].center=[0,0,{distance:?}]"),
+        format!("light[0].normal=[0,0,{normal:?}]"),
+    ];
+    scene("tests/data/sheet", &[&settings, more].concat())
+}
+
+/// An image of 16 x 16 pixels has few samples, too few of which get through to tell how far walks should go if it has no
+/// more than others for each.
+#[test]
+fn small_images_know_how_deep_light_comes_from() {
+    for seed in 1..=6 {
+        let frame = piloted(&sheet_of("milk", [0.00505, -1.0], &[format!("render.seed={seed}")]));
+        let reach = frame.walk.survival.reach(100);
+        assert!(reach > 0.3, "seed {seed}: {reach} of all walks get to 100 segments");
+    }
+}
+
 /// Light goes through hundreds of scatterings in milk, which absorbs little, and extinctions differ by channel.
 #[test]
 fn sheets_of_milk_and_wax_reflect_and_transmit_as_adding_and_doubling_says() {
     for (preset, samples) in [("milk", 600), ("wax", 300)] {
         for (truths, light) in sheet(preset).into_iter().zip([[-0.0005, 1.0], [0.00505, -1.0]]) {
-            let [distance, normal] = light;
-            let settings = [
-                format!("volume[0].preset={preset}"),
-                format!("light[0].center=[0,0,{distance:?}]"),
-                format!("light[0].normal=[0,0,{normal:?}]"),
-            ];
-            let scene = scene("tests/data/sheet", &settings);
+            let scene = sheet_of(preset, light, &[]);
             let (means, errors) = render(&piloted(&scene), scene.scene.film.size, 0..samples).0.mean();
             for ((mean, error), truth) in means.into_iter().zip(errors).zip(truths) {
                 let off = (mean - truth).abs();

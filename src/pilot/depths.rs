@@ -24,7 +24,7 @@
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::survival::{FIRST_FADING, OCTAVES, Survival};
 
-use super::{Pilot, Setting, cost};
+use super::{Pilot, SIDE, Setting, cost};
 use crate::film::Film;
 use crate::stats::{ByDepth, Stats};
 
@@ -32,8 +32,8 @@ use crate::stats::{ByDepth, Stats};
 const LOOKS: u32 = 3;
 /// Side of a tile: few blocks, as each takes as long as its longest walk.
 const TILE: u32 = 16;
-/// Samples per pixel and look.
-const SAMPLES: u32 = 4;
+/// Samples of a look, at least: four of every pixel of a pilot's largest image.
+const SAMPLES: u32 = 4 * SIDE * SIDE;
 /// Segments after which the walks of looks end: the last ones of a block are alone.
 const FARTHEST: u32 = 1 << 13;
 /// The octave from which on walks may end at all.
@@ -56,11 +56,16 @@ pub(super) fn survival(pilot: &Pilot<'_>, setting: Setting) -> Option<Survival> 
         let found = take(pilot, Setting { survival, ..setting }, look)?;
         let (best, cost) = found.best_reach(&survival);
         survival = Survival::from_reach(best);
-        if cost * f64::from(SAMPLES * pilot.region.pixels() as u32) > MOST_WORK {
+        if cost * f64::from(samples_per_pixel(pilot)) * pilot.region.pixels() as f64 > MOST_WORK {
             break;
         }
     }
     Some(survival)
+}
+
+/// Samples per pixel of a look.
+fn samples_per_pixel(pilot: &Pilot<'_>) -> u32 {
+    SAMPLES.div_ceil(pilot.region.pixels() as u32)
 }
 
 /// What a look says of a sample.
@@ -80,7 +85,8 @@ fn take(pilot: &Pilot<'_>, setting: Setting, look: u32) -> Option<Found> {
     frame.lengths.max = frame.lengths.max.min(FARTHEST);
     let film = Film::new(&frame, pilot.region, TILE);
     let empty = Stats { by_depth: Some(ByDepth::new()), ..Stats::new(false).with_work() };
-    let samples = look * SAMPLES..(look + 1) * SAMPLES;
+    let count = samples_per_pixel(pilot);
+    let samples = look * count..(look + 1) * count;
     let stats = pilot.renderer.render_counting(empty, &frame, &SIMD, &film, samples, pilot.monitor);
     if pilot.monitor.stops() {
         return None;
