@@ -11,9 +11,14 @@ const UNKNOWN: f64 = 0.5;
 /// Standard errors by which what is said to be so is so.
 const SURE: f64 = 2.0;
 
+/// Share of the light of some paths of which a look that finds less misses them.
+const SEEN: f64 = 0.5;
+
 /// Light by length, look by look.
 pub struct Light {
     looks: Vec<Vec<f64>>,
+    /// Whether long paths are seen if there are any.
+    sees_far: bool,
     /// That of all looks together.
     all: Beyond,
     /// The same without each of them.
@@ -24,17 +29,40 @@ impl Light {
     /// Of `short` up to the length to which it goes, of `long` from there on.
     pub fn new(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
         let join = |(short, long): (&Vec<f64>, &Vec<f64>)| [short, &long[short.len()..]].concat();
-        Self::of(short.iter().zip(long).map(join).collect())
+        Self::of(short.iter().zip(long).map(join).collect(), true)
     }
 
-    fn of(looks: Vec<Vec<f64>>) -> Self {
+    /// The same where either may miss what the other sees: up to that length it is, of every doubling, that of those who
+    /// found more. Who hardly finds the light of the last doubling does not know what is beyond.
+    pub fn of_the_brighter(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
+        let mut brighter = short.to_vec();
+        let mut sees_far = true;
+        let longest = short[0].len() - 1;
+        let total: f64 = short.iter().flatten().sum();
+        let doublings = core::iter::successors(Some(1), |first| Some(2 * first)).take_while(|first| *first < longest);
+        for lengths in doublings.map(|first| first + 1..=longest.min(2 * first)) {
+            let of = |looks: &[Vec<f64>]| mean_and_error(looks.iter().map(|look| look[lengths.clone()].iter().sum()));
+            let ((found, error), (by_long, error_by_long)) = (of(short), of(long));
+            if by_long > found {
+                brighter.iter_mut().zip(long).for_each(|(look, long)| {
+                    look[lengths.clone()].copy_from_slice(&long[lengths.clone()]);
+                });
+            }
+            let surely = found - SURE * error;
+            let matters = surely * short.len() as f64 > TOLERATED * total;
+            sees_far = !matters || by_long + SURE * error_by_long > SEEN * surely;
+        }
+        Self { sees_far, ..Self::new(&brighter, long) }
+    }
+
+    fn of(looks: Vec<Vec<f64>>, sees_far: bool) -> Self {
         let lengths = 0..looks[0].len();
         let all: Vec<f64> = lengths.map(|n| looks.iter().map(|look| look[n]).sum()).collect();
         let without = |look: &Vec<f64>| {
             let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
             Beyond::of(&rest)
         };
-        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all), looks }
+        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all), looks, sees_far }
     }
 
     /// Whether no look found any.
@@ -66,7 +94,7 @@ impl Light {
     /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of
     /// them alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
     pub fn sufficient(&self) -> Option<u32> {
-        let half = |odd: usize| Self::of(self.looks.iter().skip(odd).step_by(2).cloned().collect());
+        let half = |odd: usize| Self::of(self.looks.iter().skip(odd).step_by(2).cloned().collect(), self.sees_far);
         let limits = [self.first(SURE), half(0).first(SURE), half(1).first(SURE)];
         limits.into_iter().try_fold(0, |largest, limit| Some(largest.max(limit?)))
     }
@@ -91,7 +119,7 @@ impl Light {
     /// Whether enough was found to say anything at all.
     fn is_sound(&self) -> bool {
         let (mean, error) = mean_and_error(self.looks.iter().map(|look| look.iter().sum()));
-        mean > 0.0 && error < UNKNOWN * mean
+        self.sees_far && mean > 0.0 && error < UNKNOWN * mean
     }
 
     /// Whether the last doublings surely bring more than they may where light fades.
@@ -185,7 +213,7 @@ mod tests {
             let parts = light.iter().enumerate();
             parts.map(|(n, light)| if n > 32 { factor(number) * light } else { *light }).collect()
         };
-        Light::of((0..16).map(look).collect())
+        Light::of((0..16).map(look).collect(), true)
     }
 
     #[test]
@@ -227,7 +255,7 @@ mod tests {
         assert!(light.is_black() && !light.is_known());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
         light.looks[3][200] = 1.0;
-        let light = Light::of(light.looks);
+        let light = Light::of(light.looks, true);
         assert!(!light.is_black());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
     }
@@ -238,8 +266,27 @@ mod tests {
         let early = light.sufficient().expect("a limit");
         light.looks.iter_mut().step_by(2).for_each(|look| look[100] = 0.25);
         light.looks.iter_mut().skip(2).step_by(2).for_each(|look| look[100] = 0.0);
-        let light = Light::of(light.looks);
+        let light = Light::of(light.looks, true);
         assert!(light.sufficient().is_none_or(|limit| limit > 90 && limit > early), "{:?}", light.sufficient());
+    }
+
+    #[test]
+    fn light_that_one_kind_of_look_misses_is_that_of_the_other() {
+        let falls = |n: i32| 0.9_f64.powi(n);
+        let looks = |light: &dyn Fn(i32) -> f64, longest: i32| vec![(0..=longest).map(light).collect::<Vec<_>>(); 8];
+        let (short, long) = (looks(&falls, 32), looks(&falls, 256));
+        let truth = Light::new(&short, &long).share(20);
+        let misses = |n: i32| if n > 4 { 1e-3 * falls(n) } else { falls(n) };
+        let by_long = Light::of_the_brighter(&looks(&misses, 32), &long);
+        assert!(by_long.is_known() && by_long.share(20) == truth, "{:?}, not {truth:?}", by_long.share(20));
+        // The long ones see nothing there, so what they see beyond is nothing to go by.
+        let blind = Light::of_the_brighter(&short, &looks(&misses, 256));
+        assert!(!blind.is_known() && blind.sufficient().is_none());
+        assert_eq!(blind.share(20), Share::Unknown);
+        // Where hardly any light is as long, it does not matter who sees it.
+        let ends = |n: i32| if n > 12 { 1e-6 } else { falls(n) };
+        let none = |n: i32| if n > 12 { 0.0 } else { falls(n) };
+        assert!(Light::of_the_brighter(&looks(&ends, 32), &looks(&none, 256)).is_known());
     }
 
     /// A limit is offered where two standard errors more would still be tolerated.

@@ -7,7 +7,9 @@
 //! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
 //! connect to a light from every vertex by short bridges. Straight lines would be cheaper, but where light goes on as it
 //! came a few of them decide the estimate; they serve where bridges may be cut short, by the bounds of volumes, and where
-//! there is nothing to build one to. To walks, small lights in open fog are as wide as half a mean free path:
+//! there is nothing to build one to. There, bridges that leave the volume miss light on short paths, too, which walks find,
+//! and walks that end by absorption miss a light deep in a volume, which bridges find: what either misses is taken from
+//! the other, and what is beyond is only known if walks find light at lengths at which bridges do. To walks, small lights in open fog are as wide as half a mean free path:
 //! after so many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
 //!
 //! Looks are taken as the frame is rendered otherwise, with the roulette on contributions that the pilot found to pay:
@@ -66,6 +68,9 @@ const STRAIGHT_WALKS: [Way; 2] = [
 ];
 /// Least probability that a walk goes on where absorption decides it.
 const LEAST_SURVIVAL: f32 = 0.5;
+/// The power of the albedo with which walks go on that alone find light on long paths: a few that got there would not
+/// tell how much they may have missed.
+const LATE: f32 = 0.5;
 /// Lengths of walks, in segments; the longer ones are taken where the shorter do not see where light ends, or leave open
 /// whether a limit beyond them leaves out more than is tolerated.
 const LONGEST: [u32; 3] = [256, 1024, 1 << 14];
@@ -228,15 +233,13 @@ impl Looker<'_> {
         let short = self.take(short, &BRIDGES[solid], SHORT)?;
         let [near, far, farthest] = LONGEST;
         let wide = Frame { lights: lights::widened(self.frame), ..self.frame.clone() };
-        let (connections, ways) = if is_straight || self.frame.varies() || lights.has_distant() {
-            (straight, STRAIGHT_WALKS)
-        } else {
-            (bridges(&wide, NEAR), BRIDGED_WALKS)
-        };
-        let walks = self.absorbed(ways[solid]);
+        let may_miss = !is_straight && (self.frame.varies() || lights.has_distant());
+        let (connections, ways) =
+            if is_straight || may_miss { (straight, STRAIGHT_WALKS) } else { (bridges(&wide, NEAR), BRIDGED_WALKS) };
+        let walks = self.absorbed(ways[solid], if may_miss { LATE } else { 1.0 });
         let walker = Looker { frame: &wide, ..*self };
-        let with_walks =
-            |longest: u32, way: &Way| Some(Light::new(&short, &walker.take(connections.clone(), way, longest)?));
+        let join = if may_miss { Light::of_the_brighter } else { Light::new };
+        let with_walks = |longest: u32, way: &Way| Some(join(&short, &walker.take(connections.clone(), way, longest)?));
         // As many segments, so fewer walks.
         let fewer = Way { samples: walks.samples * near / far, ..walks };
         let fading = Way { survival: Survival::fading(FADING), ..fewer };
@@ -250,11 +253,11 @@ impl Looker<'_> {
         if is_enough(&light, far) { Some(light) } else { with_walks(farthest, &fading) }
     }
 
-    /// Walks that end about where the medium absorbs them.
-    fn absorbed(&self, walks: Way) -> Way {
+    /// Walks that end about where the medium absorbs them, but for a `power` of the probability.
+    fn absorbed(&self, walks: Way, power: f32) -> Way {
         let medium = &self.frame.medium;
         let albedo = if medium.never_scatters() { 1.0 } else { medium.albedo.into_iter().fold(0.0, f32::max) };
-        Way { survival: (walks.survival.at(1) * albedo.clamp(LEAST_SURVIVAL, 1.0)).into(), ..walks }
+        Way { survival: (walks.survival.at(1) * albedo.clamp(LEAST_SURVIVAL, 1.0).powf(power)).into(), ..walks }
     }
 
     /// Light of a sample at each length up to `longest`, look by look; none if they were stopped.
