@@ -1,5 +1,7 @@
 //! Light by the length of its paths, as looks saw it, and what is beyond a length.
 
+use core::ops::Range;
+
 use fogbow_kernels::LONGEST_PATH;
 
 use super::{Share, TOLERATED};
@@ -10,8 +12,7 @@ const SLOWEST: f64 = core::f64::consts::FRAC_1_SQRT_2;
 const UNKNOWN: f64 = 0.5;
 /// Standard errors by which what is said to be so is so.
 const SURE: f64 = 2.0;
-
-/// Share of the light of some paths of which a look that finds less misses them.
+/// Share of the light of some paths of which a look that finds less does not see them.
 const SEEN: f64 = 0.5;
 
 /// Light by length, look by look.
@@ -33,25 +34,24 @@ impl Light {
     }
 
     /// The same where either may miss what the other sees: up to that length it is, of every doubling, that of those who
-    /// found more. Who hardly finds the light of the last doubling does not know what is beyond.
+    /// found more. If `long` hardly finds the light of the last doubling, it does not know what is beyond.
     pub fn of_the_brighter(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
-        let mut brighter = short.to_vec();
-        let mut sees_far = true;
         let longest = short[0].len() - 1;
-        let total: f64 = short.iter().flatten().sum();
-        let doublings = core::iter::successors(Some(1), |first| Some(2 * first)).take_while(|first| *first < longest);
-        for lengths in doublings.map(|first| first + 1..=longest.min(2 * first)) {
-            let of = |looks: &[Vec<f64>]| mean_and_error(looks.iter().map(|look| look[lengths.clone()].iter().sum()));
-            let ((found, error), (by_long, error_by_long)) = (of(short), of(long));
+        let starts = core::iter::successors(Some(1), |start| Some(2 * start)).take_while(|start| *start < longest);
+        let mut brighter = short.to_vec();
+        for start in starts {
+            let lengths = start + 1..(2 * start).min(longest) + 1;
+            let [found, by_long] = [short, long].map(|looks| mean_and_error(sums(looks, lengths.clone())).0);
             if by_long > found {
-                brighter.iter_mut().zip(long).for_each(|(look, long)| {
-                    look[lengths.clone()].copy_from_slice(&long[lengths.clone()]);
-                });
+                let looks = brighter.iter_mut().zip(long);
+                looks.for_each(|(look, long)| look[lengths.clone()].copy_from_slice(&long[lengths.clone()]));
             }
-            let surely = found - SURE * error;
-            let matters = surely * short.len() as f64 > TOLERATED * total;
-            sees_far = !matters || by_long + SURE * error_by_long > SEEN * surely;
         }
+        let last = || longest / 2 + 1..longest + 1;
+        let [(found, error), (by_long, error_by_long)] = [short, long].map(|looks| mean_and_error(sums(looks, last())));
+        let (all, _) = mean_and_error(sums(&brighter, 0..longest + 1));
+        let surely = found - SURE * error;
+        let sees_far = surely <= TOLERATED * all || by_long + SURE * error_by_long > SEEN * surely;
         Self { sees_far, ..Self::new(&brighter, long) }
     }
 
@@ -180,6 +180,11 @@ impl Beyond {
 
 fn fraction(part: f64, whole: f64) -> f64 {
     if whole > 0.0 { part / whole } else { 0.0 }
+}
+
+/// The light at some lengths, look by look.
+fn sums(looks: &[Vec<f64>], lengths: Range<usize>) -> impl Iterator<Item = f64> {
+    looks.iter().map(move |look| look[lengths.clone()].iter().sum())
 }
 
 /// The light of the last doublings of the length.

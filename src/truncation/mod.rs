@@ -7,10 +7,12 @@
 //! scaled from free walks that hardly ever return to where they began; so longer paths are found by long walks that
 //! connect to a light from every vertex by short bridges. Straight lines would be cheaper, but where light goes on as it
 //! came a few of them decide the estimate; they serve where bridges may be cut short, by the bounds of volumes, and where
-//! there is nothing to build one to. There, bridges that leave the volume miss light on short paths, too, which walks find,
-//! and walks that end by absorption miss a light deep in a volume, which bridges find: what either misses is taken from
-//! the other, and what is beyond is only known if walks find light at lengths at which bridges do. To walks, small lights in open fog are as wide as half a mean free path:
-//! after so many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
+//! there is nothing to build one to. To walks, small lights in open fog are as wide as half a mean free path: after so
+//! many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
+//!
+//! Where there are volumes either kind may miss light that the other finds: bridges from the first vertices leave the
+//! volume, and walks end, absorbed, before they come near a light deep inside. So short paths are those of whoever found
+//! more of them, and what is beyond is only known if walks find light at lengths at which bridges do.
 //!
 //! Looks are taken as the frame is rendered otherwise, with the roulette on contributions that the pilot found to pay:
 //! where transmittances have to be estimated, nearly all of their time would go to what counts next to nothing.

@@ -52,11 +52,7 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
         let selected = selection::probability(lights, &choices, start, light_sum);
         let attempt = selected * survival.reach(starts.depth(1));
         let geometry = choices.density * attempt * (distance * distance) / cos_light;
-        let depth = if medium.stays_even([start, point], rows) {
-            medium.as_even().optical_depth(start, point, distance)
-        } else {
-            medium.optical_depth(start, point, distance)
-        };
+        let depth = medium.optical_depth(start, point, distance);
         let connected = starts.eligible(1).select(geometry * inverse_density * exp(depth), f32x8::ZERO);
         let sum = starts.reach_of_walk(survival, walk) + connected;
         let weighs = cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;

@@ -88,7 +88,7 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
 #[inline(always)]
 fn asks(field: &Field, worth: &WorthTable<'_>, b: usize, rows: u32, [from, to]: [Vec3x8; 2]) -> f32x8 {
     let counts = !worth.weight.batch(b).simd_eq(f32x8::ZERO);
-    lanes::mask(rows & worth.factor.any_of_batch(b)) & counts & !EvenX8::new(field, f32x8::ONE).settles(from, to)
+    lanes::mask(rows & worth.factor.any_of_batch(b)) & counts & !EvenX8::new(field, f32x8::ONE).settles(from, to - from)
 }
 
 /// Vertex `number` of the connections of a bucket, counted from the start.

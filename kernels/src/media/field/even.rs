@@ -60,15 +60,23 @@ impl<'a> EvenX8<'a> {
         (self.extinction * length * self.hue).fast_max(f32x8::splat(LEAST_DEPTH))
     }
 
+    /// Which segments, from a point along all of a `way` `[m]`, stay in the part, and their optical depths.
+    #[inline(always)]
+    pub fn stays(self, from: Vec3x8, way: Vec3x8) -> (f32x8, f32x8) {
+        if self.field.even.is_none() {
+            return (f32x8::ZERO, f32x8::ZERO);
+        }
+        let start = self.field.in_cells(from);
+        let stays = self.field.in_even_part(start, start + self.field.to_cells.directions(way));
+        (stays, self.depth(way.length_squared().sqrt()))
+    }
+
     /// Which segments let through just what weights take them for: those that stay in the part and are not too deep. Of
     /// these nothing is left to estimate.
     #[inline(always)]
-    pub fn settles(self, from: Vec3x8, to: Vec3x8) -> f32x8 {
-        if self.field.even.is_none() {
-            return f32x8::ZERO;
-        }
-        let stays = self.field.in_even_part(self.field.in_cells(from), self.field.in_cells(to));
-        stays & self.depth((to - from).length_squared().sqrt()).simd_le(self.most_depth)
+    pub fn settles(self, from: Vec3x8, way: Vec3x8) -> f32x8 {
+        let (stays, depth) = self.stays(from, way);
+        stays & depth.simd_le(self.most_depth)
     }
 }
 
@@ -303,7 +311,7 @@ mod tests {
             let [mut settled, mut deep] = [0, 0];
             for seed in 0..400 {
                 let [from, to] = [2 * seed, 2 * seed + 1].map(|seed| points(seed, 1.2));
-                let settles = lanes::bits(EvenX8::new(field, f32x8::ONE).settles(from, to));
+                let settles = lanes::bits(EvenX8::new(field, f32x8::ONE).settles(from, to - from));
                 for lane in 0..lanes::LANES {
                     let ends = [from, to]
                         .map(|v| DVec3::from([v.x, v.y, v.z].map(|component| f64::from(component.to_array()[lane]))));

@@ -67,18 +67,6 @@ fn end_in_even_part(field: &Field, batch: &FlightsX8) -> (u32, f32x8) {
     (lanes::bits(ended) & batch.live, flight)
 }
 
-/// The lanes of a batch whose segments are in the even part, and their optical depths.
-#[inline(always)]
-fn stay_in_even_part<const N: usize>(field: &Field, batch: &RaysX8<N>) -> (u32, f32x8) {
-    if field.even.is_none() {
-        return (0, f32x8::ZERO);
-    }
-    let (start, way) = (field.in_cells(batch.origin), field.to_cells.directions(batch.direction));
-    let stays = field.in_even_part(start, start + way);
-    let depth = EvenX8::new(field, f32x8::ONE).depth(batch.direction.length_squared().sqrt());
-    (lanes::bits(stays) & batch.live, depth)
-}
-
 /// Hands an estimate of every segment's transmittance to `end`, as products and the optical depth of the coarse field
 /// where the hue is 1: for each of N hues, `T' = product e^{-hue depth}`.
 pub fn transmittances<const N: usize>(
@@ -91,7 +79,8 @@ pub fn transmittances<const N: usize>(
     }
     let end = core::cell::RefCell::new(end);
     let segments = segments.filter_map(|batch| {
-        let (known, depths) = stay_in_even_part(field, &batch);
+        let (stays, depths) = EvenX8::new(field, f32x8::ONE).stays(batch.origin, batch.direction);
+        let known = lanes::bits(stays) & batch.live;
         for lane in lanes::each(known) {
             end.borrow_mut()(batch.first + lane, [1.0; N], depths.to_array()[lane]);
         }
