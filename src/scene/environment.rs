@@ -40,14 +40,26 @@ pub fn source(scene: &Scene, document: &Document) -> Result<Option<Source>> {
     match (environment.radiance, &environment.image) {
         (Some(radiance), None) => sky.even(radiance).map(Some),
         (None, Some(image)) => sky.panorama(image).map(Some),
-        (Some(_), Some(_)) => {
-            let finding = "environment has both a radiance and an image";
-            Err(document.error("environment.image", finding, "leave out one of the two"))
-        }
+        (Some(radiance), Some(image)) => Err(contradiction(document, radiance, image)),
         (None, None) => {
             let finding = "environment has neither a radiance nor an image";
             Err(document.error("environment", finding, "give one of the two"))
         }
+    }
+}
+
+/// The error that there are both a `radiance` and an `image`. What a flag gives is meant to replace what is in the file.
+fn contradiction(document: &Document, radiance: Spectrum, image: &str) -> Error {
+    let keys = [
+        ("environment.image", format!("image = {image:?}")),
+        ("environment.radiance", format!("radiance = {radiance}")),
+    ];
+    let finding = "environment has both a radiance and an image";
+    match keys.iter().filter(|(key, _)| document.is_set_by_flag(key)).collect::<Vec<_>>()[..] {
+        [(key, given)] => {
+            document.error(key, finding, format!("replace the whole environment: --set 'environment={{ {given} }}'"))
+        }
+        _ => document.error("environment.image", finding, "leave out one of the two"),
     }
 }
 

@@ -26,6 +26,8 @@ use crate::warning::Warning;
 pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
 
+/// Optical depth from one end of a volume to the other, up to which next to nothing is seen of it.
+const NEXT_TO_NOTHING: f64 = 1e-6;
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;
 
@@ -213,6 +215,7 @@ impl Volume<'_> {
         self.must_have_an_inside(&placed, origin)?;
         self.must_meet("grid", placed.voxels.as_ref().zip(densities.as_ref()), &placed, origin)?;
         self.must_meet("emission_grid", source.voxels.as_ref().zip(glowing.as_ref()), &placed, origin)?;
+        self.warn_if_thin(&placed, &source, densities.as_ref());
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
         let bytes = bytes_of(placed.all_voxels().chain(&source.voxels)) + placed.bytes_besides_voxels();
         Ok(Some((
@@ -233,6 +236,18 @@ impl Volume<'_> {
         );
         let remedy = "move it nearer to the camera, or make it larger";
         if low.cmplt(high).all() { Ok(()) } else { Err(self.document.error(path, finding, remedy)) }
+    }
+
+    /// Warns of a volume so thin that it is not seen, though it has an extinction and emits nothing.
+    fn warn_if_thin(&self, placed: &Placed, source: &Source, densities: Option<&Densities>) {
+        let [low, high] = placed.bounds();
+        let most = f64::from(placed.extinction) * densities.map_or(1.0, |densities| f64::from(densities.most));
+        let depth = most * low.distance(high);
+        if self.medium.largest_extinction() > 0.0 && depth < NEXT_TO_NOTHING && *source == Source::NONE {
+            let path = &self.table;
+            let finding = format!("{path} has an optical depth of {depth:.1e} at most, so that nothing is seen of it");
+            (self.warn)(Warning::new(self.document.place(path), finding));
+        }
     }
 
     fn warn(&self, key: &str, finding: impl core::fmt::Display) {

@@ -264,6 +264,9 @@ fn values_out_of_range_are_refused() {
     ] {
         refused(&folder, set, finding);
     }
+    let run = folder.run(&["info", "scene.toml", "--set", "environment.radiance=1"]);
+    assert!(run.stderr.contains("--set 'environment={ radiance = 1.0 }'"), "{run}");
+    folder.done(&["info", "scene.toml", "--set", "environment={ radiance = 1.0 }"]);
     for key in ["direction", "irradiance"] {
         let line = sun.lines().find(|line| line.starts_with(key)).expect("a line");
         let finding = format!("light[1].{key} is missing, but the light is a sun");

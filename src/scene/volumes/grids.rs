@@ -18,6 +18,8 @@ use crate::volume;
 const LARGEST_SCALE: f64 = 1e9;
 /// Most mean free paths from a voxel to the next: more make a wall of it, and rays beside it take as many steps.
 const MOST_PER_VOXEL: f64 = 1e4;
+/// As many without a word: light gets no farther than to the outermost voxels.
+const MANY_PER_VOXEL: f64 = 30.0;
 
 /// What the densities of a grid multiply.
 pub(super) struct Quantity {
@@ -179,7 +181,12 @@ impl Volume<'_> {
         let per_voxel = most * edge * grid.scale_by;
         let made = format!("{per_voxel:.3e} mean free paths from a voxel to the next");
         let limit = format!("{most_per_voxel} is the most");
-        self.must_be_at_most(*most_per_voxel, per_voxel, &made, &factors, &limit)
+        self.must_be_at_most(*most_per_voxel, per_voxel, &made, &factors, &limit)?;
+        if *name == "extinction" && per_voxel > MANY_PER_VOXEL {
+            let finding = format!("so dense that there are {per_voxel:.0} mean free paths from a voxel to the next");
+            self.warn(table, format!("{finding}: flights take long in it; a smaller scale may look the same"));
+        }
+        Ok(())
     }
 
     /// An error about the largest of `factors`, of which `product` is made, if that is more than `most`; `made` says how

@@ -99,6 +99,29 @@ fn volumes_that_do_nothing_are_told() {
 }
 
 #[test]
+fn what_is_too_thin_or_too_dense_to_be_meant_is_told() {
+    let folder = with_cloud("");
+    let told = |set: &str| folder.done(&["info", "scene.toml", "--set", set]).stdout;
+    let (thin, dense) = ("so that nothing is seen of it", "mean free paths from a voxel to the next");
+    for scale in ["1e-9", "1e-30"] {
+        let said = told(&format!("volume[0].grid.scale={scale}"));
+        assert!(said.contains("volume[0] has an optical depth of") && said.contains(thin), "{scale}: {said}");
+    }
+    let said = told("volume[0].grid.scale=100");
+    assert!(said.contains("volume[0].grid is so dense that there are") && said.contains(dense), "{said}");
+    for scale in ["1e-3", "1", "10"] {
+        let said = told(&format!("volume[0].grid.scale={scale}"));
+        assert!(!said.contains(thin) && !said.contains(dense), "{scale}: {said}");
+    }
+    // What glows is seen however thin it is.
+    let flame = "shape = { type = \"sphere\", center = [0, 0, 1.5], radius = 0.5 }\nabsorption = 1e-9";
+    let said = with_volumes("", &[flame]).done(&["info", "scene.toml"]).stdout;
+    assert!(said.contains(thin), "{said}");
+    let said = with_volumes("", &[&format!("{flame}\nemission = 1")]).done(&["info", "scene.toml"]).stdout;
+    assert!(!said.contains(thin), "{said}");
+}
+
+#[test]
 fn volumes_too_far_away_to_have_a_size_are_refused() {
     let shape = "shape = { type = \"box\", min = [1e8, 0, 0], max = [100000001, 1, 1] }\nscattering = 1";
     let run = with_volumes("", &[shape]).run(&["info", "scene.toml"]);
