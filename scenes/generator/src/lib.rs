@@ -7,6 +7,7 @@
 //! Lengths are in metres, y is up. Triangles are counter-clockwise seen from their front, so that the normal by the
 //! right-hand rule points out of solids and towards the side of a sheet that is not black.
 
+pub mod cloud_sky;
 pub mod colonnade;
 pub mod cornell_fog;
 pub mod dense_plate;
@@ -24,7 +25,7 @@ pub use mesh::Mesh;
 pub use model::{Material, Model, Object};
 
 /// All models.
-pub fn models() -> [Model; 8] {
+pub fn models() -> [Model; 9] {
     [
         dense_plate::model(),
         cornell_fog::model(),
@@ -34,5 +35,6 @@ pub fn models() -> [Model; 8] {
         milk::model(),
         wax::model(),
         smoke_fire::model(),
+        cloud_sky::model(),
     ]
 }

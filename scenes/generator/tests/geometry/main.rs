@@ -1,6 +1,7 @@
 //! The geometry that is committed: is it what the program generates, is it valid, and does it look as it is described.
 //! Everything but the first is read back from the files.
 
+mod cloud_sky;
 mod colonnade;
 mod cornell_fog;
 mod dense_plate;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use toml::{Table, Value};
 
 /// All scenes with geometry.
-pub const SCENES: [&str; 10] = [
+pub const SCENES: [&str; 11] = [
     "dense-plate",
     "cornell-fog",
     "cornell-fog-thin",
@@ -14,6 +14,7 @@ pub const SCENES: [&str; 10] = [
     "colonnade",
     "godrays",
     "cloud-box",
+    "cloud-sky",
     "smoke-fire",
     "wax",
     "milk",
@@ -68,7 +69,8 @@ pub fn camera(name: &str) -> [DVec3; 2] {
     [position, (vector(&camera["look_at"]) - position).normalize()]
 }
 
-fn vector(value: &Value) -> DVec3 {
+/// Three numbers.
+pub fn vector(value: &Value) -> DVec3 {
     let numbers: Vec<f64> = value.as_array().expect("three numbers").iter().map(number).collect();
     DVec3::from_slice(&numbers)
 }
