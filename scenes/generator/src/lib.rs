@@ -38,3 +38,9 @@ pub fn models() -> [Model; 9] {
         cloud_sky::model(),
     ]
 }
+
+/// From 0 to 1 where `x` does, without corners.
+pub(crate) fn smooth(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}

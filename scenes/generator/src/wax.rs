@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 
-use crate::{Material, Mesh, Model, Object, shapes};
+use crate::{Material, Mesh, Model, Object, shapes, smooth};
 
 /// Radius of the candle's body, without what runs down it `[m]`.
 pub const RADIUS: f64 = 0.35;
@@ -132,10 +132,4 @@ impl Drip {
 /// From 1 in the middle to 0 far away.
 fn bump(distance: f64) -> f64 {
     (-distance * distance).exp()
-}
-
-/// From 0 to 1 where `x` is, without corners.
-fn smooth(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
 }

@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 use super::{EYE, GROUNDS};
-use crate::Mesh;
+use crate::{Mesh, smooth};
 
 /// Distance of the first and the last ring from the camera `[m]`.
 const RINGS: [f64; 2] = [350.0, 16_000.0];
@@ -98,10 +98,4 @@ fn hashed(cell: DVec2, seed: u32) -> f64 {
         word = (word ^ word >> 16).wrapping_mul(factor);
     }
     f64::from(word ^ word >> 16) / 4_294_967_296.0
-}
-
-/// From 0 to 1 where `x` is, without corners.
-fn smooth(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
 }
