@@ -73,7 +73,8 @@ fn a_grid_that_is_named_several_times_is_held_once() {
 
 #[test]
 fn volumes_take_little_more_than_their_active_voxels() {
-    for (name, grids) in [("cloud-box", 1), ("cloud-sky", 1), ("smoke-fire", 4)] {
+    // Volumes that show the same grid, as the three of cloud-sky do, have its voxels in common.
+    for (name, volumes, grids) in [("cloud-box", 1, 1), ("cloud-sky", 3, 1), ("smoke-fire", 4, 4)] {
         let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
         let run = Folder::empty().done(&["info", scene.to_str().expect("a name in UTF-8")]);
         // Of a grid that is named for emission, too, the voxels are those of one that is named for its density.
@@ -81,8 +82,8 @@ fn volumes_take_little_more_than_their_active_voxels() {
         let active: Vec<f64> = run.stdout.lines().filter_map(active).collect();
         let taken = run.stdout.lines().find(|line| line.starts_with("volumes: "));
         let kib = taken.and_then(|line| line.strip_suffix(" KiB")?.rsplit(' ').next()?.parse::<f64>().ok());
-        let ratio = kib.unwrap_or_else(|| panic!("{run}")) * 1024.0 / (4.0 * active.iter().sum::<f64>());
-        assert!(active.len() == grids && ratio > 0.1 && ratio <= 1.3, "{name}: {ratio}; {run}");
+        let ratio = kib.unwrap_or_else(|| panic!("{run}")) * 1024.0 / (4.0 * active.iter().take(grids).sum::<f64>());
+        assert!(active.len() == volumes && ratio > 0.1 && ratio <= 1.3, "{name}: {ratio}; {run}");
     }
 }
 
