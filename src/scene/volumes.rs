@@ -26,8 +26,8 @@ use crate::warning::Warning;
 pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
 
-/// Optical depth from one end of a volume to the other, up to which next to nothing is seen of it.
-const NEXT_TO_NOTHING: f64 = 1e-6;
+/// Optical depth from one end of a volume to the other, below which it is as good as vacuum.
+const THINNEST: f64 = 1e-6;
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;
 
@@ -238,14 +238,15 @@ impl Volume<'_> {
         if low.cmplt(high).all() { Ok(()) } else { Err(self.document.error(path, finding, remedy)) }
     }
 
-    /// Warns of a volume so thin that it is not seen, though it has an extinction and emits nothing.
+    /// Warns of a volume that emits nothing and is as good as vacuum, though it has an extinction.
     fn warn_if_thin(&self, placed: &Placed, source: &Source, densities: Option<&Densities>) {
         let [low, high] = placed.bounds();
         let most = f64::from(placed.extinction) * densities.map_or(1.0, |densities| f64::from(densities.most));
         let depth = most * low.distance(high);
-        if self.medium.largest_extinction() > 0.0 && depth < NEXT_TO_NOTHING && *source == Source::NONE {
+        if self.medium.largest_extinction() > 0.0 && depth < THINNEST && *source == Source::NONE {
             let path = &self.table;
-            let finding = format!("{path} has an optical depth of {depth:.1e} at most, so that nothing is seen of it");
+            let finding =
+                format!("{path} has an optical depth of {depth:.1e} at most, so that it is as good as vacuum");
             (self.warn)(Warning::new(self.document.place(path), finding));
         }
     }

@@ -18,7 +18,7 @@ use crate::volume;
 const LARGEST_SCALE: f64 = 1e9;
 /// Most mean free paths from a voxel to the next: more make a wall of it, and rays beside it take as many steps.
 const MOST_PER_VOXEL: f64 = 1e4;
-/// As many without a word: light gets no farther than to the outermost voxels.
+/// As many of which nothing is said: with more, next to no light gets beyond the outermost voxels.
 const MANY_PER_VOXEL: f64 = 30.0;
 
 /// What the densities of a grid multiply.
@@ -33,8 +33,9 @@ pub(super) struct Quantity {
     factor: f64,
     /// Largest one.
     largest: f64,
-    /// Largest product with the length of a voxel's edge.
+    /// Largest product with the length of a voxel's edge; and that beyond which there is a warning.
     most_per_voxel: f64,
+    many_per_voxel: f64,
 }
 
 impl Quantity {
@@ -51,6 +52,7 @@ impl Quantity {
             factor: f64::from(of_one),
             largest: LARGEST,
             most_per_voxel: MOST_PER_VOXEL,
+            many_per_voxel: MANY_PER_VOXEL,
         }
     }
 
@@ -63,6 +65,7 @@ impl Quantity {
             factor: largest_channel(keys.emission),
             largest: LARGEST_EMISSION,
             most_per_voxel: f64::INFINITY,
+            many_per_voxel: f64::INFINITY,
         }
     }
 }
@@ -162,7 +165,8 @@ impl Volume<'_> {
             value,
             remedy,
         };
-        let Quantity { name, given: (given, coefficient), unit, factor, largest, most_per_voxel } = quantity;
+        let Quantity { name, given: (given, coefficient), unit, factor, largest, most_per_voxel, many_per_voxel } =
+            quantity;
         let most = f64::from(densities.most) * f64::from((factor * grid.scale) as f32);
         let mut factors = vec![
             of_key((*given).into(), *factor, coefficient.to_string()),
@@ -182,7 +186,7 @@ impl Volume<'_> {
         let made = format!("{per_voxel:.3e} mean free paths from a voxel to the next");
         let limit = format!("{most_per_voxel} is the most");
         self.must_be_at_most(*most_per_voxel, per_voxel, &made, &factors, &limit)?;
-        if *name == "extinction" && per_voxel > MANY_PER_VOXEL {
+        if per_voxel > *many_per_voxel {
             let finding = format!("so dense that there are {per_voxel:.0} mean free paths from a voxel to the next");
             self.warn(table, format!("{finding}: flights take long in it; a smaller scale may look the same"));
         }

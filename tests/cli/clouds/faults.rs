@@ -102,7 +102,7 @@ fn volumes_that_do_nothing_are_told() {
 fn what_is_too_thin_or_too_dense_to_be_meant_is_told() {
     let folder = with_cloud("");
     let told = |set: &str| folder.done(&["info", "scene.toml", "--set", set]).stdout;
-    let (thin, dense) = ("so that nothing is seen of it", "mean free paths from a voxel to the next");
+    let (thin, dense) = ("so that it is as good as vacuum", "mean free paths from a voxel to the next");
     for scale in ["1e-9", "1e-30"] {
         let said = told(&format!("volume[0].grid.scale={scale}"));
         assert!(said.contains("volume[0] has an optical depth of") && said.contains(thin), "{scale}: {said}");
