@@ -53,7 +53,8 @@ fn estimate(step: Step, columns: Columns<'_, '_>) {
     });
     for (b, bits) in live.each_batch() {
         let (from, length) = (vertex.position.batch(b), length.batch(b));
-        let depth = FieldX8::of(field).optical_depth(from, ray.direction.batch(b).mul_add(length, from), length);
+        let to = ray.direction.batch(b).mul_add(length, from);
+        let depth = FieldX8::of(field).optical_depth_of(bits, from, to, length);
         let (products, known) = (product.batch(b), known.batch(b));
         let hues = hues_x8(|lane| hues_of(LANES * b + lane));
         for (c, product) in [products.x, products.y, products.z].into_iter().enumerate() {

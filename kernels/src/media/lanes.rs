@@ -47,6 +47,12 @@ pub trait MediumLanes: Copy {
     /// Extinction per channel, over that of any one of them, the same everywhere; not asked for where channels are
     /// apart.
     fn hues(&self) -> [f32; 3];
+
+    /// [`MediumX8::passed`], per channel.
+    #[inline(always)]
+    fn passed(&self, rows: u32, from: Vec3x8, to: Vec3x8, length: f32x8) -> [[f32x8; 2]; 3] {
+        core::array::from_fn(|channel| self.channel(channel).passed(rows, from, to, length))
+    }
 }
 
 /// A medium in one channel per row.
@@ -101,6 +107,25 @@ pub trait MediumX8: Copy {
     #[inline(always)]
     fn stays_even(self, points: impl IntoIterator<Item = Vec3x8>, rows: u32) -> bool {
         Self::VARIES && points.into_iter().all(|at| rows & !lanes::bits(self.is_even_at(at)) == 0)
+    }
+
+    /// [`Self::optical_depth`] of these `rows`, which may be known sooner than that of all eight.
+    #[inline(always)]
+    fn optical_depth_of(self, rows: u32, from: Vec3x8, to: Vec3x8, length: f32x8) -> f32x8 {
+        if self.stays_even([from, to], rows) {
+            return self.as_even().optical_depth(from, to, length);
+        }
+        self.optical_depth(from, to, length)
+    }
+
+    /// [`Self::optical_depth`] of these `rows`, and [`Self::extinction`] at the ends of their segments [1/m].
+    #[inline(always)]
+    fn passed(self, rows: u32, from: Vec3x8, to: Vec3x8, length: f32x8) -> [f32x8; 2] {
+        if self.stays_even([from, to], rows) {
+            let even = self.as_even();
+            return [even.optical_depth(from, to, length), even.extinction(to)];
+        }
+        [self.optical_depth(from, to, length), self.extinction(to)]
     }
 }
 

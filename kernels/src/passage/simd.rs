@@ -6,8 +6,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::media::{MediumLanes, MediumX8, log_event};
-use crate::vec3x8::Vec3x8;
+use crate::media::{MediumLanes, MediumX8 as _, log_event};
 use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -24,12 +23,7 @@ fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
         let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
         let before = |depth: f32x8| at_camera.select(f32x8::ZERO, depth);
         for (sum, (passage, trail)) in passages.iter_mut().zip(trails.iter_mut()).enumerate() {
-            let medium = medium.of_sum(sum);
-            let [passed, extinction] = if medium.stays_even([from, to], rows) {
-                passed(medium.as_even(), from, to, length)
-            } else {
-                passed(medium, from, to, length)
-            };
+            let [passed, extinction] = medium.of_sum(sum).passed(rows, from, to, length);
             let passed = at_camera.select(f32x8::ZERO, passed);
             let event = lanes::mask(on_surface.batch(b)).select(f32x8::ZERO, log_event(extinction));
             let depth = before(passage.depth.batch(b)) + passed;
@@ -39,10 +33,4 @@ fn add(step: Step, columns: Columns<'_, '_>, medium: impl MediumLanes) {
             trail.set_batch(b, step.clock + 1, [depth, log_extinction]);
         }
     }
-}
-
-/// Optical depth of a segment, and the extinction at its end [1/m].
-#[inline(always)]
-fn passed(medium: impl MediumX8, from: Vec3x8, to: Vec3x8, length: f32x8) -> [f32x8; 2] {
-    [medium.optical_depth(from, to, length), medium.extinction(to)]
 }

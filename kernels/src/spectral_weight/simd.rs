@@ -12,7 +12,7 @@ use super::Columns;
 use crate::columns::Spectrum;
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
-use crate::media::{MediumLanes, MediumX8, log_event};
+use crate::media::{MediumLanes, log_event};
 use crate::transcendental::{exp, neg_ln};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes, with_medium};
@@ -32,7 +32,7 @@ fn weigh(columns: Columns<'_, '_>, medium: impl MediumLanes) {
             continue;
         }
         let (start, direction) = (vertex.position.batch(b), ray.direction.batch(b));
-        let free = log_densities(medium, start, direction, flight.batch(b), lanes::mask(lanes::ALL));
+        let free = log_densities(medium, start, direction, flight.batch(b), [scattered, lanes::ALL]);
         let drawn = match aimed.map(|aimed| aimed.batch(b)) {
             None | Some(0) => free,
             Some(aimed) => {
@@ -50,12 +50,13 @@ fn weigh(columns: Columns<'_, '_>, medium: impl MediumLanes) {
     for b in 0..surface_hits.len.div_ceil(LANES) {
         let count = (surface_hits.len - b * LANES).min(LANES);
         let lane_of = surface_hits.lane.batch(b).to_array();
-        let own = lanes::mask(aimed.map_or(0, |aimed| {
+        let aimed = aimed.map_or(0, |aimed| {
             (0..count).filter(|i| aimed.contains(lane_of[*i] as usize)).fold(0, |bits, i| bits | 1 << i)
-        }));
+        });
+        let own = lanes::mask(aimed);
         let (start, direction) = (vertex.position.gather(&lane_of), ray.direction.gather(&lane_of));
         let length = own.select(flight.gather(&lane_of), surface_hits.distance.batch(b));
-        let free = log_densities(medium, start, direction, length, own);
+        let free = log_densities(medium, start, direction, length, [lanes::ALL >> (LANES - count), aimed]);
         let drawn = core::array::from_fn(|c| own.select(ln(density.channels()[c].gather(&lane_of)), free[c]));
         let before = core::array::from_fn(|c| log_posterior.channels()[c].gather(&lane_of));
         let (after, quotients) = update(before, drawn, free);
@@ -67,22 +68,18 @@ fn weigh(columns: Columns<'_, '_>, medium: impl MediumLanes) {
     }
 }
 
-/// ln of the densities of free flights of this `length` per channel, or, in rows that do not scatter, of the
-/// probabilities that they are longer.
+/// ln of the densities of free flights of these `rows` and this `length` per channel, or, in rows that do not scatter,
+/// of the probabilities that they are longer.
 #[inline(always)]
 fn log_densities(
     medium: impl MediumLanes,
     start: Vec3x8,
     direction: Vec3x8,
     length: f32x8,
-    scatters: f32x8,
+    [rows, scatter]: [u32; 2],
 ) -> [f32x8; CHANNELS] {
-    let end = direction.mul_add(length, start);
-    core::array::from_fn(|c| {
-        let medium = medium.channel(c);
-        let event = scatters.select(log_event(medium.extinction(end)), f32x8::ZERO);
-        event - medium.optical_depth(start, end, length)
-    })
+    let passed = medium.passed(rows, start, direction.mul_add(length, start), length);
+    passed.map(|[depth, extinction]| lanes::mask(scatter).select(log_event(extinction), f32x8::ZERO) - depth)
 }
 
 /// ln posterior_c and f_k / P, from ln posterior_c before, ln p_c and ln f_c.

@@ -101,6 +101,16 @@ impl<'a> MediumLanes for ColouredFieldLanes<'a> {
     fn hues(&self) -> [f32; CHANNELS] {
         self.0.hues
     }
+
+    /// Of channels that are multiples of one of them, it alone is asked.
+    #[inline(always)]
+    fn passed(&self, rows: u32, from: Vec3x8, to: Vec3x8, length: f32x8) -> [[f32x8; 2]; CHANNELS] {
+        if self.0.apart.is_some() {
+            return core::array::from_fn(|channel| self.channel(channel).passed(rows, from, to, length));
+        }
+        let own = self.own().passed(rows, from, to, length);
+        self.0.hues.map(|hue| own.map(|quantity| quantity * f32x8::splat(hue)))
+    }
 }
 
 impl<'a> MediumX8 for FieldX8<'a> {
