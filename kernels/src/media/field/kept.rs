@@ -20,7 +20,11 @@ const BITS: u32 = 4;
 /// Those of one coordinate.
 const ONE: u32 = (1 << BITS) - 1;
 
-/// The box: six coordinates in 0..=8, those of its first value and then of its last one.
+/// Set where values have a fine share, too.
+const FINE: u32 = 1 << (6 * BITS);
+
+/// The box: six coordinates in 0..=8, those of its first value and then of its last one; and whether its values have
+/// fine shares, which follow all of the coarse ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kept(u32);
 
@@ -34,6 +38,8 @@ pub struct KeptX8 {
     pub left: f32x8,
     /// Values along x, and along x and y.
     pub steps: [u32x8; 2],
+    /// The box.
+    kept: u32x8,
 }
 
 impl Kept {
@@ -61,7 +67,18 @@ impl Kept {
         Self::new(low.map(|c| c as u32), high.map(|c| c as u32))
     }
 
-    /// All six, for [`KeptX8`].
+    /// The same with fine shares.
+    #[must_use]
+    pub fn with_fine(self) -> Self {
+        Self(self.0 | FINE)
+    }
+
+    /// Whether there are fine shares.
+    pub fn has_fine(self) -> bool {
+        self.0 & FINE != 0
+    }
+
+    /// All of it, for [`KeptX8`].
     #[inline(always)]
     pub fn bits(self) -> u32 {
         self.0
@@ -75,6 +92,11 @@ impl Kept {
     /// Values along each axis.
     pub fn sides(self) -> [usize; 3] {
         self.bounds().map(|[low, high]| high - low + 1)
+    }
+
+    /// How many there are.
+    pub fn len(self) -> usize {
+        self.sides().into_iter().product()
     }
 
     /// The index of a value among those that are kept, if it is.
@@ -100,7 +122,7 @@ impl KeptX8 {
     pub fn new(kept: u32x8, at: [u32x8; 3], share: [f32x8; 3]) -> Self {
         let coordinate = |nth: u32| (kept >> (nth * BITS)) & u32x8::splat(ONE);
         let one = u32x8::splat(1);
-        let mut found = Self { at, share, left: f32x8::ONE, steps: [one; 2] };
+        let mut found = Self { at, share, left: f32x8::ONE, steps: [one; 2], kept };
         for axis in 0..3 {
             let (low, high) = (coordinate(axis as u32), coordinate(axis as u32 + 3));
             let inside = at[axis].max(low).min(high - one);
@@ -118,6 +140,17 @@ impl KeptX8 {
             }
         }
         found
+    }
+
+    /// Where there are fine shares, as a mask, and how many values after its coarse one a value has its own there; 0
+    /// elsewhere. None if there are none at all.
+    #[inline(always)]
+    pub fn fine(&self) -> Option<(f32x8, u32x8)> {
+        let fine = !(self.kept & u32x8::splat(FINE)).simd_eq(u32x8::splat(0));
+        let mask: f32x8 = bytemuck::cast(fine);
+        let coordinate = |nth: u32| (self.kept >> (nth * BITS)) & u32x8::splat(ONE);
+        let layers = coordinate(5) - coordinate(2) + u32x8::splat(1);
+        mask.any().then(|| (mask, fine & (self.steps[1] * layers)))
     }
 }
 

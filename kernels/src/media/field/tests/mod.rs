@@ -67,10 +67,13 @@ fn grids() -> Vec<Field> {
     let in_fog = Field::new(small.clone(), 0.0);
     let in_room = Field::new(small, 0.2).with_cells(4, 1.5, 0.5);
     assert!([&in_fog, &in_room].iter().all(|field| field.blocks.cores.is_some()));
+    let spiky = leaves(|at| if at == [5, 9, 8] { 2000.0 } else { blob(at) });
+    let spiky = Field::grid(Voxels::new(&spiky, &TO_INDEX, Interpolation::Trilinear), 0.01);
     let several = vec![ball([0.3, 0.1, 0.0], 0.3, 0.0), bounded, ball([-0.4, 0.2, 0.2], 0.5, 4.0), lumpy];
     vec![
         smooth.clone().with_cells(2, 1.0, 1.0),
         scattered.with_cells(2, 1.0, 1.0),
+        spiky.with_cells(2, 1.0, 1.0),
         blocky,
         turned,
         smooth.with_cells(4, 1.5, 0.5),
