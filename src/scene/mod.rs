@@ -170,13 +170,26 @@ fn read(document: &Document) -> Result<Scene> {
     serde_path_to_error::deserialize(document.values.clone().into_deserializer()).map_err(|error| {
         let path = error.path().to_string();
         let words = words(error.inner().message());
-        let remedy = match (path.as_str(), document.values.get("light")) {
-            ("light", Some(toml::Value::Table(_))) => "write [[light]]: lights are a list of tables",
-            _ => "see fogbow render --help-scene for every key with its type and range",
-        };
+        let remedy = remedy_of(&path, document);
         let finding = words.at(if path == "." { "" } else { &path });
         document.error(&path, finding, words.remedy.unwrap_or_else(|| remedy.into()))
     })
+}
+
+/// What to do about a value of the wrong type.
+fn remedy_of(path: &str, document: &Document) -> &'static str {
+    let is_table = |key: &str| document.values.get(key).is_some_and(toml::Value::is_table);
+    match path {
+        "light" if is_table(path) => "write [[light]]: lights are a list of tables",
+        "volume" if is_table(path) => "write [[volume]]: volumes are a list of tables",
+        _ if path.starts_with("volume[") && (path.ends_with("].grid") || path.ends_with("].emission_grid")) => {
+            "name the file in a table: { file = \"cloud.vdb\" }"
+        }
+        _ if path.starts_with("volume[") && path.ends_with("].shape") => {
+            "write a table: { type = \"sphere\", center = [0, 0, 0], radius = 1 }, or of type box or mesh"
+        }
+        _ => "see fogbow render --help-scene for every key with its type and range",
+    }
 }
 
 /// A medium that was meant to be one, but has no coefficients.

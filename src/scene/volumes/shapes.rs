@@ -5,11 +5,13 @@ use glam::DVec3;
 
 use super::Volume;
 use crate::error::Result;
-use crate::scene::ranges::{LARGEST, Owner};
+use crate::scene::ranges::LARGEST;
 use crate::scene::schema::{self, ShapeKind};
 
 /// Shortest edge of a box, and smallest radius of a sphere `[m]`.
 const SMALLEST_EDGE: f64 = 1e-6;
+/// What to do about the radius of a sphere.
+const A_RADIUS: &str = "give a radius from 1e-6 to 1e9 m";
 
 impl Volume<'_> {
     /// The shape of these keys.
@@ -19,7 +21,7 @@ impl Volume<'_> {
             ("min", min.is_some(), kind == &ShapeKind::Box, "give the corner with the smallest coordinates, [x, y, z]"),
             ("max", max.is_some(), kind == &ShapeKind::Box, "give the corner with the largest coordinates, [x, y, z]"),
             ("center", center.is_some(), kind == &ShapeKind::Sphere, "give the position of its centre, [x, y, z]"),
-            ("radius", radius.is_some(), kind == &ShapeKind::Sphere, "give a radius from 1e-6 to 1e9 m"),
+            ("radius", radius.is_some(), kind == &ShapeKind::Sphere, A_RADIUS),
             ("name", name.is_some(), kind == &ShapeKind::Mesh, "give the name of a closed mesh of the geometry"),
         ];
         for (key, given, wanted, remedy) in given {
@@ -35,9 +37,9 @@ impl Volume<'_> {
         match kind {
             ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin),
             ShapeKind::Sphere => {
-                let owner = Owner::Table(self.document, format!("{}.shape", self.table));
-                let radius = owner.radius("radius", radius.unwrap_or_default())?;
-                self.require(radius >= SMALLEST_EDGE, "shape.radius", radius, "give a radius of 1e-6 m or more")?;
+                let radius = radius.unwrap_or_default();
+                let ok = (SMALLEST_EDGE..=LARGEST).contains(&radius);
+                self.require(ok, "shape.radius", format!("{radius:?}"), A_RADIUS)?;
                 Ok(Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius })
             }
             ShapeKind::Mesh => Ok(Shape::Mesh(self.boundary.clone().expect("its name is given"))),

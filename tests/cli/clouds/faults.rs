@@ -7,7 +7,6 @@ use super::{MEDIUM, with_cloud, with_volumes};
 fn shapes_with_keys_of_others_are_refused() {
     for (shape, finding) in [
         ("type = \"sphere\", center = [0, 0, 1]", "volume[0].shape.radius is missing: the shape is a sphere"),
-        ("type = \"sphere\", center = [0, 0, 1], radius = -1", "volume[0].shape.radius is -1.0"),
         ("type = \"sphere\", center = [0, inf, 1], radius = 1", "volume[0].shape.center is [0.0, inf, 1.0]"),
         ("type = \"box\", min = [0, 0, 0], max = [1, 1, 1], radius = 1", "volume[0].shape.radius is given"),
         ("type = \"mesh\"", "volume[0].shape.name is missing"),
@@ -16,6 +15,30 @@ fn shapes_with_keys_of_others_are_refused() {
         let run = with_volumes("", &[&format!("shape = {{ {shape} }}\nscattering = 1")]).run(&["render", "scene.toml"]);
         assert!(run.code == Some(1) && run.stderr.contains(finding), "{shape}: {run}");
     }
+    for (radius, shown) in [("-1", "-1.0"), ("0", "0.0"), ("1e-8", "1e-8"), ("2e9", "2000000000.0")] {
+        let ball = format!("shape = {{ type = \"sphere\", center = [0, 0, 1], radius = {radius} }}\nscattering = 1");
+        let run = with_volumes("", &[&ball]).run(&["render", "scene.toml"]);
+        let said = format!("volume[0].shape.radius is {shown}\n  help: give a radius from 1e-6 to 1e9 m\n");
+        assert!(run.code == Some(1) && run.stderr.contains(&said), "{run}");
+    }
+}
+
+#[test]
+fn what_should_have_been_a_table_or_a_list_of_them_is_explained() {
+    for (keys, finding, remedy) in [
+        ("shape = \"sphere\"", "volume[0].shape: ", "write a table: { type = \"sphere\", "),
+        ("grid = \"cloud.vdb\"", "volume[0].grid: ", "name the file in a table: { file = \"cloud.vdb\" }\n"),
+        ("emission_grid = \"cloud.vdb\"", "volume[0].emission_grid: ", "name the file in a table: { file = "),
+    ] {
+        let folder = with_volumes("", &[&format!("{keys}\nscattering = 1")]);
+        let beginning = format!("{}: {finding}", folder.place(keys.split(' ').next().expect("a key")));
+        let run = folder.refused(&["render", "scene.toml"], 1, &beginning);
+        assert!(run.stderr.contains(&format!("help: {remedy}")), "{run}");
+    }
+    let folder = Folder::with_edited_scene(MEDIUM, "[volume]\nscattering = 1");
+    let beginning = format!("{}: volume: this is a table, expected a list", folder.place("volume]"));
+    let run = folder.refused(&["render", "scene.toml"], 1, &beginning);
+    assert!(run.stderr.contains("help: write [[volume]]: volumes are a list of tables\n"), "{run}");
 }
 
 #[test]
