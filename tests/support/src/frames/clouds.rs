@@ -1,5 +1,6 @@
 //! Frames with grids of densities.
 
+use fogbow_kernels::media::closed_mesh::ClosedMesh;
 use fogbow_kernels::media::field::{Field, Interpolation, Leaf, Shape, ToIndex, Volume, Voxels};
 
 use super::*;
@@ -65,6 +66,19 @@ pub fn ball(center: DVec3, radius: f64, extinction: f32) -> Volume {
     solid(Shape::Sphere { center, radius }, extinction)
 }
 
+/// A closed mesh of eight triangles, with its corners at this distance from its centre along the axes `[m]`.
+pub fn octahedron(center: DVec3, radius: f64) -> Shape {
+    let triangles = (0..8).map(|octant: u32| {
+        let side = |axis: usize| if octant >> axis & 1 == 0 { radius } else { -radius };
+        let corner = |axis: usize| (center + DVec3::AXES[axis] * side(axis)).as_vec3().to_array();
+        // An odd number of reflections turns triangles inside out.
+        let order = if octant.count_ones() % 2 == 0 { [0, 1, 2] } else { [0, 2, 1] };
+        order.map(corner)
+    });
+    let mesh = ClosedMesh::new(&triangles.collect::<Vec<_>>()).expect("a closed mesh");
+    Shape::Mesh(Arc::new(mesh))
+}
+
 /// The cloud of [`cloud`] as one of several volumes.
 fn lumpy(size: f64, center: DVec3, extinction: f32) -> Volume {
     let voxels = Voxels::new(&leaves(3, lumps), &centred(24, size, center), Interpolation::Trilinear);
@@ -76,7 +90,7 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
     with_field(frame, Field::new(volumes, around))
 }
 
-/// Volumes that overlap in fog among lights, each of an albedo of its own, a hole of vacuum among them; a dense ball in
+/// Volumes that overlap in fog among lights, a mesh and a hole of vacuum among them, each of an albedo of its own; a dense ball in
 /// a hall of fog; a coloured ball in a room, and a coloured cloud; volumes that differ in colour; techniques have to be
 /// set anew.
 pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 7] {
@@ -85,7 +99,7 @@ pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 7] {
     let several = vec![
         solid(Shape::block([[-0.4, -0.3, 0.6], [0.2, 0.5, 1.1]]), 0.0),
         ball(DVec3::new(0.2, 0.1, 1.4), 0.7, 2.5),
-        solid(Shape::block([[-1.2, -0.6, 0.9], [0.3, 0.2, 2.2]]), 1.2),
+        solid(octahedron(DVec3::new(-0.45, -0.2, 1.55), 0.9), 1.2),
         lumpy(3.0, DVec3::new(0.5, 0.3, 1.8), 8.0),
     ];
     let mut several = with_volumes(&lights, several, 0.25);
