@@ -31,7 +31,7 @@ def choose_variant():
 
 VARIANT = choose_variant()
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from mitsuba_objects import diffuse, mesh, objects, rgb  # noqa: E402: needs a variant
+from mitsuba_objects import mesh, objects, rgb  # noqa: E402: needs a variant
 
 T = mi.ScalarTransform4f
 # Most samples per pixel and call.
@@ -86,9 +86,9 @@ def scene(keys):
     for index, light in enumerate(keys["lights"]):
         built[f"light{index}"] = disk(light)
     if keys["geometry"]:
-        for name, corners, triangles, colour in objects(pathlib.Path(keys["geometry"])):
+        for name, corners, triangles, made_of in objects(pathlib.Path(keys["geometry"])):
             name = name.replace(".", " ")
-            built[f"object {name}"] = mesh(name, corners, triangles, bsdf=diffuse(colour))
+            built[f"object {name}"] = mesh(name, corners, triangles, **made_of)
     return mi.load_dict(built)
 
 

@@ -10,12 +10,19 @@ def rgb(value):
     return {"type": "rgb", "value": [float(x) for x in value]}
 
 
-def diffuse(colour):
-    return mi.load_dict({"type": "diffuse", "reflectance": rgb(colour)})
+def made_of(material):
+    """What a material of a .glb file is as properties of a mesh: it reflects diffusely, and may shine."""
+    colour = material["pbrMetallicRoughness"]["baseColorFactor"][:3]
+    properties = {"bsdf": mi.load_dict({"type": "diffuse", "reflectance": rgb(colour)})}
+    if "emissiveFactor" in material:
+        extension = material.get("extensions", {}).get("KHR_materials_emissive_strength", {})
+        radiance = np.array(material["emissiveFactor"]) * extension.get("emissiveStrength", 1.0)
+        properties["emitter"] = mi.load_dict({"type": "area", "radiance": rgb(radiance)})
+    return properties
 
 
 def objects(path):
-    """The objects of a .glb file by name: corners, triangles and colour, none of them rounded."""
+    """The objects of a .glb file by name: corners, triangles, none of them rounded, and what they are made of."""
     file = path.read_bytes()
     end = 20 + int.from_bytes(file[12:16], "little")
     gltf, binary = json.loads(file[20:end]), file[end + 8:]
@@ -30,10 +37,9 @@ def objects(path):
         if "mesh" not in node:
             continue
         [primitive] = gltf["meshes"][node["mesh"]]["primitives"]
-        material = gltf["materials"][primitive["material"]]
         corners = triples(primitive["attributes"]["POSITION"], 3)
         triangles = triples(primitive["indices"], 1).astype(np.uint32)
-        yield node["name"], corners, triangles, material["pbrMetallicRoughness"]["baseColorFactor"][:3]
+        yield node["name"], corners, triangles, made_of(gltf["materials"][primitive["material"]])
 
 
 def mesh(name, corners, triangles, **properties):

@@ -21,7 +21,7 @@ except ImportError:
 mi.set_variant("llvm_ad_rgb")
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
-from mitsuba_objects import diffuse, mesh, objects
+from mitsuba_objects import mesh, objects
 SIZE, BATCH = 128, 32
 SCALE_BY, TRANSLATE = 2.2, np.array([2.78, 2.5, 2.79])
 
@@ -43,8 +43,8 @@ def cloud():
 
 
 def walls():
-    for name, corners, triangles, colour in objects(HERE.parent / "cornell-fog" / "cornell-fog.glb"):
-        yield name.replace(".", " "), mesh(name, corners, triangles, bsdf=diffuse(colour))
+    for name, corners, triangles, made_of in objects(HERE.parent / "cornell-fog" / "cornell-fog.glb"):
+        yield name.replace(".", " "), mesh(name, corners, triangles, **made_of)
 
 
 def scene():

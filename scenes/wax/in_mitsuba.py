@@ -21,7 +21,7 @@ import numpy as np
 mi.set_variant("llvm_ad_rgb")
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
-from mitsuba_objects import diffuse, mesh, objects, rgb
+from mitsuba_objects import mesh, objects, rgb
 
 SIZE, BATCH = 64, 64
 SCENE = tomllib.loads((HERE / "scene.toml").read_text())
@@ -51,29 +51,24 @@ def wax(connected):
 
 def surfaces(origin, connected):
     """What reflects is diffuse and has a black back; the bounds of the wax are no surface."""
-    for name, corners, triangles, colour in objects(HERE / SCENE["geometry"]):
+    for name, corners, triangles, made_of in objects(HERE / SCENE["geometry"]):
         if name == SCENE["volume"][0]["shape"]["name"]:
             made_of = {"bsdf": mi.load_dict({"type": "null"}), "interior": mi.load_dict(wax(connected))}
-        else:
-            made_of = {"bsdf": diffuse(colour)}
         yield name.replace(".", " "), mesh(name, UNIT * (corners - origin), triangles, **made_of)
 
 
-def lights(origin):
-    """They are black where they do not shine."""
+def lamps(origin):
+    """Disks, which are black where they do not shine."""
     t = mi.ScalarTransform4f
     for i, light in enumerate(SCENE["light"]):
-        body = {
+        ahead = np.add(light["center"], light["normal"])
+        to_world = t().look_at(place(light["center"], origin), place(ahead, origin), [0, 1, 0])
+        yield f"lamp{i}", {
+            "type": "disk",
+            "to_world": to_world @ t().scale(UNIT * light["radius"]),
             "bsdf": {"type": "diffuse", "reflectance": rgb([0, 0, 0])},
             "emitter": {"type": "area", "radiance": rgb(light["radiance"])},
         }
-        at, radius = light["center"], UNIT * light["radius"]
-        if light["type"] == "sphere":
-            yield f"light{i}", body | {"type": "sphere", "center": place(at, origin), "radius": radius}
-        else:
-            ahead = np.add(at, light["normal"])
-            to_world = t().look_at(place(at, origin), place(ahead, origin), [0, 1, 0]) @ t().scale(radius)
-            yield f"light{i}", body | {"type": "disk", "to_world": to_world}
 
 
 def scene(camera=SCENE["camera"], size=SIZE, origin=ORIGIN, connected=True):
@@ -90,7 +85,7 @@ def scene(camera=SCENE["camera"], size=SIZE, origin=ORIGIN, connected=True):
             "film": film | {"component_format": "float32"}, "sampler": {"type": "independent"},
         },
         **dict(surfaces(origin, connected)),
-        **dict(lights(origin)),
+        **dict(lamps(origin)),
     })
 
 

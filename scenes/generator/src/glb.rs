@@ -13,6 +13,8 @@ const F32: u32 = 5126;
 /// Targets of buffer views, as glTF numbers them.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
+/// The extension with which materials shine by more than 1.
+const STRENGTH: &str = "KHR_materials_emissive_strength";
 
 /// The file that holds `model`.
 ///
@@ -113,6 +115,7 @@ impl Writer {
     fn root(&self, name: &'static str) -> Root<'_> {
         Root {
             asset: Asset { version: "2.0", generator: "fogbow-scenes" },
+            extensions_used: self.materials.iter().any(|material| strength(material) > 1.0).then_some([STRENGTH]),
             scene: 0,
             scenes: [SceneEntry { name, nodes: (0..self.nodes.len()).collect() }],
             nodes: &self.nodes,
@@ -129,6 +132,8 @@ impl Writer {
 #[serde(rename_all = "camelCase")]
 struct Root<'a> {
     asset: Asset,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extensions_used: Option<[&'static str; 1]>,
     scene: usize,
     scenes: [SceneEntry; 1],
     nodes: &'a [Node],
@@ -183,7 +188,21 @@ struct MaterialEntry {
     pbr_metallic_roughness: Surface,
     #[serde(skip_serializing_if = "Option::is_none")]
     emissive_factor: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extensions: Option<Extensions>,
     double_sided: bool,
+}
+
+#[derive(Serialize)]
+struct Extensions {
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    emissive_strength: EmissiveStrength,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct EmissiveStrength {
+    emissive_strength: f64,
 }
 
 #[derive(Serialize)]
@@ -195,12 +214,21 @@ struct Surface {
 }
 
 impl From<Material> for MaterialEntry {
-    fn from(Material { name, albedo: [red, green, blue], emission }: Material) -> Self {
+    fn from(material: Material) -> Self {
+        let Material { name, albedo: [red, green, blue], emission } = material;
         let base_color_factor = [red, green, blue, 1.0];
         let surface = Surface { base_color_factor, metallic_factor: 0.0, roughness_factor: 1.0 };
-        let emissive_factor = (emission != [0.0; 3]).then_some(emission);
-        Self { name, pbr_metallic_roughness: surface, emissive_factor, double_sided: false }
+        let strength = strength(&material);
+        let emissive_factor = (emission != [0.0; 3]).then_some(emission.map(|channel| channel / strength));
+        let emissive_strength = EmissiveStrength { emissive_strength: strength };
+        let extensions = (strength > 1.0).then_some(Extensions { emissive_strength });
+        Self { name, pbr_metallic_roughness: surface, emissive_factor, extensions, double_sided: false }
     }
+}
+
+/// What the factor of a material's emission is multiplied by, which is at most 1 by itself.
+fn strength(material: &Material) -> f64 {
+    material.emission.into_iter().fold(1.0, f64::max)
 }
 
 #[derive(Serialize)]

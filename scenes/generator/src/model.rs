@@ -43,7 +43,7 @@ pub struct Material {
     pub name: &'static str,
     /// Share of the light that is reflected, linear RGB.
     pub albedo: [f64; 3],
-    /// Radiance of the front, linear RGB `[W/(m^2 sr)]`, at most 1.
+    /// Radiance of the front, linear RGB `[W/(m^2 sr)]`.
     pub emission: [f64; 3],
 }
 

@@ -22,6 +22,10 @@ const BANDS: [u32; 3] = [32, 6, 9];
 const SIDES: u32 = 96;
 /// The wick: radius, lower and upper end `[m]`.
 pub const WICK: [f64; 3] = [0.012, 0.8, 1.06];
+/// The flame: where its lower end is, how tall it is, and its largest radius `[m]`.
+pub const FLAME: [f64; 3] = [1.03, 0.25, 0.046];
+/// Bands and sides of the flame.
+const FLAME_PARTS: [u32; 2] = [14, 20];
 /// How far table and wall reach from the middle to the sides, and the table to the front `[m]`.
 pub const REACH: f64 = 5.0;
 /// z of the wall behind the candle `[m]`.
@@ -65,9 +69,24 @@ pub fn model() -> Model {
                 Mesh::parallelogram(corner, across, DVec3::Y * REACH)
             }),
             Object::new("wick", Material::grey("soot", 0.03), wick),
+            Object::new("flame", Material::shining("flame", [150.0, 80.0, 27.0]), flame()),
             Object::new("Candle.inside", Material::new("wax", [0.9, 0.85, 0.7]), candle()),
         ],
     }
+}
+
+/// A drop around the wick's end: at the share c^2 of its height its radius is as c - c^3, so that it is round below,
+/// widest at a third, and pointed above.
+fn flame() -> Mesh {
+    let [bands, sides] = FLAME_PARTS;
+    let [low, tall, radius] = FLAME;
+    let widest = 2.0 / 27_f64.sqrt();
+    let point = |i: u32| {
+        let c = f64::from(i) / f64::from(bands);
+        DVec2::new(radius / widest * (c - c * c * c), low + tall * c * c)
+    };
+    let profile: Vec<DVec2> = (0..=bands).map(point).collect();
+    shapes::lathe(&profile, sides)
 }
 
 /// The candle: a solid of revolution, of which each point is moved a little, so that it stays closed.

@@ -47,11 +47,21 @@ impl File {
         Surface {
             name: node["name"].as_str().expect("a name").to_owned(),
             albedo: [0, 1, 2].map(|i| surface["baseColorFactor"][i].as_f64().expect("a number")),
-            emission: [0, 1, 2].map(|i| material["emissiveFactor"][i].as_f64().unwrap_or(0.0)),
+            emission: self.emission(material),
             double_sided: material["doubleSided"].as_bool().expect("a flag"),
             positions,
             triangles: triangles.to_vec(),
         }
+    }
+
+    /// The radiance of a material. Its factor is at most 1; an extension, which the file names, multiplies it.
+    fn emission(&self, material: &Value) -> [f64; 3] {
+        const STRENGTH: &str = "KHR_materials_emissive_strength";
+        let factor = [0, 1, 2].map(|i| material["emissiveFactor"][i].as_f64().unwrap_or(0.0));
+        assert!(factor.iter().all(|channel| (0.0..=1.0).contains(channel)), "{factor:?}");
+        let strength = material["extensions"][STRENGTH]["emissiveStrength"].as_f64();
+        assert!(strength.is_none() || self.json["extensionsUsed"][0] == STRENGTH);
+        factor.map(|channel| channel * strength.unwrap_or(1.0))
     }
 
     fn positions(&self, accessor: usize) -> Vec<DVec3> {

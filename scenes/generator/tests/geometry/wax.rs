@@ -57,7 +57,7 @@ fn no_side_of_the_candle_is_folded() {
 #[test]
 fn the_wick_stands_in_the_bowl() {
     let surfaces = surfaces();
-    let hit = first(&surfaces, DVec3::Y * 3.0, DVec3::NEG_Y).expect("the wick");
+    let hit = first(&surfaces, DVec3::Y * 1.2, DVec3::NEG_Y).expect("the wick, from within the flame");
     assert!(hit.name == "wick" && hit.front, "{hit:?}");
     let hit = first(&surfaces, DVec3::new(0.05, 3.0, 0.0), DVec3::NEG_Y).expect("the bowl");
     assert!(hit.name == "Candle.inside" && hit.front, "{hit:?}");
@@ -69,5 +69,27 @@ fn table_and_wall_face_the_candle() {
     let (table, wall) = (named(&surfaces, "table"), named(&surfaces, "wall"));
     assert!(table.faces(DVec3::Y) && table.spans([-5.0, 0.0, -2.5], [5.0, 0.0, 5.0]));
     assert!(wall.faces(DVec3::Z) && wall.spans([-5.0, 0.0, -2.5], [5.0, 5.0, -2.5]));
-    assert!(surfaces.iter().all(|surface| surface.emission == [0.0; 3] && !surface.double_sided));
+    for surface in &surfaces {
+        assert_eq!(surface.emission == [0.0; 3], surface.name != "flame", "{}", surface.name);
+        assert!(!surface.double_sided, "{}", surface.name);
+    }
+}
+
+#[test]
+fn the_flame_is_a_drop_around_the_end_of_the_wick() {
+    let surfaces = surfaces();
+    let flame = named(&surfaces, "flame");
+    assert!(flame.is_closed());
+    assert_eq!(flame.triangles.len(), 20 * 2 * 13);
+    assert!(flame.emission.iter().zip([150.0, 80.0, 27.0]).all(|(found, expected)| (found - expected).abs() < 1e-9));
+    let [low, high] = flame.bounds();
+    assert!((low - DVec3::new(-0.046, 1.03, -0.046)).abs().max_element() < 1e-3, "{low}");
+    assert!((high - DVec3::new(0.046, 1.28, 0.046)).abs().max_element() < 1e-3, "{high}");
+    // Of a drop whose radius is as c - c^3 at the share c^2 of its height it is 9/16 pi r^2 h.
+    let drop = 9.0 / 16.0 * PI * 0.046_f64.powi(2) * 0.25;
+    assert!((flame.volume() / drop - 1.0).abs() < 0.05, "{} of {drop} m^3", flame.volume());
+    let flame: Vec<_> = surfaces.into_iter().filter(|surface| surface.name == "flame").collect();
+    for (height, expected) in [(1.02, 0), (1.06, 1), (1.2, 1), (1.29, 0)] {
+        assert_eq!(solids_around(&flame, DVec3::Y * height), expected, "{height} m, and the wick ends at 1.06 m");
+    }
 }
