@@ -1,5 +1,7 @@
 //! Scheduling: blocks of samples over threads.
 
+mod shift;
+
 use core::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,13 +10,15 @@ use bumpalo::Bump;
 use fogbow_kernels::accumulate::Dropped;
 use fogbow_kernels::pipeline::Pipeline;
 
+use self::shift::Shift;
 use crate::adaptive::{self, Cell};
 use crate::film::{Film, RADIANCE, Tile};
 use crate::frame::Frame;
 use crate::stats::Stats;
 use crate::wavefront::{Wavefront, default_lanes};
 
-/// Samples of a pixel that one block takes: enough to amortise filling and draining the wavefront.
+/// Samples of a pixel that one block takes: enough for whole batches, few enough that an image which is stopped is evenly
+/// covered.
 const SAMPLES_PER_BLOCK: u32 = 16;
 
 /// Of so many blocks one is timed where only somebody looks on: to time all of them costs some percent.
@@ -43,7 +47,7 @@ pub enum Samples {
 }
 
 /// Which samples blocks take.
-struct Blocks {
+struct Plan {
     /// Tile by tile, the number of the sample with which it began, of which it has as many as follow, to that after its
     /// last one.
     samples: Vec<Range<u32>>,
@@ -60,7 +64,7 @@ impl From<Range<u32>> for Samples {
 }
 
 impl Samples {
-    fn blocks(self, film: &Film) -> Blocks {
+    fn plan(self, film: &Film) -> Plan {
         let has = film.samples_of_tiles();
         let samples = match self {
             Self::All(samples) => {
@@ -72,11 +76,11 @@ impl Samples {
         let left = |(samples, has): (&Range<u32>, &u32)| samples.end.saturating_sub(samples.start.wrapping_add(*has));
         let counts: Vec<_> = samples.iter().zip(&has).map(|tile| left(tile).div_ceil(SAMPLES_PER_BLOCK)).collect();
         let passes = counts.iter().copied().max().unwrap_or(0);
-        Blocks { samples, counts, passes }
+        Plan { samples, counts, passes }
     }
 }
 
-impl Blocks {
+impl Plan {
     /// Whether the tile has a block in this pass: those of a tile are spread evenly over all passes.
     fn has(&self, tile: usize, pass: u32) -> bool {
         let (count, passes) = (u64::from(self.counts[tile]), u64::from(self.passes));
@@ -188,53 +192,16 @@ impl Renderer {
         samples: impl Into<Samples>,
         monitor: &Monitor,
     ) -> Stats {
-        let blocks = samples.into().blocks(film);
-        let total = Mutex::new(empty.clone());
-        let (tiles, count) = (film.tile_count() as u64, u64::from(blocks.passes) * film.tile_count() as u64);
-        let next = AtomicU64::new(0);
+        let plan = samples.into().plan(film);
+        let (total, next) = (Mutex::new(empty.clone()), AtomicU64::new(0));
         self.pool.broadcast(|_| {
             let arena = Bump::new();
             let lanes = self.workers.lanes.unwrap_or_else(|| default_lanes(frame));
             let mut wavefront = Wavefront::new_in(&arena, frame, pipeline, lanes);
             wavefront.stats = empty.clone();
-            let mut turn = 0;
-            while !monitor.stops() {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= count {
-                    break;
-                }
-                let (place, pass) = ((index % tiles) as usize, (index / tiles) as u32);
-                if !blocks.has(place, pass) {
-                    continue;
-                }
-                let (Range { start: first, end }, mut tile) = (blocks.samples[place].clone(), film.tile(place));
-                // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
-                let start = first.wrapping_add(tile.samples());
-                let block = start..end.min(start.saturating_add(SAMPLES_PER_BLOCK));
-                if block.is_empty() {
-                    continue;
-                }
-                let is_watched = monitor.is_watched.load(Ordering::Relaxed);
-                let is_noted = is_watched && (empty.detailed || turn % BLOCKS_PER_LOOK == 0);
-                let own = is_noted.then(|| Stats { detailed: true, ..empty.clone() });
-                let others = own.map(|own| core::mem::replace(&mut wavefront.stats, own));
-                let (before, dropped) = (wavefront.stats.samples, wavefront.stats.dropped.count);
-                if !wavefront.render_while(block, &mut tile, || monitor.finishes_blocks()) {
-                    break;
-                }
-                drop(tile);
-                monitor.samples.fetch_add(wavefront.stats.samples - before, Ordering::Relaxed);
-                let Dropped { count, first } = wavefront.stats.dropped;
-                if count > dropped {
-                    monitor.note_dropped(Dropped { count: count - dropped, first });
-                }
-                if let Some(others) = others {
-                    let own = core::mem::replace(&mut wavefront.stats, others);
-                    monitor.note_work(&own);
-                    wavefront.stats.merge(&own);
-                }
-                turn += 1;
-            }
+            let mut shift = Shift::new(film, &plan, &next, monitor, &empty);
+            wavefront.render_blocks(&mut shift);
+            shift.stop_watching(&mut wavefront.stats);
             total.lock().unwrap_or_else(PoisonError::into_inner).merge(&wavefront.stats);
         });
         total.into_inner().unwrap_or_else(PoisonError::into_inner)
@@ -309,11 +276,5 @@ impl Renderer {
 
 /// Takes these samples of every pixel of `tile`; nothing if the monitor said stop before.
 fn take(wavefront: &mut Wavefront<'_>, samples: Range<u32>, tile: &mut Tile, monitor: &Monitor) -> Option<()> {
-    for start in samples.clone().step_by(SAMPLES_PER_BLOCK as usize) {
-        let block = start..samples.end.min(start.saturating_add(SAMPLES_PER_BLOCK));
-        if monitor.stops() || !wavefront.render_while(block, tile, || monitor.finishes_blocks()) {
-            return None;
-        }
-    }
-    Some(())
+    (!monitor.stops() && wavefront.render_while(samples, tile, || monitor.finishes_blocks())).then_some(())
 }

@@ -1,12 +1,15 @@
 //! The same bits whatever the threads, the wavefront, the tiles and the split of the samples.
 
+use core::ops::Range;
+
 use bumpalo::Bump;
-use fogbow::film::{Film, Pixel, Region, TILE_SIZE};
+use fogbow::film::{Film, Pixel, Region, TILE_SIZE, Tile};
 use fogbow::frame::Frame;
 use fogbow::pilot::{self, Trial};
 use fogbow::render::{Monitor, Renderer, Samples, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
-use fogbow::wavefront::Wavefront;
+use fogbow::stats::Stats;
+use fogbow::wavefront::{Blocks, LAST_CLOCK, Wavefront};
 use fogbow_kernels::pipeline::{Pipeline, SIMD};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -113,6 +116,54 @@ fn a_block_that_is_given_up_counts_no_samples() {
         let mut left = 0..bounces;
         let is_done = wavefront.render_while(0..4, &mut tile, || left.next().is_some());
         assert_eq!((is_done, tile.samples()), if bounces == 1000 { (true, 4) } else { (false, 0) });
+    }
+}
+
+/// Blocks of one tile each, handed out in turn, the later ones only to a worker that has asked for them before.
+struct InTurn<'t> {
+    left: Vec<(&'t mut Tile, Range<u32>)>,
+    ended: Vec<u32>,
+    asked: u32,
+}
+
+impl<'t> Blocks for InTurn<'t> {
+    type Sums = &'t mut Tile;
+
+    fn goes_on(&mut self) -> bool {
+        true
+    }
+
+    fn next(&mut self, waits: bool, _: &mut Stats) -> Option<(&'t mut Tile, Range<u32>)> {
+        self.asked += 1;
+        if waits || self.asked.is_multiple_of(3) { self.left.pop() } else { None }
+    }
+
+    fn end(&mut self, _: &'t mut Tile, samples: u32, _: &mut Stats) {
+        self.ended.push(samples);
+    }
+}
+
+/// Paths of several blocks are in flight at a time, and a worker whose clock has run for very long starts it anew.
+#[test]
+fn blocks_in_flight_together_have_the_same_bits_as_each_alone() {
+    for frame in frames() {
+        let film = Film::new(&frame, Region::whole(SIZE[0], SIZE[1]), 4);
+        let tiles = || (0..film.tile_count()).map(|tile| Tile::new(film.layers(), film.tile(tile).region()));
+        let samples = |tile: usize| 0..3 + 5 * tile as u32 % 17;
+        let arena = Bump::new();
+        let mut wavefront = Wavefront::new_in(&arena, &frame, &SIMD, 64);
+        let mut alone: Vec<Tile> = tiles().collect();
+        alone.iter_mut().enumerate().for_each(|(tile, sums)| wavefront.render(samples(tile), sums));
+        for before_the_last in [3, 50, 1 << 20] {
+            let mut together: Vec<Tile> = tiles().collect();
+            let left = together.iter_mut().enumerate().map(|(tile, sums)| (sums, samples(tile))).collect();
+            let mut blocks = InTurn { left, ended: Vec::new(), asked: 0 };
+            wavefront.step.clock = LAST_CLOCK - before_the_last;
+            assert!(wavefront.render_blocks(&mut blocks));
+            assert_eq!(blocks.ended.len(), alone.len());
+            assert_eq!(wavefront.step.clock < LAST_CLOCK / 2, before_the_last < 1 << 20, "the clock");
+            assert!(alone == together, "{before_the_last} segments before the clock's last");
+        }
     }
 }
 

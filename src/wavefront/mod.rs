@@ -5,6 +5,7 @@
 //! candidates.
 
 mod aovs;
+mod blocks;
 mod bounce;
 mod candidates;
 mod connect;
@@ -12,6 +13,8 @@ mod looks;
 mod settle;
 mod stages;
 mod work;
+
+use core::ops::DerefMut;
 
 use bumpalo::Bump;
 use fogbow_kernels::Step;
@@ -32,6 +35,8 @@ use fogbow_kernels::lanes::{self, LANES, LaneSet};
 use fogbow_kernels::media::Field;
 use fogbow_kernels::pipeline::Pipeline;
 
+pub use self::blocks::Blocks;
+use self::blocks::{InFlight, One};
 pub use self::candidates::{Candidates, Source};
 pub use self::looks::{Looks, RaysOf};
 use self::work::Work;
@@ -52,9 +57,12 @@ const LANES_PER_SEGMENT: usize = 64;
 /// lanes are: paths of one batch that were born together mostly die together, and a batch in step costs a quarter less.
 const VACANT_DIVISOR: usize = 4;
 
-/// Bounce clock at which a block starts: early enough for a long block, late enough that a look back over all that is
-/// remembered stays above zero.
+/// Bounce clock at which a worker starts: late enough that a look back over all that is remembered stays above zero.
 const FIRST_CLOCK: u32 = 1 << 12;
+
+/// Bounce clock from which on a worker takes no more blocks, and starts anew once all paths have ended: early enough for
+/// the longest path.
+pub const LAST_CLOCK: u32 = 1 << 31;
 
 /// Bytes that the trails of a worker should not exceed.
 const TRAIL_BYTES: usize = 8 << 20;
@@ -92,6 +100,8 @@ pub struct Wavefront<'q> {
     pub requested: LaneSet<'q>,
     /// The sample that each lane takes or has taken.
     pub requests: RequestColumns<'q>,
+    /// The slot of the block that it is of.
+    pub slots: Column<'q, u32>,
     /// Lanes whose path goes on.
     pub live: LaneSet<'q>,
     /// Lanes whose radiance is not yet on the film: the live ones, and those that ended since it was last collected.
@@ -185,6 +195,7 @@ impl<'q> Wavefront<'q> {
             step: Step { seed: frame.seed, clock: FIRST_CLOCK },
             requested: LaneSet::new_in(arena, lanes),
             requests: RequestColumns::new_in(arena, lanes),
+            slots: Column::new_in(arena, lanes),
             live: LaneSet::new_in(arena, lanes),
             occupied: LaneSet::new_in(arena, lanes),
             paths: PathColumns::new_in(arena, lanes),
@@ -228,7 +239,7 @@ impl<'q> Wavefront<'q> {
         }
     }
 
-    /// Takes the sample numbers `samples` of every pixel of `tile`. Dead lanes are refilled until nothing is left.
+    /// Takes the sample numbers `samples` of every pixel of `tile`.
     pub fn render(&mut self, samples: core::ops::Range<u32>, tile: &mut Tile) {
         self.render_while(samples, tile, || true);
     }
@@ -239,19 +250,26 @@ impl<'q> Wavefront<'q> {
         &mut self,
         samples: core::ops::Range<u32>,
         tile: &mut Tile,
-        mut goes_on: impl FnMut() -> bool,
+        goes_on: impl FnMut() -> bool,
     ) -> bool {
-        self.step.clock = FIRST_CLOCK;
-        let count = samples.len() as u32;
-        let mut work = Work::new(tile.region(), samples);
-        while goes_on() {
-            self.collect(tile);
-            self.refill(&mut work);
-            if self.live.is_empty() {
-                tile.count(count);
+        self.render_blocks(&mut One { block: Some((tile, samples)), goes_on })
+    }
+
+    /// Takes the samples of all `blocks`, and says whether they always said to go on. Dead lanes are refilled until
+    /// nothing is left.
+    pub fn render_blocks<B: Blocks>(&mut self, blocks: &mut B) -> bool {
+        let mut in_flight = InFlight::none();
+        while blocks.goes_on() {
+            self.collect(&mut in_flight);
+            in_flight.end(|sums, samples| blocks.end(sums, samples, &mut self.stats));
+            self.refill(&mut in_flight, blocks);
+            if !self.live.is_empty() {
+                self.bounce();
+            } else if self.step.clock < LAST_CLOCK {
                 return true;
+            } else {
+                self.step.clock = FIRST_CLOCK;
             }
-            self.bounce();
         }
         false
     }
@@ -264,16 +282,22 @@ impl<'q> Wavefront<'q> {
 
     /// Hands what ended paths have found to their pixels. Where there are no layers but radiance, nothing has to be told
     /// of those that have found none.
-    fn collect(&mut self, tile: &mut Tile) {
-        let (region, has_aovs) = (tile.region(), !self.frame.aovs.list().is_empty());
+    fn collect(&mut self, in_flight: &mut InFlight<impl DerefMut<Target = Tile>>) {
+        let has_aovs = !self.frame.aovs.list().is_empty();
         for (b, ended) in self.occupied.batches_without(&self.live) {
             let matter = if has_aovs { ended } else { ended & self.radiance.any_of_batch(b) };
-            for lane in lanes::each(matter).map(|lane| b * LANES + lane) {
+            for i in lanes::each(ended) {
+                let lane = b * LANES + i;
+                let tile = in_flight.count(self.slots.rows()[lane]);
+                if matter >> i & 1 == 0 {
+                    continue;
+                }
                 let Request { x, y, .. } = self.requests.row(lane);
+                let place = tile.region().place(x, y);
                 if has_aovs {
-                    self.add_layers(tile, region.place(x, y), lane);
+                    self.add_layers(tile, place, lane);
                 } else {
-                    tile.add(region.place(x, y), &[self.radiance.row(lane)]);
+                    tile.add(place, &[self.radiance.row(lane)]);
                 }
             }
         }
@@ -281,31 +305,25 @@ impl<'q> Wavefront<'q> {
     }
 
     /// Starts new paths in vacant lanes.
-    fn refill(&mut self, work: &mut Work) {
+    fn refill<B: Blocks>(&mut self, in_flight: &mut InFlight<B::Sums>, blocks: &mut B) {
         self.requested.clear();
         self.outlined.clear();
         let batches = self.live.batches();
         let capacity = batches * LANES;
         let refill_single_lanes = capacity - self.live.count() > capacity / VACANT_DIVISOR;
+        let takes_blocks = self.step.clock < LAST_CLOCK;
         let mut count = 0;
-        for b in 0..batches {
-            let vacant = !self.occupied.batch(b) & lanes::ALL;
-            if vacant == lanes::ALL
-                && let Some(first) = work.next_eight()
-            {
-                self.requests.set_eight(b, first);
-                self.request(b, lanes::ALL, first);
-                count += LANES as u64;
-                continue;
-            }
+        'batches: for b in 0..batches {
+            let mut vacant = !self.occupied.batch(b) & lanes::ALL;
             if vacant != lanes::ALL && !refill_single_lanes {
                 continue;
             }
-            for lane in lanes::each(vacant) {
-                let Some(request) = work.next() else { break };
-                self.requests.set_row(b * LANES + lane, request);
-                self.request(b, 1 << lane, request);
-                count += 1;
+            while vacant != 0 {
+                let next = |waits| takes_blocks.then(|| blocks.next(waits, &mut self.stats)).flatten();
+                let Some((slot, work)) = in_flight.work(next) else { break 'batches };
+                let taken = self.take(b, vacant, slot, work);
+                count += u64::from(taken.count_ones());
+                vacant &= !taken;
             }
         }
         self.stats.samples += count;
@@ -313,6 +331,29 @@ impl<'q> Wavefront<'q> {
             self.generate();
             self.parts.clear(&self.requested);
         }
+    }
+
+    /// Takes samples of the block in this slot, of which some are left, in the `vacant` rows of batch `b`; gives the rows
+    /// that have one now.
+    #[inline(always)]
+    fn take(&mut self, b: usize, vacant: u32, slot: u32, work: &mut Work) -> u32 {
+        if vacant == lanes::ALL
+            && let Some(first) = work.next_eight()
+        {
+            self.requests.set_eight(b, first);
+            self.slots.rows_mut()[b * LANES..][..LANES].fill(slot);
+            self.request(b, lanes::ALL, first);
+            return lanes::ALL;
+        }
+        let mut taken = 0;
+        for lane in lanes::each(vacant) {
+            let Some(request) = work.next() else { break };
+            self.requests.set_row(b * LANES + lane, request);
+            self.slots.rows_mut()[b * LANES + lane] = slot;
+            self.request(b, 1 << lane, request);
+            taken |= 1 << lane;
+        }
+        taken
     }
 
     /// Notes that the rows of batch `b` set in `bits` take samples of the pixel of `request`.

@@ -19,19 +19,22 @@ impl Work {
         Self { region, samples, next }
     }
 
+    /// Whether nothing is left.
+    #[inline]
+    pub fn is_done(&self) -> bool {
+        self.next.y >= self.region.y1 || self.samples.is_empty()
+    }
+
     /// The next one, if any is left.
     #[inline]
     pub fn next(&mut self) -> Option<Request> {
-        if self.next.y >= self.region.y1 || self.samples.is_empty() {
-            return None;
-        }
-        Some(self.pass(1))
+        (!self.is_done()).then(|| self.pass(1))
     }
 
     /// The first of the next eight, if these are left and of one pixel.
     #[inline]
     pub fn next_eight(&mut self) -> Option<Request> {
-        let has_eight = self.next.y < self.region.y1 && self.samples.end - self.next.sample >= LANES as u32;
+        let has_eight = !self.is_done() && self.samples.end - self.next.sample >= LANES as u32;
         has_eight.then(|| self.pass(LANES as u32))
     }
 
