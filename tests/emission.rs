@@ -133,6 +133,17 @@ fn flames_need_no_extinction() {
     assert_radiance("ball", &ray_through(ball, 5), 4_000, EMISSION, 3.0);
 }
 
+/// In a hall of a hundred times its size: the way through what does not emit takes none of its points.
+#[test]
+fn a_small_flame_in_much_smoke_has_no_noise() {
+    let volumes = vec![
+        solid(Shape::block([[-0.2, -0.2, 2.0], [0.2, 0.2, 2.5]]), 0.0),
+        solid(Shape::block([[-30.0; 3], [30.0; 3]]), 0.0),
+    ];
+    let medium = absorbing(Field::new(volumes, 0.0), vec![Source::constant(EMISSION), Source::NONE]);
+    assert_radiance("a flame in a hall", &ray_through(medium, 3), 8, EMISSION, 0.5);
+}
+
 #[test]
 fn the_first_of_several_volumes_emits() {
     let center = DVec3::new(0.0, 0.0, 3.0);

@@ -15,7 +15,8 @@
 //! over heroes is right in every channel, and no transmittance of another one is asked for.
 //!
 //! The integral along the way flown is estimated by one point in each of some strata
-//! of equal length within the box of all volumes; that of the constant emission around them is known.
+//! of equal length within the box of all volumes or, if nothing around these emits, of those that do; that of the constant
+//! emission around them is known.
 
 pub mod reference;
 pub mod simd;
@@ -84,6 +85,6 @@ pub struct Columns<'a, 'q> {
 /// radiance that it belongs to. Where extinction is coloured, it is `T / (posterior reach(depth + 1))` in the channel of
 /// the hero, and nothing in the others.
 ///
-/// The way within the box of all cells has `n = ceil(length * rate)` strata, 1 to [`MOST_POINTS`]; number i of the
+/// The way within [that box](Glow::part) has `n = ceil(length * rate)` strata, 1 to [`MOST_POINTS`]; number i of the
 /// [stream](crate::random::Stream) 0 of the block `GLOW` says where in stratum i its point is.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -76,7 +76,7 @@ pub fn along(medium: &Medium, glow: &Glow, ray: (DVec3, DVec3), length: f64, dra
     [0, 1, 2].map(|c| inside[c] + if around[c] > 0.0 { around[c] * (length - part) } else { 0.0 })
 }
 
-/// The part of it within the box of all cells, and how long that is.
+/// The part of it where there may be any, and how long that is.
 fn within(
     field: &Field,
     glow: &Glow,
@@ -84,8 +84,7 @@ fn within(
     length: f64,
     draws: &Draws,
 ) -> ([f64; CHANNELS], f64) {
-    let (start, way) = (field.cells_of(origin), field.cells_along(direction));
-    let Some((enter, exit)) = field.part_within(start, way, [0.0; 2], length) else { return ([0.0; CHANNELS], 0.0) };
+    let Some((enter, exit)) = glow.part_of_ray(field, origin, direction, length) else { return ([0.0; CHANNELS], 0.0) };
     let points = ((exit - enter) * f64::from(glow.rate())).ceil().clamp(1.0, f64::from(MOST_POINTS));
     let stratum = (exit - enter) / points;
     let block = random::block(draws.depth, random::GLOW);

@@ -108,7 +108,7 @@ struct Way {
 impl Way {
     /// Integrals of emission in a field, of those in `asked`; `words` are those of their streams.
     fn through(&self, field: &Field, glow: &Glow, words: [u32x8; 4], asked: f32x8) -> [f32x8; CHANNELS] {
-        let [enter, exit] = field.part(self.origin, self.direction, self.length);
+        let [enter, exit] = glow.part(field, self.origin, self.direction, self.length);
         let part = (exit - enter).fast_max(f32x8::ZERO);
         let points = (part * f32x8::splat(glow.rate())).ceil().fast_max(f32x8::ONE);
         let points = points.fast_min(f32x8::splat(MOST_POINTS as f32));

@@ -9,7 +9,8 @@
 use glam::DVec3;
 use wide::{f32x8, u32x8};
 
-use super::field::{Field, Map, Voxels};
+use super::field::reference::part_in_box;
+use super::field::{Field, Map, Voxels, within};
 use super::spectral::CHANNELS;
 use crate::lanes;
 use crate::vec3x8::Vec3x8;
@@ -26,6 +27,8 @@ pub struct Glow {
     volumes: Vec<Placed>,
     /// Points at which flights ask for it within the volumes [1/m].
     rate: f32,
+    /// Corners of the box around all that emits `[m]`, unless what is around the volumes does.
+    bounds: Option<[[f32; 3]; 2]>,
 }
 
 /// Emission of a volume.
@@ -64,7 +67,7 @@ struct Placed {
 impl Glow {
     /// The same `emission` everywhere [W/(m^3 sr)], per channel.
     pub const fn everywhere(emission: [f32; CHANNELS]) -> Self {
-        Self { around: emission, volumes: Vec::new(), rate: 0.0 }
+        Self { around: emission, volumes: Vec::new(), rate: 0.0, bounds: None }
     }
 
     /// The emission of the volumes of `field`, in their order, and of what is `around` them.
@@ -72,11 +75,38 @@ impl Glow {
         let edges =
             sources.iter().filter_map(|source| source.voxels.as_ref()).map(|voxels| VOXELS_APART * voxels.edge());
         let apart = edges.fold(field.cell_edge(), f64::min);
+        let glowing = field.volume_bounds().zip(&sources).filter(|(_, source)| largest(source.emission) > 0.0);
+        let boxes = glowing.map(|([low, high], source)| match source.voxels.as_ref().map(Voxels::bounds) {
+            Some([first, last]) => [low.max(first), high.min(last)],
+            None => [low, high],
+        });
+        let hull = boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or([DVec3::ZERO; 2]);
+        let bounds = (largest(around) == 0.0).then(|| hull.map(|corner| corner.as_vec3().to_array()));
         let place = |source: Source| {
             let to_voxels = source.voxels.as_ref().map(|voxels| Map::new(&voxels.to_own()));
             Placed { source, to_voxels }
         };
-        Self { around, volumes: sources.into_iter().map(place).collect(), rate: (1.0 / apart) as f32 }
+        Self { around, volumes: sources.into_iter().map(place).collect(), rate: (1.0 / apart) as f32, bounds }
+    }
+
+    /// The part of rays of unit `direction` up to `length` within the volumes of `field` and, if nothing around them
+    /// emits, the box around those that do `[m]`; empty where the second is not larger.
+    #[inline(always)]
+    pub fn part(&self, field: &Field, origin: Vec3x8, direction: Vec3x8, length: f32x8) -> [f32x8; 2] {
+        let [enter, exit] = field.part(origin, direction, length);
+        let Some([low, high]) = self.bounds else { return [enter, exit] };
+        let [first, last] = within(origin, direction, low, high, length);
+        [enter.fast_max(first), exit.fast_min(last)]
+    }
+
+    /// The same of one ray, for twins; none if it is empty.
+    pub fn part_of_ray(&self, field: &Field, origin: DVec3, direction: DVec3, length: f64) -> Option<(f64, f64)> {
+        let cells = field.part_within(field.cells_of(origin), field.cells_along(direction), [0.0; 2], length)?;
+        let Some(bounds) = self.bounds else { return Some(cells) };
+        let corners = bounds.map(|corner| DVec3::from(corner.map(f64::from)));
+        let own = part_in_box(corners, origin, direction, length)?;
+        let (enter, exit) = (cells.0.max(own.0), cells.1.min(own.1));
+        (enter < exit).then_some((enter, exit))
     }
 
     /// Emission of what is around all volumes [W/(m^3 sr)].

@@ -61,6 +61,7 @@ mod voxels;
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use wide::{f32x8, u32x8};
 
 use super::spectral::CHANNELS;
@@ -76,6 +77,8 @@ pub use shape::Shape;
 pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
 pub use volume::Volume;
 pub use voxels::{Interpolation, ToIndex, Voxels, bytes_of};
+
+pub(crate) use axis::within;
 
 use known::{EvenPart, OneShape};
 use lattice::Lattice;
@@ -279,6 +282,11 @@ impl Field {
         if let Some(apart) = &self.apart {
             apart.digest(digest);
         }
+    }
+
+    /// Corners of the boxes around its volumes, in their order `[m]`.
+    pub fn volume_bounds(&self) -> impl Iterator<Item = [DVec3; 2]> {
+        self.volumes.iter().map(|placed| placed.volume.bounds())
     }
 
     /// The voxels of all its volumes.
