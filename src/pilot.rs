@@ -4,9 +4,10 @@
 //! vertex suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small,
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
-//! Where there are surfaces connections have to be traced, and in a grid their transmittance estimated, and those that
-//! contribute less than the mean of the image may play roulette before. Measured on dense-plate, a quarter of the mean to the mean leave the variance of bridges
-//! as it is, and the mean takes a quarter of the time; where nothing scatters it would only add noise.
+//! Where there are surfaces, connections have to be traced, and in a grid their transmittance has to be estimated. Those
+//! that contribute less than the mean of the image may play roulette before. Measured on dense-plate, thresholds from a
+//! quarter of the mean to all of it leave the variance of bridges as it is, and the largest takes a quarter of the time;
+//! where nothing scatters roulette would only add noise.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean

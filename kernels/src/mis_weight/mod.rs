@@ -8,9 +8,9 @@
 //!
 //! where `r_i` is the density of making its suffix by a connection from vertex `i`, over the density of path tracing
 //! doing so, and `reach(i)` the probability that a walk gets to vertex `i` if it does not stop by itself, the product of
-//! the [survivals](crate::survival) before; `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts run from the first eligible
-//! vertex, over at most `starts` vertices. Each active technique adds its own ratios; the formulas stand in
-//! [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
+//! the [survivals](crate::survival) before; `reach(n)`, that it goes on to the light, is 0 where walks end before. Starts
+//! run from the first eligible vertex, over at most `starts` vertices. Each active technique adds its own ratios; the
+//! formulas stand in [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
 mod albedos;

@@ -4,7 +4,8 @@
 //! T  = T * albedo
 //! ```
 //!
-//! 1. Where albedos differ between places, they are asked for where paths scatter. A white medium (albedo 1) leaves the throughput alone; that is settled before the loop.
+//! 1. Where albedos differ between places, they are asked for where paths scatter. A white medium (albedo 1) leaves the
+//!    throughput alone; that is settled before the loop.
 //! 2. Where phase functions differ, all turn by the first one, and then those elsewhere by theirs.
 //! 3. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
 //!    filled.

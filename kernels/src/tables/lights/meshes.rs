@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::{Emitter, neighbours};
 
-/// Most meshes that are lights of their own, a power of two. Under the rules that look at distances every start looks at every light.
+/// Most meshes that are lights of their own, a power of two. Under the rules that look at distances every start looks at
+/// every light.
 const MOST: usize = 64;
 
 /// What the choice of an emitter among those of its light is proportional to [W/sr]: area times radiance. Where nothing
