@@ -38,6 +38,30 @@ fn promised(folder: &Path) -> Vec<(usize, f64, f64)> {
 }
 
 #[test]
+fn every_scene_comes_with_a_picture_and_with_small_files() {
+    for folder in folders() {
+        let name = folder.file_name().expect("a name").to_string_lossy();
+        let places = ["thumbnail.png".to_string(), format!("{name}.png")].map(|picture| folder.join(picture));
+        let place = places.iter().find(|place| place.is_file()).expect("every scene has a picture");
+        let picture = std::fs::File::open(place).expect("a readable picture");
+        let reader = png::Decoder::new(std::io::BufReader::new(picture)).read_info().expect("a PNG");
+        let (width, height) = reader.info().size();
+        let [x, y] = scene::load(&folder, vec![]).unwrap_or_else(|error| panic!("{error}")).scene.film.size;
+        let (shape, shown) = (f64::from(x) / f64::from(y), f64::from(width) / f64::from(height));
+        assert!(
+            width.max(height) >= 160 && (shown / shape - 1.0).abs() < 0.02,
+            "{}: {width}x{height}",
+            folder.display()
+        );
+        for entry in std::fs::read_dir(&folder).expect("a folder") {
+            let file = entry.expect("a readable entry");
+            let size = file.metadata().expect("its size").len();
+            assert!(size <= 4_000_000, "{}: {size} bytes", file.path().display());
+        }
+    }
+}
+
+#[test]
 fn every_scene_has_the_mean_that_its_readme_promises() {
     let folders = folders();
     assert!(folders.len() >= 8, "only {folders:?}");
