@@ -55,6 +55,8 @@ struct Plan {
     counts: Vec<u32>,
     /// Those of the tile that lacks most.
     passes: u32,
+    /// Held by the worker that is at a tile: its blocks come one after the other.
+    turns: Vec<Mutex<()>>,
 }
 
 impl From<Range<u32>> for Samples {
@@ -76,7 +78,8 @@ impl Samples {
         let left = |(samples, has): (&Range<u32>, &u32)| samples.end.saturating_sub(samples.start.wrapping_add(*has));
         let counts: Vec<_> = samples.iter().zip(&has).map(|tile| left(tile).div_ceil(SAMPLES_PER_BLOCK)).collect();
         let passes = counts.iter().copied().max().unwrap_or(0);
-        Plan { samples, counts, passes }
+        let turns = has.iter().map(|_| Mutex::new(())).collect();
+        Plan { samples, counts, passes, turns }
     }
 }
 

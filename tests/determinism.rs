@@ -129,6 +129,10 @@ struct InTurn<'t> {
 impl<'t> Blocks for InTurn<'t> {
     type Sums = &'t mut Tile;
 
+    fn most(&self) -> usize {
+        7
+    }
+
     fn goes_on(&mut self) -> bool {
         true
     }

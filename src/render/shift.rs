@@ -1,8 +1,11 @@
 //! What a worker does during one render: blocks of tiles, in the order that all workers share.
+//!
+//! What a block adds to its tile is summed up apart, and added when it is complete: whoever looks at the film finds whole
+//! blocks, and does not wait for the longest path of one.
 
-use core::ops::Range;
-use std::sync::MutexGuard;
+use core::ops::{Deref, DerefMut, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{MutexGuard, PoisonError};
 
 use fogbow_kernels::accumulate::Dropped;
 
@@ -10,6 +13,33 @@ use super::{BLOCKS_PER_LOOK, Monitor, Plan, SAMPLES_PER_BLOCK};
 use crate::film::{Film, Tile};
 use crate::stats::Stats;
 use crate::wavefront::Blocks;
+
+/// Most blocks that a worker has in flight.
+const MOST_BLOCKS: u64 = 64;
+/// Bytes that their sums should not exceed.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// What a block adds to its tile.
+pub struct Block<'a> {
+    place: usize,
+    sums: Tile,
+    /// Ends the worker's turn at the tile.
+    _turn: MutexGuard<'a, ()>,
+}
+
+impl Deref for Block<'_> {
+    type Target = Tile;
+
+    fn deref(&self) -> &Tile {
+        &self.sums
+    }
+}
+
+impl DerefMut for Block<'_> {
+    fn deref_mut(&mut self) -> &mut Tile {
+        &mut self.sums
+    }
+}
 
 /// One worker's part in a render.
 pub struct Shift<'a> {
@@ -51,8 +81,11 @@ impl<'a> Shift<'a> {
         self.waiting_for
     }
 
-    /// From here on, counts for whoever looks on, if it is time to.
+    /// From here on, counts for whoever looks on, if it is time to. What is counted for them has at least a segment.
     fn watch(&mut self, stats: &mut Stats) {
+        if self.before.is_some() && stats.segments == 0 {
+            return;
+        }
         self.stop_watching(stats);
         let is_watched = self.monitor.is_watched.load(Ordering::Relaxed);
         if is_watched && (self.empty.detailed || self.taken.is_multiple_of(BLOCKS_PER_LOOK)) {
@@ -84,31 +117,43 @@ impl<'a> Shift<'a> {
 }
 
 impl<'a> Blocks for Shift<'a> {
-    type Sums = MutexGuard<'a, Tile>;
+    type Sums = Block<'a>;
+
+    fn most(&self) -> usize {
+        let bytes = Film::bytes(self.film.layers(), self.film.tile(0).region().pixels());
+        (MOST_BYTES / bytes.max(1)).clamp(2, MOST_BLOCKS) as usize
+    }
 
     fn goes_on(&mut self) -> bool {
         self.monitor.finishes_blocks()
     }
 
-    fn next(&mut self, waits: bool, stats: &mut Stats) -> Option<(MutexGuard<'a, Tile>, Range<u32>)> {
+    fn next(&mut self, waits: bool, stats: &mut Stats) -> Option<(Block<'a>, Range<u32>)> {
         while !self.monitor.stops() {
             let place = self.next_tile()?;
-            let tile = if waits { self.film.tile(place) } else { self.film.idle_tile(place)? };
+            let turn = &self.plan.turns[place];
+            let turn =
+                if waits { turn.lock().unwrap_or_else(PoisonError::into_inner) } else { turn.try_lock().ok()? };
             self.waiting_for = None;
             // A tile's next samples, whoever comes first: at any time it has all from its first to its last one.
             let Range { start: first, end } = self.plan.samples[place].clone();
-            let start = first.wrapping_add(tile.samples());
+            let (region, start) = {
+                let tile = self.film.tile(place);
+                (tile.region(), first.wrapping_add(tile.samples()))
+            };
             let block = start..end.min(start.saturating_add(SAMPLES_PER_BLOCK));
             if !block.is_empty() {
                 self.watch(stats);
-                return Some((tile, block));
+                let sums = Tile::new(self.film.layers(), region);
+                return Some((Block { place, sums, _turn: turn }, block));
             }
         }
         None
     }
 
-    fn end(&mut self, tile: MutexGuard<'a, Tile>, samples: u32, stats: &mut Stats) {
-        self.monitor.samples.fetch_add(tile.region().pixels() * u64::from(samples), Ordering::Relaxed);
+    fn end(&mut self, block: Block<'a>, samples: u32, stats: &mut Stats) {
+        self.film.tile(block.place).merge(&block.sums);
+        self.monitor.samples.fetch_add(block.region().pixels() * u64::from(samples), Ordering::Relaxed);
         self.tell_dropped(stats);
     }
 }

@@ -9,13 +9,13 @@ use super::work::Work;
 use crate::film::Tile;
 use crate::stats::Stats;
 
-/// Most blocks that a worker has in flight.
-pub(super) const MOST: usize = 64;
-
 /// Where a worker's blocks come from, and where they go.
 pub trait Blocks {
     /// The sums of a block's pixels, which are the worker's as long as the block is in flight.
     type Sums: DerefMut<Target = Tile>;
+
+    /// Most blocks to have in flight, at least 1.
+    fn most(&self) -> usize;
 
     /// Whether to go on, asked before every segment. If not, the tiles in flight have part of their samples, and paths
     /// are left where they are.
@@ -37,6 +37,10 @@ pub(super) struct One<'t, F> {
 
 impl<'t, F: FnMut() -> bool> Blocks for One<'t, F> {
     type Sums = &'t mut Tile;
+
+    fn most(&self) -> usize {
+        1
+    }
 
     fn goes_on(&mut self) -> bool {
         (self.goes_on)()
@@ -66,8 +70,9 @@ pub(super) struct InFlight<S> {
 }
 
 impl<S: DerefMut<Target = Tile>> InFlight<S> {
-    pub fn none() -> Self {
-        Self { slots: (0..MOST).map(|_| None).collect(), work: None }
+    /// None yet, of at most so many.
+    pub fn none(most: usize) -> Self {
+        Self { slots: (0..most).map(|_| None).collect(), work: None }
     }
 
     /// What no lane has taken yet, and the slot of its block; another block's if that is nothing.

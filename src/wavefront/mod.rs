@@ -258,7 +258,7 @@ impl<'q> Wavefront<'q> {
     /// Takes the samples of all `blocks`, and says whether they always said to go on. Dead lanes are refilled until
     /// nothing is left.
     pub fn render_blocks<B: Blocks>(&mut self, blocks: &mut B) -> bool {
-        let mut in_flight = InFlight::none();
+        let mut in_flight = InFlight::none(blocks.most());
         while blocks.goes_on() {
             self.collect(&mut in_flight);
             in_flight.end(|sums, samples| blocks.end(sums, samples, &mut self.stats));
