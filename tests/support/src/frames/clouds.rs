@@ -72,7 +72,7 @@ pub fn octahedron(center: DVec3, radius: f64) -> Shape {
         let side = |axis: usize| if octant >> axis & 1 == 0 { radius } else { -radius };
         let corner = |axis: usize| (center + DVec3::AXES[axis] * side(axis)).as_vec3().to_array();
         // An odd number of reflections turns triangles inside out.
-        let order = if octant.count_ones() % 2 == 0 { [0, 1, 2] } else { [0, 2, 1] };
+        let order = if octant.count_ones().is_multiple_of(2) { [0, 1, 2] } else { [0, 2, 1] };
         order.map(corner)
     });
     let mesh = ClosedMesh::new(&triangles.collect::<Vec<_>>()).expect("a closed mesh");
