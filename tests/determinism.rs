@@ -119,7 +119,7 @@ fn a_block_that_is_given_up_counts_no_samples() {
     }
 }
 
-/// Blocks of one tile each, handed out in turn, the later ones only to a worker that has asked for them before.
+/// Blocks of one tile each, of which two of three requests get none, unless the worker has nothing else to do.
 struct InTurn<'t> {
     left: Vec<(&'t mut Tile, Range<u32>)>,
     ended: Vec<u32>,

@@ -113,14 +113,9 @@ impl Film {
         self.tiles.len()
     }
 
-    /// Tile `index`, for one worker at a time.
+    /// Tile `index`, for one at a time: workers are at it while they add a block.
     pub fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
         self.tiles[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-    }
-
-    /// Tile `index`, unless a worker is at it.
-    pub fn idle_tile(&self, index: usize) -> Option<MutexGuard<'_, Tile>> {
-        self.tiles[index].try_lock().ok()
     }
 
     /// Adds the samples of another film of the same layers, region and tile size.
@@ -221,17 +216,15 @@ impl Film {
         Coverage::of(self.each_tile().zip(firsts).map(part).collect())
     }
 
-    /// [`Self::relative_noise`] by some of the pixels, without waiting for tiles that are worked on; infinite if there
-    /// are none.
+    /// [`Self::relative_noise`] by some of the pixels.
     pub fn glimpsed_noise(&self) -> f64 {
         let step = (self.region.pixels() / GLIMPSED).max(1) as usize;
-        let tiles = (0..self.tiles.len()).filter_map(|index| self.idle_tile(index));
         let some = |tile: MutexGuard<'_, Tile>| {
             let region = tile.region();
             let pixels = region.rows().flat_map(|y| region.columns().map(move |x| (x, y)));
             pixels.step_by(step).map(|(x, y)| tile.pixel(x, y)).collect::<Vec<_>>()
         };
-        noise::relative(tiles.flat_map(some))
+        noise::relative(self.each_tile().flat_map(some))
     }
 
     /// Root mean square of the pixels' relative standard errors of radiance, without the noisiest hundredth of them;

@@ -1,14 +1,10 @@
 //! The image so far in single precision: what onlookers are shown.
 
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
 
 use crate::film::{Film, Region, Tile, dark, length};
 use crate::image::tone::Exposure;
 use crate::session::Session;
-
-/// How long a picture waits for tiles that workers are at.
-const PATIENCE: Duration = Duration::from_millis(10);
 
 /// Means and standard errors of a film, copied tile by tile while it is rendered.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +24,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The film of `session` as it is now, but for tiles that workers are at: these stay what they were `before`.
+    /// The film of `session` as it is now; what has not changed since `before` is taken from there.
     pub fn after(before: Option<&Self>, session: &Session) -> Self {
         let film = &session.film;
         let fresh = || Self {
@@ -46,21 +42,16 @@ impl Picture {
         picture
     }
 
-    /// Copies what is new. Workers leave a tile for a moment between two blocks, which is waited for, but not long.
+    /// Copies what is new.
     fn update(&mut self, film: &Film) {
-        let mut busy: Vec<_> = (0..film.tile_count()).filter(|index| !self.update_tile(film, *index)).collect();
-        let start = Instant::now();
-        while !busy.is_empty() && start.elapsed() < PATIENCE {
-            std::thread::yield_now();
-            busy.retain(|index| !self.update_tile(film, *index));
-        }
+        (0..film.tile_count()).for_each(|index| self.update_tile(film, index));
     }
 
-    /// Copies what is new in a tile, unless a worker is at it; whether none was.
-    fn update_tile(&mut self, film: &Film, index: usize) -> bool {
-        let Some(tile) = film.idle_tile(index) else { return false };
+    /// Copies what is new in a tile.
+    fn update_tile(&mut self, film: &Film, index: usize) {
+        let tile = film.tile(index);
         if tile.all_samples() == self.samples[index] {
-            return true;
+            return;
         }
         // Workers wait for this tile while it is copied, not while its means are taken.
         let copy = Tile::clone(&tile);
@@ -73,7 +64,6 @@ impl Picture {
             let error = if pixel.samples > 1 { length(pixel.standard_error) as f32 } else { f32::NAN };
             self.pixels[region.place(x, y)] = [r, g, b, error];
         }
-        true
     }
 
     /// The pixels of the whole image that it shows.

@@ -175,7 +175,7 @@ impl<'a> Watch<'a> {
         }
         let start = Instant::now();
         let noise = Some(self.session.film.glimpsed_noise()).filter(|noise| noise.is_finite());
-        // Where workers were at all tiles, another look soon finds one.
+        // Where there is nothing yet to tell it by, there soon is.
         let pause = if noise.is_some() { GLIMPSE_EVERY } else { Duration::ZERO };
         let next = start + pause.max(GLIMPSE_SHARE * start.elapsed());
         self.noise.set((noise.or(last), next));

@@ -23,7 +23,7 @@ const SIDES: u32 = 96;
 /// The wick: radius, lower and upper end `[m]`.
 pub const WICK: [f64; 3] = [0.012, 0.8, 1.06];
 /// The flame: where its lower end is, how tall it is, and its largest radius `[m]`.
-pub const FLAME: [f64; 3] = [1.03, 0.25, 0.046];
+const FLAME: [f64; 3] = [1.03, 0.25, 0.046];
 /// Bands and sides of the flame.
 const FLAME_PARTS: [u32; 2] = [14, 20];
 /// How far table and wall reach from the middle to the sides, and the table to the front `[m]`.

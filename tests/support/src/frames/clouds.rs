@@ -90,9 +90,9 @@ pub fn with_volumes(frame: &Frame, volumes: Vec<Volume>, around: f32) -> Frame {
     with_field(frame, Field::new(volumes, around))
 }
 
-/// Volumes that overlap in fog among lights, a mesh and a hole of vacuum among them, each of an albedo of its own; a dense ball in
-/// a hall of fog; a coloured ball in a room, and a coloured cloud; volumes that differ in colour; techniques have to be
-/// set anew.
+/// Volumes that overlap in fog among lights, a mesh and a hole of vacuum among them, each of an albedo of its own; a dense
+/// ball in a hall of fog; a coloured ball in a room, and a coloured cloud; volumes that differ in colour; techniques have
+/// to be set anew.
 pub fn volumes(size: [u32; 2]) -> [(&'static str, Frame); 7] {
     let lights = three_lights(0.6, Selection::IntensityDistance, size);
     let room = room(0.5, Selection::IntensityDistance, size);
