@@ -5,9 +5,9 @@ Usage: beside_mitsuba.py SCENE.json       (`fogbow paper peers` writes the scene
 
 It says "ready VERSION VARIANT" on standard output. Then it reads lines: "render N" takes N more samples of every pixel,
 or a few more than that, and answers with the seconds that this took and with their number; "write FILE.exr" writes the
-mean so far and answers "written". Scenes have one medium without end, disks as lights, triangles that reflect
-diffusely, and the seconds that a call may take. Needs mitsuba and numpy; where Mitsuba does not find LLVM,
-DRJIT_LIBLLVM_PATH names it."""
+mean so far and answers "written". Scenes have a medium without end, or boxes of voxels in vacuum, disks as lights,
+triangles that reflect diffusely, and the seconds that a call may take. Needs mitsuba and numpy; where Mitsuba does not
+find LLVM, DRJIT_LIBLLVM_PATH names it."""
 
 import json
 import pathlib
@@ -38,7 +38,7 @@ T = mi.ScalarTransform4f
 MOST = 16
 
 
-def medium(keys):
+def homogeneous(keys):
     scattering, absorption = (np.array(keys[name], float) for name in ("scattering", "absorption"))
     extinction = scattering + absorption
     scale = extinction.max()  # colours end at 1
@@ -49,6 +49,24 @@ def medium(keys):
         "albedo": rgb(scattering / extinction),
         "phase": {"type": "hg", "g": keys["g"]},
     }
+
+
+def cloud(keys):
+    """A box of voxels, whose scattering and absorption are grey."""
+    [scattering], [absorption] = (set(keys[name]) for name in ("scattering", "absorption"))
+    low, high = (np.array(corner, float) for corner in keys["corners"])
+    # Mitsuba counts z, y, x; its grids fill the cube from 0 to 1, and its cubes are from -1 to 1.
+    densities = np.fromfile(keys["densities"], "<f4").reshape(*reversed(keys["counts"]), 1)
+    box = T().translate(list(low)) @ T().scale(list(high - low))
+    medium = {
+        "type": "heterogeneous",
+        "albedo": {"type": "constvolume", "value": scattering / (scattering + absorption)},
+        "sigma_t": {"type": "gridvolume", "grid": mi.VolumeGrid(densities), "to_world": box},
+        "scale": scattering + absorption,
+        "phase": {"type": "hg", "g": keys["g"]},
+    }
+    cube = box @ T().translate([0.5] * 3) @ T().scale(0.5)
+    return {"type": "cube", "to_world": cube, "bsdf": {"type": "null"}, "interior": medium}
 
 
 def disk(light):
@@ -66,7 +84,6 @@ def scene(keys):
     camera, (width, height) = keys["camera"], keys["size"]
     built = {
         "type": "scene",
-        "fog": medium(keys["medium"]),
         "integrator": {"type": "volpath", "max_depth": keys["max_segments"], "rr_depth": 100000},
         "sensor": {
             "type": "perspective",
@@ -75,7 +92,6 @@ def scene(keys):
             "fov": camera["vertical_fov_deg"],
             "fov_axis": "y",
             "to_world": T().look_at(camera["position"], camera["look_at"], camera["up"]),
-            "medium": {"type": "ref", "id": "fog"},
             "film": {
                 "type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"},
                 "pixel_format": "rgb", "component_format": "float32",
@@ -83,6 +99,11 @@ def scene(keys):
             "sampler": {"type": "independent"},
         },
     }
+    if keys["medium"]:
+        built["fog"] = homogeneous(keys["medium"])
+        built["sensor"]["medium"] = {"type": "ref", "id": "fog"}
+    for index, volume in enumerate(keys["volumes"]):
+        built[f"cloud{index}"] = cloud(volume)
     for index, light in enumerate(keys["lights"]):
         built[f"light{index}"] = disk(light)
     if keys["geometry"]:

@@ -262,11 +262,11 @@ fn peers_are_made_again_once_mitsuba_is_there() {
         section["lacks"].as_str().is_some_and(|reason| reason.starts_with("python3 cannot be started")),
         "{section}"
     );
-    for scene in ["fog-facing", "fog-perpendicular", "fog-small", "dense-plate", "cornell-fog"] {
+    for scene in ["fog-facing", "fog-perpendicular", "fog-small", "dense-plate", "cornell-fog", "cloud-box"] {
         let table = section["tables"].as_array().expect("tables").iter().find(|table| {
             table["caption"]
                 .as_str()
-                .is_some_and(|caption| caption.starts_with(scene) && caption.contains("2026-11-24"))
+                .is_some_and(|caption| caption.starts_with(scene) && caption.contains("2026-11-28"))
         });
         assert!(table.is_some_and(|table| table["rows"].as_array().is_some_and(|rows| rows.len() == 5)), "{scene}");
     }

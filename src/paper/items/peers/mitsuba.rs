@@ -1,6 +1,6 @@
 //! Mitsuba 3, as a program that renders a few samples when it is told to.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -8,13 +8,15 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use serde_json::json;
 
 use super::NAME;
+use super::dense::Dense;
 use crate::image::exr;
 use crate::paper::Tell;
 use crate::paper::bench::Bench;
 use crate::paper::size::STEPS;
 use crate::paper::turns::{Log, Renders};
 use crate::scene::LoadedScene;
-use crate::scene::schema::Segments;
+use crate::scene::schema::{OneOrTwo, PhaseKind, Segments, Volume};
+use crate::volume;
 
 /// The script, beside the scenes.
 const SCRIPT: &str = "beside_mitsuba.py";
@@ -136,7 +138,15 @@ impl Drop for Mitsuba {
 /// What the script has to know of a scene, of which a call is to take about `call` seconds.
 fn keys(bench: &Bench<'_>, name: &str, loaded: &LoadedScene, call: f64) -> Result<serde_json::Value, String> {
     let scene = &loaded.scene;
-    let Some(medium) = &scene.medium else { return Err(format!("{name} has no medium")) };
+    let medium = scene.medium.as_ref().map(|medium| {
+        json!({
+            "scattering": medium.scattering.0,
+            "absorption": medium.absorption.0,
+            "g": loaded.frame.medium.phase.mean_cosine(),
+        })
+    });
+    let volumes = scene.volume.iter().enumerate().map(|(index, volume)| cloud(bench, name, index, volume));
+    let volumes = volumes.collect::<Result<Vec<_>, _>>()?;
     let Segments::Most(segments) = scene.render.max_segments else { return Err(format!("{name} has no limit")) };
     let lights = loaded.lights.iter().map(|light| {
         let values = &light.values;
@@ -153,14 +163,35 @@ fn keys(bench: &Bench<'_>, name: &str, loaded: &LoadedScene, call: f64) -> Resul
             "vertical_fov_deg": loaded.camera.vertical_fov_deg,
             "near": loaded.camera.near,
         },
-        "medium": {
-            "scattering": medium.scattering.0,
-            "absorption": medium.absorption.0,
-            "g": loaded.frame.medium.phase.mean_cosine(),
-        },
+        "medium": medium,
+        "volumes": volumes,
         "lights": lights.collect::<Vec<_>>(),
         "geometry": geometry,
         "max_segments": segments,
         "call": call,
+    }))
+}
+
+/// What it has to know of a volume of voxels, whose densities are left in a file: little-endian f32.
+fn cloud(bench: &Bench<'_>, name: &str, index: usize, volume: &Volume) -> Result<serde_json::Value, String> {
+    let (Some(grid), None, None) = (&volume.grid, &volume.shape, &volume.emission_grid) else {
+        return Err(format!("{name} has a volume that is not just a grid"));
+    };
+    let (PhaseKind::HenyeyGreenstein, Some(OneOrTwo::One(g))) = (volume.phase.kind, volume.phase.g) else {
+        return Err(format!("{name} has a volume whose phase function is not that of Henyey and Greenstein"));
+    };
+    let vdb = bench.scenes.folder(name).join(&grid.file);
+    let voxels = volume::read(&vdb, grid.name.as_deref(), &|_, _| {}).map_err(|error| error.to_string())?;
+    let Dense { counts, corners, densities } = Dense::of(&voxels, grid)?;
+    let file = bench.folder.file(NAME, &format!("{name}-{index}.f32")).map_err(|error| error.to_string())?;
+    let bytes: Vec<u8> = densities.iter().flat_map(|density| density.to_le_bytes()).collect();
+    fs::write(&file, bytes).map_err(|error| format!("{} cannot be written: {error}", file.display()))?;
+    Ok(json!({
+        "counts": counts,
+        "corners": corners,
+        "densities": file,
+        "scattering": volume.scattering.0.map(|scattering| scattering * grid.scale),
+        "absorption": volume.absorption.0.map(|absorption| absorption * grid.scale),
+        "g": g,
     }))
 }

@@ -1,5 +1,6 @@
 //! The same scenes in Mitsuba 3, in turn with fogbow.
 
+mod dense;
 mod mitsuba;
 mod recorded;
 
@@ -19,7 +20,8 @@ use crate::paper::turns::{Renders, equal_time, slowest_step};
 
 const NAME: &str = "peers";
 /// What both programs render.
-pub const SCENES: [&str; 5] = ["fog-facing", "fog-perpendicular", "fog-small", "dense-plate", "cornell-fog"];
+pub const SCENES: [&str; 6] =
+    ["fog-facing", "fog-perpendicular", "fog-small", "dense-plate", "cornell-fog", "cloud-box"];
 
 pub fn make(bench: &Bench<'_>) -> Result<Section> {
     let mut section = Section::default();

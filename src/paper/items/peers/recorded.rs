@@ -13,7 +13,7 @@ pub fn section(reason: &str) -> Section {
         lacks: Some(reason.into()),
         text: vec![
             format!("Mitsuba was not run: {reason}. These are figures that were recorded before."),
-            "With `pip install mitsuba numpy` this item renders five scenes with both programs in turn. Where Mitsuba \
+            "With `pip install mitsuba numpy` this item renders six scenes with both programs in turn. Where Mitsuba \
              does not find LLVM, the environment variable DRJIT_LIBLLVM_PATH names it."
                 .into(),
         ],
@@ -35,7 +35,7 @@ fn table(rows: &[Vec<&str>]) -> Table {
             ("program or technique", Show::Digits(1)),
             ("rate [1/s]", Show::Rate),
             ("rate over Mitsuba's", Show::Digits(2)),
-            ("variance of green", Show::Digits(3)),
+            ("variance of a sample", Show::Digits(3)),
             ("efficiency over Mitsuba's", Show::Digits(3)),
         ]),
         rows: rows.iter().map(row).collect(),
