@@ -5,9 +5,9 @@
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
 //! Where there are surfaces, connections have to be traced, and in a grid their transmittance has to be estimated. Those
-//! that contribute less than the mean of the image may play roulette before. Measured on dense-plate, thresholds from a
-//! quarter of the mean to all of it leave the variance of bridges as it is, and the largest takes a quarter of the time;
-//! where nothing scatters roulette would only add noise.
+//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as
+//! nearly all that is faint is fainter than that, and would be seen: what plays roulette is bright in the dark parts of
+//! an image. Where nothing scatters roulette would only add noise.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
@@ -45,6 +45,8 @@ const SAMPLES: u32 = 32;
 const PARTS: u32 = 4;
 /// Standard errors by which the means of two settings may differ.
 const AGREEMENT: f64 = 5.0;
+/// Contribution below which connections play roulette, over the mean of the image.
+const FAINT: f64 = 0.25;
 /// Share of the best efficiency that is as good as the best.
 const NEARLY: f64 = 0.9;
 /// Makes the pilot's seed another than the frame's.
@@ -139,19 +141,23 @@ impl Trial {
         (self.mean - other.mean).abs() <= AGREEMENT * self.mean_error.hypot(other.mean_error)
     }
 
-    /// What leaves most to luck first: by starts, by survival, then by roulette.
-    fn compare_luck(&self, other: &Self) -> Ordering {
+    /// What leaves most to luck first: by starts, then by survival.
+    fn compare_walks(&self, other: &Self) -> Ordering {
         let [a, b] = [self.setting, other.setting];
-        let walks = a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)));
-        walks.then(b.roulette.total_cmp(&a.roulette))
+        a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)))
+    }
+
+    /// The same, then by roulette.
+    fn compare_luck(&self, other: &Self) -> Ordering {
+        self.compare_walks(other).then(other.setting.roulette.total_cmp(&self.setting.roulette))
     }
 }
 
 /// `frame` with the most efficient of the settings that `choices` allow, and the trials that led to it.
 ///
-/// A roulette below the mean of the image is tried with the first number of starts, then numbers of starts with walks
-/// that go on, then survivals with the best of these, and where an early end is the best, the next numbers of starts
-/// with that. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
+/// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
+/// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
+/// starts with that. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
 /// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
 /// did not.
 ///
@@ -228,7 +234,7 @@ impl Search<'_> {
 
     fn try_roulette(&mut self) {
         let mean = self.trials.first().map_or(0.0, |trial| trial.mean);
-        self.attempt(Setting { roulette: mean as f32, ..self.setting });
+        self.attempt(Setting { roulette: (FAINT * mean) as f32, ..self.setting });
     }
 
     /// Tries the other numbers of starts, for paths of up to `longest` segments.
@@ -265,14 +271,14 @@ impl Search<'_> {
 }
 
 /// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the
-/// one with most starts, longest walks and faintest roulette. A look this short knows variances to a tenth or so, and
-/// more of everything has fewer surprises.
+/// one with most starts and longest walks, and of such the most efficient. A look this short knows variances to a tenth
+/// or so, and more of everything has fewer surprises; roulette, of the same samples, has none.
 pub fn best(trials: &[Trial]) -> Option<Trial> {
     let fullest = trials.iter().max_by(|a, b| a.compare_luck(b))?;
     let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));
     let most = sound().map(Trial::efficiency).fold(0.0, f64::max);
     let good = sound().filter(|trial| trial.efficiency() >= NEARLY * most);
-    good.copied().max_by(|a, b| a.compare_luck(b))
+    good.copied().max_by(|a, b| a.compare_walks(b).then(a.efficiency().total_cmp(&b.efficiency())))
 }
 
 struct Pilot<'a> {
@@ -338,18 +344,19 @@ fn cost(stats: &Stats, frame: &Frame) -> f64 {
     const EDGE: f64 = 9.0;
     const TERM: f64 = 9.0;
     const TRACED: f64 = 22.0;
+    const SHADOW_RAY: f64 = 40.0;
     const TRACKED: f64 = 100.0;
     const ESTIMATED: f64 = 150.0;
     const EMITTED: f64 = 350.0;
     let work = stats.work.expect("looks count work");
     let where_that = |happens: bool, count: u64| if happens { count as f64 } else { 0.0 };
-    let traced = where_that(frame.is_solid(), stats.segments + work.traced);
     SAMPLE * stats.samples as f64
         + SEGMENT * stats.segments as f64
         + CONNECTION * work.connections as f64
         + EDGE * work.edges as f64
         + TERM * work.terms as f64
-        + TRACED * traced
+        + TRACED * where_that(frame.is_solid(), stats.segments)
+        + SHADOW_RAY * where_that(frame.is_solid(), work.traced)
         + TRACKED * where_that(frame.varies(), stats.segments)
         + ESTIMATED * where_that(frame.varies(), work.traced)
         + EMITTED * where_that(frame.varies() && frame.emits(), stats.segments)
