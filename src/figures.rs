@@ -19,15 +19,30 @@ pub fn number(value: f64, digits: usize) -> String {
     }
 }
 
+/// Digits of a length.
+const DIGITS: usize = 6;
+/// Digits that tell all doubles apart.
+const MOST_DIGITS: usize = 17;
+
 /// A length without zeros at its end.
 pub fn length(metres: f64) -> String {
-    let text = number(metres, 6);
+    length_of(metres, DIGITS)
+}
+
+fn length_of(metres: f64, digits: usize) -> String {
+    let text = number(metres, digits);
     text.parse::<f64>().map_or(text, |rounded| rounded.to_string())
 }
 
-/// A point.
-pub fn point(coordinates: [f64; 3]) -> String {
-    format!("[{}]", coordinates.map(length).join(", "))
+/// The corners of a box, with as many digits as show its shortest edge that is not 0 to a thousandth, wherever it is.
+pub fn extent([low, high]: [[f64; 3]; 2]) -> String {
+    let farthest = low.into_iter().chain(high).fold(0.0, |farthest: f64, x| farthest.max(x.abs()));
+    let edges = low.into_iter().zip(high).map(|(low, high)| (high - low).abs());
+    let shortest = edges.filter(|edge| *edge > 0.0).fold(f64::INFINITY, f64::min);
+    let digits = (farthest / shortest).log10().ceil().max(0.0) as usize + 3;
+    let length = |x| length_of(x, digits.clamp(DIGITS, MOST_DIGITS));
+    let [low, high] = [low, high].map(|corner| corner.map(length).join(", "));
+    format!("[{low}] to [{high}]")
 }
 
 /// How many vertices connect.
@@ -138,6 +153,14 @@ mod tests {
         assert_eq!(number(1.5e-7, 3), "1.50e-7");
         assert_eq!([9.999_99, 10.000_01, 0.999_96].map(|value| number(value, 4)), ["10.00", "10.00", "1.000"]);
         assert_eq!(number(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn boxes_far_away_show_how_large_they_are() {
+        assert_eq!(extent([[-1.0, 0.0, 0.5], [1.0, 2.0, 1.0 / 3.0]]), "[-1, 0, 0.5] to [1, 2, 0.333333]");
+        let far = extent([[1e8, 0.0, 0.0], [1e8 + 0.25, 1.0, 1.0]]);
+        assert_eq!(far, "[100000000, 0, 0] to [100000000.25, 1, 1]");
+        assert_eq!(extent([[7.0; 3]; 2]), "[7, 7, 7] to [7, 7, 7]");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
 use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
-use crate::figures::{duration, number, point, rate, starts, survival_in_words};
+use crate::figures::{duration, extent, number, rate, starts, survival_in_words};
 use crate::film::{self, Film, Region};
 use crate::gltf::{Animated, quoted};
 use crate::image::{self, Format};
@@ -164,7 +164,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
 
 /// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.
 fn describe_filling(filling: &Filling, medium: &Medium, scale: f64) -> Result<()> {
-    let Filling { bounds: [low, high], densities, glowing, bytes, .. } = filling;
+    let Filling { bounds, densities, glowing, bytes, .. } = filling;
     let voxels = |grid: &Densities| format!("{} active voxels", grid.active_voxels);
     let grids = [
         densities.as_ref().map(voxels),
@@ -172,8 +172,7 @@ fn describe_filling(filling: &Filling, medium: &Medium, scale: f64) -> Result<()
         (*bytes > 0).then(|| volume::memory(*bytes as u64)),
     ];
     let grids = grids.into_iter().flatten().map(|text| format!(", {text}")).collect::<String>();
-    let [low, high] = [low, high].map(|corner| point(*corner));
-    say(format!("  from {low} to {high} m{grids}"))?;
+    say(format!("  from {} m{grids}", extent(*bounds)))?;
     let Some(densities) = densities else { return Ok(()) };
     let [densest, mean] =
         [f64::from(densities.most), densities.mean].map(|density| coefficients(medium, density * scale));

@@ -9,7 +9,7 @@ use super::loading::NOTICEABLE;
 use super::progress::Reporter;
 use super::say;
 use crate::error::Result;
-use crate::figures::{length, number, point};
+use crate::figures::{extent, length, number};
 use crate::gltf::quoted;
 use crate::scene::{Densities, Loading, too_far_apart};
 use crate::volume::{self, GridSummary, VoxelGrid};
@@ -50,8 +50,8 @@ fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<Result<
     if let Some([first, last]) = grid.index_bounds {
         say(format!("  index bounds: {first:?} to {last:?}"))?;
     }
-    if let Some([min, max]) = grid.world_bounds() {
-        say(format!("  world bounds: {} to {} m", point(min), point(max)))?;
+    if let Some(bounds) = grid.world_bounds() {
+        say(format!("  world bounds: {} m", extent(bounds)))?;
     }
     if let Some(Densities { mean, most, .. }) = densities {
         say(format!(

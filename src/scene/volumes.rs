@@ -21,7 +21,7 @@ use super::loading::Look;
 use super::model::Loaded;
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
-use crate::figures::point;
+use crate::figures::extent;
 use crate::warning::Warning;
 pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
@@ -228,11 +228,12 @@ impl Volume<'_> {
     /// An error if single precision does not tell where it begins and ends: positions are counted from the camera.
     fn must_have_an_inside(&self, placed: &Placed, origin: DVec3) -> Result<()> {
         let [low, high] = placed.bounds().map(|corner| corner.as_vec3());
-        let [first, last] = placed.bounds().map(|corner| point((corner + origin).to_array()));
+        let bounds = placed.bounds().map(|corner| (corner + origin).to_array());
         let path = &self.table;
         let finding = format!(
-            "{path} is from {first} to {last} m, too far from the camera for its size: single precision, in which \
-             positions are counted from there, knows no difference"
+            "{path} is from {} m, too far from the camera for its size: single precision, in which positions are counted \
+             from there, knows no difference",
+            extent(bounds)
         );
         let remedy = "move it nearer to the camera, or make it larger";
         if low.cmplt(high).all() { Ok(()) } else { Err(self.document.error(path, finding, remedy)) }

@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use super::Volume;
 use super::files::{GridOfFile, MOST_BRICKS, far_apart};
 use crate::error::Result;
-use crate::figures::point;
+use crate::figures::extent;
 use crate::gltf::quoted;
 use crate::scene::filling::Densities;
 use crate::scene::loading::Loading;
@@ -110,7 +110,7 @@ impl Volume<'_> {
             self.document.error_of_file(&format!("{}.{key}", self.table), error)
         })?;
         let spanned = file.bricks_spanned;
-        let finding = format!("a grid whose {}", far_apart(spanned));
+        let finding = format!("{}, a grid whose {}", quoted(&grid.file), far_apart(spanned));
         let remedy = format!("crop or resample the grid to at most {MOST_BRICKS} bricks");
         self.require(spanned <= MOST_BRICKS, &key("file"), finding, &remedy)?;
         let interpolation = match grid.interpolation {
@@ -212,10 +212,9 @@ impl Volume<'_> {
         } else {
             ("file", quoted(&grid.file), "give a smaller scale_by")
         };
-        let [first, last] = [low, high].map(|corner| point(corner.to_array()));
         let file =
             if key == "file" { "its densities".into() } else { format!("the densities of {}", quoted(&grid.file)) };
-        let finding = format!("{is}, which puts {file} at {first} to {last} m");
+        let finding = format!("{is}, which puts {file} at {} m", extent([low, high].map(|corner| corner.to_array())));
         let remedy = format!("{remedy}: coordinates go from -1e9 to 1e9 m");
         self.require(reach(DVec3::ZERO) <= LARGEST, &format!("{table}.{key}"), finding, &remedy)
     }
@@ -244,18 +243,18 @@ impl Volume<'_> {
         placed: &Placed,
         origin: DVec3,
     ) -> Result<()> {
-        let ([low, high], tell) = (placed.bounds(), |corner: DVec3| point((corner + origin).to_array()));
+        let [low, high] = placed.bounds();
+        let tell = |bounds: [DVec3; 2]| extent(bounds.map(|corner| (corner + origin).to_array()));
         // To look at all voxels takes long.
         let meets = |(voxels, densities): &(&Voxels, &Densities)| {
             let [first, last] = densities.bounds;
             (first.cmpge(low).all() && last.cmple(high).all()) || voxels.extent(low, high).most > 0.0
         };
         let Some((_, densities)) = grid.filter(|grid| !meets(grid)) else { return Ok(()) };
-        let [first, last] = densities.bounds.map(tell);
         let finding = format!(
-            "outside of the volume, which is from {} to {} m: densities above 0 are from {first} to {last} m",
-            tell(low),
-            tell(high)
+            "outside of the volume, which is from {} m: densities above 0 are from {} m",
+            tell([low, high]),
+            tell(densities.bounds)
         );
         let remedy = "move the grid to the volume with translate, or the volume to the grid";
         if self.keys.shape.as_ref().is_some_and(|shape| shape.kind == ShapeKind::Mesh) {

@@ -148,7 +148,7 @@ fn what_is_too_thin_or_too_dense_to_be_meant_is_told() {
 fn volumes_too_far_away_to_have_a_size_are_refused() {
     let shape = "shape = { type = \"box\", min = [1e8, 0, 0], max = [100000001, 1, 1] }\nscattering = 1";
     let run = with_volumes("", &[shape]).run(&["info", "scene.toml"]);
-    let finding = "volume[0] is from [100000000, 0, 0] to [100000000, 1, 1] m, too far from the camera for its size";
+    let finding = "volume[0] is from [100000000, 0, 0] to [100000001, 1, 1] m, too far from the camera for its size";
     assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
     with_volumes("", &[&shape.replace("100000001", "100000100")]).done(&["info", "scene.toml"]);
 }
