@@ -117,7 +117,7 @@ impl Field {
     /// If there are no volumes, or more than [`MOST_VOLUMES`], or one has neither a shape nor voxels.
     pub fn new(volumes: Vec<Volume>, around: f32) -> Self {
         let lattice = Lattice::best(&volumes, around);
-        Self::in_best_cells(volumes, around, &lattice)
+        Self::on(&lattice, volumes, around)
     }
 
     /// `volumes`, those of the highest priority first, whose extinctions differ between channels, in a medium of the
@@ -137,15 +137,9 @@ impl Field {
         let (densest, densest_around) = scaled(|channels| channels.into_iter().fold(0.0, f32::max));
         let lattice = Lattice::best(&densest, densest_around);
         let (mean, mean_around) = scaled(|channels| channels.into_iter().sum::<f32>() / CHANNELS as f32);
-        let apart =
-            Apart::new(&volumes, hues, around, |volumes, around| Self::in_best_cells(volumes, around, &lattice));
+        let apart = Apart::new(&volumes, hues, around, |volumes, around| Self::on(&lattice, volumes, around));
         // What is even here need not be so in every channel.
-        Self { apart: Some(Arc::new(apart)), even: None, ..Self::in_best_cells(mean, mean_around, &lattice) }
-    }
-
-    fn in_best_cells(volumes: Vec<Volume>, around: f32, lattice: &Lattice) -> Self {
-        let one = OneShape::of(&volumes);
-        Self { one, ..Self::in_cells_of(volumes, around, lattice) }
+        Self { apart: Some(Arc::new(apart)), even: None, ..Self::on(&lattice, mean, mean_around) }
     }
 
     /// The densities of voxels, times `unit` [1/m].
@@ -161,30 +155,33 @@ impl Field {
         Self::new(vec![Volume { shape: Some(Shape::block(corners)), voxels: None, extinction }], 0.0)
     }
 
-    fn in_cells_of(volumes: Vec<Volume>, around: f32, lattice: &Lattice) -> Self {
+    /// `volumes` in a grey medium of extinction `around`, in the cells of a lattice.
+    fn on(lattice: &Lattice, volumes: Vec<Volume>, around: f32) -> Self {
         assert!((1..=MOST_VOLUMES).contains(&volumes.len()), "1 to {MOST_VOLUMES} volumes");
+        let one = OneShape::of(&volumes);
         let to_cells = Map::new(&lattice.to_cells);
         let volumes = lattice.place(volumes);
         let survey = lattice.survey(&volumes, around);
         let (cells, blocks) = (Cells::new(&survey), Blocks::new(&survey, volumes.len() > 1));
         let blocks = blocks.with_cores(&survey, &volumes, &lattice.to_cells.inverse());
         let even = EvenPart::largest(&survey);
-        Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], apart: None, one: None, even }
+        Self { volumes, around, cells, blocks, to_cells, hues: [1.0; CHANNELS], apart: None, one, even }
     }
 
     /// The same with other cells: of 2^`log_side` voxels along each edge, where it is one grid, or else of so much
-    /// smaller edges; with majorants times `factor` and means times `mean`. No mean of any image depends on them.
+    /// smaller edges; with majorants times `factor` and means times `mean`. No mean of any image depends on them. One shape
+    /// is tracked through them like any other field.
     pub fn with_cells(self, log_side: u32, factor: f32, mean: f32) -> Self {
         let apart = self.apart.map(|apart| Arc::new(apart.each(|field| field.with_cells(log_side, factor, mean))));
         let volumes: Vec<Volume> = self.volumes.into_iter().map(|placed| placed.volume).collect();
         let lattice = Lattice::other(&volumes, self.around, log_side);
-        let field = Self { hues: self.hues, ..Self::in_cells_of(volumes, self.around, &lattice) };
+        let field = Self { hues: self.hues, ..Self::on(&lattice, volumes, self.around) };
         let even = field.even.filter(|_| factor == 1.0 && mean == 1.0 && apart.is_none());
         let (cells, blocks) = match (factor, mean) {
             (1.0, 1.0) => (field.cells, field.blocks),
             _ => (field.cells.distorted(mean), field.blocks.distorted(factor, mean)),
         };
-        Self { cells, blocks, even, apart, ..field }
+        Self { cells, blocks, even, apart, one: None, ..field }
     }
 
     /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
