@@ -129,6 +129,26 @@ fn light_through_smoke_is_missed_aloud() {
     }
 }
 
+/// From the middle of a white ball of 100 mean free paths, under a sky that is the same everywhere, light falls with
+/// exp(-pi^2 n / (3 100^2)) in the end: 2 exp(-21) of it has more than 65536 segments, and a hundredth more than 16 000.
+#[test]
+fn light_leaves_a_thick_ball_however_white_it_is() {
+    let ball = r#"
+        camera = { position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }
+        film = { size = [8, 8] }
+        environment = { radiance = 1 }
+
+        [[volume]]
+        shape = { type = "sphere", center = [0, 0, 0], radius = 100 }
+        scattering = 1
+    "#;
+    let found = left_out_of(&scene::parse("ball.toml", ball).unwrap_or_else(|error| panic!("{error}")));
+    let found = found.expect("a share");
+    let (share, error) = share(Some(found));
+    assert!(found.max_segments == 65536 && share + 2.0 * error < 1e-3, "{found:?}");
+    assert!(found.likely.is_some_and(|limit| (12_000..22_000).contains(&limit)), "{found:?}");
+}
+
 /// A lamp deep in absorbing fog, which nine in ten walks do not come near: what is beyond 32 segments, 12 to 78 % of the
 /// light, may be unknown, but not next to nothing.
 #[test]

@@ -15,11 +15,22 @@ const SURE: f64 = 2.0;
 /// Share of the light of some paths of which a look that finds less does not see them.
 const SEEN: f64 = 0.5;
 
+/// What becomes of light that wanders on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// There is no end to what it wanders through: it may fall with a power of the length.
+    Stays,
+    /// It leaves what has bounds: in the end it falls exponentially.
+    Leaves,
+}
+
 /// Light by length, look by look.
 pub struct Light {
     looks: Vec<Vec<f64>>,
     /// Whether long paths are seen if there are any.
     sees_far: bool,
+    /// What becomes of the longest.
+    fate: Fate,
     /// That of all looks together.
     all: Beyond,
     /// The same without each of them.
@@ -28,14 +39,14 @@ pub struct Light {
 
 impl Light {
     /// Of `short` up to the length to which it goes, of `long` from there on.
-    pub fn new(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
+    pub fn new(short: &[Vec<f64>], long: &[Vec<f64>], fate: Fate) -> Self {
         let join = |(short, long): (&Vec<f64>, &Vec<f64>)| [short, &long[short.len()..]].concat();
-        Self::of(short.iter().zip(long).map(join).collect(), true)
+        Self::of(short.iter().zip(long).map(join).collect(), true, fate)
     }
 
     /// The same where either may miss what the other sees: up to that length it is, of every doubling, that of those who
     /// found more. If `long` hardly finds the light of the last doubling, it does not know what is beyond.
-    pub fn of_the_brighter(short: &[Vec<f64>], long: &[Vec<f64>]) -> Self {
+    pub fn of_the_brighter(short: &[Vec<f64>], long: &[Vec<f64>], fate: Fate) -> Self {
         let longest = short[0].len() - 1;
         let starts = core::iter::successors(Some(1), |start| Some(2 * start)).take_while(|start| *start < longest);
         let mut brighter = short.to_vec();
@@ -52,17 +63,17 @@ impl Light {
         let (all, _) = mean_and_error(sums(&brighter, 0..longest + 1));
         let surely = found - SURE * error;
         let sees_far = surely <= TOLERATED * all || by_long + SURE * error_by_long > SEEN * surely;
-        Self { sees_far, ..Self::new(&brighter, long) }
+        Self { sees_far, ..Self::new(&brighter, long, fate) }
     }
 
-    fn of(looks: Vec<Vec<f64>>, sees_far: bool) -> Self {
+    fn of(looks: Vec<Vec<f64>>, sees_far: bool, fate: Fate) -> Self {
         let lengths = 0..looks[0].len();
         let all: Vec<f64> = lengths.map(|n| looks.iter().map(|look| look[n]).sum()).collect();
         let without = |look: &Vec<f64>| {
             let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
-            Beyond::of(&rest)
+            Beyond::of(&rest, fate)
         };
-        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all), looks, sees_far }
+        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all, fate), looks, sees_far, fate }
     }
 
     /// Whether no look found any.
@@ -94,7 +105,8 @@ impl Light {
     /// A round limit that surely leaves out no more than is tolerated: so say all looks together, and either half of
     /// them alone confirms it. A few looks that happened to miss rare long paths would otherwise be sure of too little.
     pub fn sufficient(&self) -> Option<u32> {
-        let half = |odd: usize| Self::of(self.looks.iter().skip(odd).step_by(2).cloned().collect(), self.sees_far);
+        let half =
+            |odd: usize| Self::of(self.looks.iter().skip(odd).step_by(2).cloned().collect(), self.sees_far, self.fate);
         let limits = [self.first(SURE), half(0).first(SURE), half(1).first(SURE)];
         limits.into_iter().try_fold(0, |largest, limit| Some(largest.max(limit?)))
     }
@@ -143,38 +155,98 @@ impl Light {
 struct Beyond {
     /// That of paths longer than so many segments, extrapolated light included.
     longer_than: Vec<f64>,
-    /// What is extrapolated of it.
-    tail: f64,
-    /// The factor from one doubling to the next.
-    ratio: f64,
+    /// What is extrapolated.
+    tail: Tail,
+}
+
+/// Light beyond what was seen: of the last doubling of the length, and of those behind it, each over the one before,
+///
+/// ```text
+/// B,   r_k = y_k (1 + y_k),   y_(k+1) = y_k^c
+/// ```
+///
+/// Light that falls exponentially has c = 2: with y = exp(-a n), that of lengths from n to 2 n is y - y^2, that of the next
+/// doubling y^2 - y^4. A power of the length has c = 1, the same ratio from doubling to doubling.
+#[derive(Clone, Copy)]
+struct Tail {
+    /// B.
+    last: f64,
+    /// y_0, of the last doubling over the one before.
+    fall: f64,
+    /// c.
+    curve: f64,
+}
+
+/// Doublings that are added up.
+const DOUBLINGS: usize = 128;
+
+/// Largest y: light that still grows is not known anyway.
+const LARGEST: f64 = 0.95;
+
+impl Tail {
+    /// That of light of which the last three doublings are known. Power laws go by the square of a ratio, that of the last
+    /// doubling over the last but two, as one of neighbours is noisier.
+    fn of([early, middle, last]: [f64; 3], fate: Fate) -> Self {
+        let ratio = |before: f64, after: f64| if before > 0.0 { after / before } else { 1.0 };
+        let fall = |ratio: f64| 0.5 * ((1.0 + 4.0 * ratio).sqrt() - 1.0);
+        match fate {
+            Fate::Stays => Self { last, fall: fall(ratio(early, last).sqrt().min(SLOWEST)), curve: 1.0 },
+            Fate::Leaves => {
+                let (before, now) = (fall(ratio(early, middle)), fall(ratio(middle, last)).min(LARGEST));
+                let curve = if before < 1.0 { (now.ln() / before.ln()).clamp(1.0, 2.0) } else { 2.0 };
+                Self { last, fall: now, curve }
+            }
+        }
+    }
+
+    /// Light beyond so many times the length that was seen, at least 1: in between powers of two as powers of the length
+    /// and exponentials are.
+    fn beyond(&self, times: f64) -> f64 {
+        let doublings = times.log2().floor();
+        let further = times.log2() - doublings;
+        let part = match self.curve {
+            1.0 => further,
+            c => (c.powf(further) - 1.0) / (c - 1.0),
+        };
+        let [before, after] = [doublings, doublings + 1.0].map(|skipped| self.after(skipped as usize));
+        if after > 0.0 { before * (after / before).powf(part) } else { before * (1.0 - part) }
+    }
+
+    /// Light beyond so many more doublings.
+    fn after(&self, skipped: usize) -> f64 {
+        let falls = core::iter::successors(Some(self.fall), |fall| Some(fall.powf(self.curve))).skip(1);
+        let amounts = falls.scan(self.last, |amount, fall| {
+            *amount *= fall * (1.0 + fall);
+            Some(*amount)
+        });
+        amounts.skip(skipped).take(DOUBLINGS).sum()
+    }
 }
 
 impl Beyond {
-    /// Of the light at each length. With B that of the last doubling and A that of the last but two, the k-th after
-    /// these brings B r^k, r^2 = B / A.
-    fn of(light: &[f64]) -> Self {
-        let [early, .., last] = octaves(light);
-        let ratio = if early > 0.0 { (last / early).sqrt().min(SLOWEST) } else { SLOWEST };
-        let tail = last * ratio / (1.0 - ratio);
+    /// Of the light at each length.
+    fn of(light: &[f64], fate: Fate) -> Self {
+        let tail = Tail::of(octaves(light), fate);
         let light = light.iter().rev();
         let mut longer_than: Vec<f64> =
-            light.scan(tail, |sum, light| Some(core::mem::replace(sum, *sum + light))).collect();
+            light.scan(tail.after(0), |sum, light| Some(core::mem::replace(sum, *sum + light))).collect();
         longer_than.reverse();
-        Self { longer_than, tail, ratio }
+        Self { longer_than, tail }
     }
 
     /// Share of all light of paths longer than `limit`.
     fn share(&self, limit: u32) -> f64 {
         let longest = (self.longer_than.len() - 1) as f64;
-        let farther = || self.tail * self.ratio.powf((f64::from(limit) / longest).log2());
+        let farther = || self.tail.beyond(f64::from(limit) / longest);
         let beyond = self.longer_than.get(limit as usize).copied().unwrap_or_else(farther);
         fraction(beyond, self.longer_than[0])
     }
 
     /// The same of the light that was seen.
     fn share_seen(&self, limit: u32) -> f64 {
-        let beyond = self.longer_than.get(limit as usize).map_or(0.0, |beyond| beyond - self.tail);
-        fraction(beyond, self.longer_than[0] - self.tail)
+        let tail = self.tail.after(0);
+        let beyond = self.longer_than.get(limit as usize).map_or(0.0, |beyond| beyond - tail);
+        fraction(beyond, self.longer_than[0] - tail)
     }
 }
 
@@ -218,7 +290,7 @@ mod tests {
             let parts = light.iter().enumerate();
             parts.map(|(n, light)| if n > 32 { factor(number) * light } else { *light }).collect()
         };
-        Light::of((0..16).map(look).collect(), true)
+        Light::of((0..16).map(look).collect(), true, Fate::Stays)
     }
 
     #[test]
@@ -226,12 +298,28 @@ mod tests {
         for power in [1.5, 2.0, 3.0] {
             let truth = algebraic(power, 10_000_000);
             let all: f64 = truth.iter().sum();
-            let beyond = Beyond::of(&truth[..=256]);
+            let beyond = Beyond::of(&truth[..=256], Fate::Stays);
             for limit in [15, 100, 255, 256, 500] {
                 let share = truth[limit + 1..].iter().sum::<f64>() / all;
                 let found = beyond.share(limit as u32);
                 assert!((found / share - 1.0).abs() < 0.03, "{found} of {share} beyond {limit}, power {power}");
             }
+        }
+    }
+
+    /// Paths in something thick and white that ends, of which looks saw the beginning of the end.
+    #[test]
+    fn light_that_leaves_falls_exponentially() {
+        for scale in [40.0, 80.0, 160.0] {
+            let light: Vec<f64> = (0..=256).map(|n| f64::exp(-f64::from(n) / scale)).collect();
+            let truth = |limit: f64| f64::exp(-limit / scale);
+            let beyond = Beyond::of(&light, Fate::Leaves);
+            for limit in [20, 256, 512, 1024] {
+                let (found, truth) = (beyond.share(limit), truth(f64::from(limit)));
+                assert!((found - truth).abs() < 0.01 * truth + 1e-6, "{found} of {truth} beyond {limit}, {scale}");
+            }
+            let as_if_it_stayed = Beyond::of(&light, Fate::Stays).share(1024);
+            assert!(scale < 160.0 || as_if_it_stayed > 0.03, "{as_if_it_stayed}");
         }
     }
 
@@ -260,7 +348,7 @@ mod tests {
         assert!(light.is_black() && !light.is_known());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
         light.looks[3][200] = 1.0;
-        let light = Light::of(light.looks, true);
+        let light = Light::of(light.looks, true, Fate::Stays);
         assert!(!light.is_black());
         assert_eq!((light.share(8), light.sufficient()), (Share::Unknown, None));
     }
@@ -271,7 +359,7 @@ mod tests {
         let early = light.sufficient().expect("a limit");
         light.looks.iter_mut().step_by(2).for_each(|look| look[100] = 0.25);
         light.looks.iter_mut().skip(2).step_by(2).for_each(|look| look[100] = 0.0);
-        let light = Light::of(light.looks, true);
+        let light = Light::of(light.looks, true, Fate::Stays);
         assert!(light.sufficient().is_none_or(|limit| limit > 90 && limit > early), "{:?}", light.sufficient());
     }
 
@@ -280,18 +368,18 @@ mod tests {
         let falls = |n: i32| 0.9_f64.powi(n);
         let looks = |light: &dyn Fn(i32) -> f64, longest: i32| vec![(0..=longest).map(light).collect::<Vec<_>>(); 8];
         let (short, long) = (looks(&falls, 32), looks(&falls, 256));
-        let truth = Light::new(&short, &long).share(20);
+        let truth = Light::new(&short, &long, Fate::Stays).share(20);
         let misses = |n: i32| if n > 4 { 1e-3 * falls(n) } else { falls(n) };
-        let by_long = Light::of_the_brighter(&looks(&misses, 32), &long);
+        let by_long = Light::of_the_brighter(&looks(&misses, 32), &long, Fate::Stays);
         assert!(by_long.is_known() && by_long.share(20) == truth, "{:?}, not {truth:?}", by_long.share(20));
         // The long ones see nothing there, so what they see beyond is nothing to go by.
-        let blind = Light::of_the_brighter(&short, &looks(&misses, 256));
+        let blind = Light::of_the_brighter(&short, &looks(&misses, 256), Fate::Stays);
         assert!(!blind.is_known() && blind.sufficient().is_none());
         assert_eq!(blind.share(20), Share::Unknown);
         // Where hardly any light is as long, it does not matter who sees it.
         let ends = |n: i32| if n > 12 { 1e-6 } else { falls(n) };
         let none = |n: i32| if n > 12 { 0.0 } else { falls(n) };
-        assert!(Light::of_the_brighter(&looks(&ends, 32), &looks(&none, 256)).is_known());
+        assert!(Light::of_the_brighter(&looks(&ends, 32), &looks(&none, 256), Fate::Stays).is_known());
     }
 
     /// A limit is offered where two standard errors more would still be tolerated.

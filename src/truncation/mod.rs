@@ -20,7 +20,9 @@
 //! What is beyond the longest walk is extrapolated: every doubling of the length is taken to bring as much less than
 //! the one before as the last ones did. Where nothing is absorbed, light that wanders through endless fog falls with
 //! the power -3/2 of the length, so that every doubling brings at least 1 - 1/sqrt(2) less than the one before. Where
-//! the last doublings bring more than that, light still grows, and how much is beyond is not known.
+//! the last doublings bring more than that, light still grows, and how much is beyond is not known. What has bounds is
+//! left in the end, however thick and white it is: there light falls exponentially, and every doubling brings less than
+//! its part of the one before, as much less as the last ones tell.
 
 mod light;
 mod lights;
@@ -40,7 +42,7 @@ use crate::film::Film;
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
 use crate::stats::{LightByLength, Stats};
-use light::Light;
+use light::{Fate, Light};
 
 /// Share of the light that may be left out without a word.
 pub const TOLERATED: f64 = 0.01;
@@ -191,7 +193,12 @@ impl fmt::Display for Truncation {
             (None, None, Share::About { .. }) => {
                 write!(f, "even {LONGEST_PATH}, the largest possible limit, may leave out more than 1 %")
             }
-            (None, None, _) => {
+            (None, None, Share::Unknown) => write!(
+                f,
+                "either there is hardly any in view, or it needs more than {LONGEST_PATH} segments, the largest possible \
+                 limit"
+            ),
+            (None, None, Share::AtLeast(_)) => {
                 write!(f, "most of it may need more than {LONGEST_PATH} segments, the largest possible limit")
             }
         }
@@ -241,7 +248,10 @@ impl Looker<'_> {
         let walks = self.absorbed(ways[solid], if may_miss { LATE } else { 1.0 });
         let walker = Looker { frame: &wide, ..*self };
         let join = if may_miss { Light::of_the_brighter } else { Light::new };
-        let with_walks = |longest: u32, way: &Way| Some(join(&short, &walker.take(connections.clone(), way, longest)?));
+        let has_bounds = medium.field().is_some_and(|field| field.around() == 0.0);
+        let fate = if has_bounds { Fate::Leaves } else { Fate::Stays };
+        let with_walks =
+            |longest: u32, way: &Way| Some(join(&short, &walker.take(connections.clone(), way, longest)?, fate));
         // As many segments, so fewer walks.
         let fewer = Way { samples: walks.samples * near / far, ..walks };
         let fading = Way { survival: Survival::fading(FADING), ..fewer };
