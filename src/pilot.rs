@@ -5,9 +5,8 @@
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
 //! Where there are surfaces, connections have to be traced, and in a grid their transmittance has to be estimated. Those
-//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as
-//! nearly all that is faint is fainter than that, and would be seen: what plays roulette is bright in the dark parts of
-//! an image. Where nothing scatters roulette would only add noise.
+//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as nearly all that is faint is fainter than that, and would be seen: what
+//! plays roulette is bright in the dark parts of an image. Where nothing scatters roulette would only add noise.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
@@ -41,6 +40,8 @@ const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
 const SIDE: u32 = 32;
 /// Samples per pixel and setting, in parts.
 const SAMPLES: u32 = 32;
+/// Most work of a trial in about nanoseconds of one core, where a sample may take any time.
+const MOST_WORK: f64 = 2e10;
 /// Parts whose spread tells how well a variance is known.
 const PARTS: u32 = 4;
 /// Standard errors by which the means of two settings may differ.
@@ -82,7 +83,7 @@ impl Choices {
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
         let bridges = scatters && frame.techniques.bridge.is_some() && !frame.lights.lights().is_empty();
-        let traces = scatters && frame.techniques.any() && (!frame.surfaces.is_empty() || frame.varies());
+        let traces = scatters && frame.techniques.any() && (frame.is_solid() || frame.varies());
         let Self { starts, survival, roulette } = self;
         let starts = bridges && starts && !frame.wanders() && !frame.varies();
         Self { starts, survival: (bridges || frame.wanders()) && survival, roulette: traces && roulette }
@@ -175,8 +176,9 @@ pub fn choose(
     let pilot = Pilot::new(frame, size, renderer, monitor);
     let mut search = Search { pilot, trials: Vec::new(), setting: Setting::of(frame) };
     if (frame.wanders() || frame.varies()) && choices.survival {
-        search.find_depths();
+        let cost = search.find_depths();
         choices.survival = false;
+        choices.roulette &= search.pilot.can_afford(cost);
     }
     if choices != Choices::default() {
         search.begin(choices);
@@ -226,10 +228,11 @@ impl Search<'_> {
         self.attempt(Setting { starts, ..self.setting });
     }
 
-    /// Has walks end by their depth.
-    fn find_depths(&mut self) {
-        let survival = depths::survival(&self.pilot, self.setting);
-        self.setting.survival = survival.unwrap_or(self.setting.survival);
+    /// Has walks end by their depth. Says what a sample will cost.
+    fn find_depths(&mut self) -> f64 {
+        let Some((survival, cost)) = depths::survival(&self.pilot, self.setting) else { return 0.0 };
+        self.setting.survival = survival;
+        cost
     }
 
     fn try_roulette(&mut self) {
@@ -294,6 +297,11 @@ impl<'a> Pilot<'a> {
         // Directly seen light is the same in all trials, and its edge is coarse in a small image.
         let lengths = PathLengths { min: frame.lengths.min.max(2), ..frame.lengths };
         Self { frame: Frame { lengths, seed: seed(frame.seed), ..frame }, region, renderer, monitor }
+    }
+
+    /// Whether a trial of samples of this cost takes no longer than it should.
+    fn can_afford(&self, cost: f64) -> bool {
+        cost * f64::from(SAMPLES) * self.region.pixels() as f64 <= MOST_WORK
     }
 
     fn attempt(&self, setting: Setting) -> Trial {

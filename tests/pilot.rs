@@ -68,6 +68,23 @@ fn walks_through_volumes_end_by_their_depth() {
     assert!((1..=3).all(|depth| survival.at(depth) == 1.0), "an early end");
 }
 
+/// A sample of a white ball of 1000 mean free paths takes 65536 segments, and a trial would take minutes.
+#[test]
+fn what_takes_too_long_is_not_tried() {
+    let ball = r#"
+        camera = { position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }
+        film = { size = [32, 32] }
+        environment = { radiance = 1 }
+
+        [[volume]]
+        shape = { type = "sphere", center = [0, 0, 0], radius = 1000 }
+        scattering = 1
+    "#;
+    let scene = scene::parse("ball.toml", ball).unwrap_or_else(|error| panic!("{error}"));
+    let (frame, trials) = piloted(&scene);
+    assert!(trials.is_empty() && frame.walk.survival.at(1000) == 1.0, "{trials:?}");
+}
+
 #[test]
 fn the_best_trial_is_chosen_and_nothing_is_tried_twice() {
     for (folder, settings) in [

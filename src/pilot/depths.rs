@@ -51,20 +51,20 @@ const MOST_WORK: f64 = 3e9;
 /// Steps towards the best shares.
 const STEPS: usize = 100;
 
-/// Survival by depth that suits the pilot's frame with `setting`; none if it was stopped.
-pub(super) fn survival(pilot: &Pilot<'_>, setting: Setting) -> Option<Survival> {
-    let (mut survival, mut found) = (Survival::fading(FIRST_FADING), None);
+/// Survival by depth that suits the pilot's frame with `setting`, and the cost of a sample then; none if it was stopped.
+pub(super) fn survival(pilot: &Pilot<'_>, setting: Setting) -> Option<(Survival, f64)> {
+    let (mut best, mut found) = ((Survival::fading(FIRST_FADING), 0.0), None);
     for look in 0..LOOKS {
-        let new = take(pilot, Setting { survival, ..setting }, look)?;
+        let new = take(pilot, Setting { survival: best.0, ..setting }, look)?;
         let all = found.map_or(new, |before: Found| before.and(&new));
-        let (best, cost) = all.best_reach();
-        survival = Survival::from_reach(best);
+        let (reach, cost) = all.best_reach();
+        best = (Survival::from_reach(reach), cost);
         if cost * f64::from(samples_per_pixel(pilot)) * pilot.region.pixels() as f64 > MOST_WORK {
             break;
         }
         found = Some(all);
     }
-    Some(survival)
+    Some(best)
 }
 
 /// Samples per pixel of a look.
