@@ -159,7 +159,7 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
     };
     let [x, y, z] = field.cells().dims();
     let size = medium.bytes() >> 10;
-    say(format!("volumes: {free_path}; {x}x{y}x{z} cells, {size} KiB"))
+    say(format!("volumes: {free_path}; {x}x{y}x{z} cells, shared grids counted once, {size} KiB"))
 }
 
 /// Where a volume of `medium` is and what it takes; of its grid, whose densities are multiplied by `scale`, what is in it.

@@ -46,7 +46,8 @@ pub enum Seeds {
     Coarse,
     /// The first flight through the coarse field, and all others as if extinction went on as at the first seed:
     /// `mu~(t_1)^m exp(-tau~(t_1) - mu~(t_1) (s - t_1))`, or `exp(-tau~(s))` without seeds. Weights ask the field for one
-    /// extinction instead of one per seed (section 4 of the paper).
+    /// extinction instead of one per seed (after section 4 of the paper, whose first flight is a Woodcock flight
+    /// through the field itself; the density of one through the coarse field is known, so that the weight is exact).
     Fast,
 }
 
