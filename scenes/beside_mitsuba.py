@@ -31,7 +31,7 @@ def choose_variant():
 
 VARIANT = choose_variant()
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from mitsuba_objects import mesh, objects, rgb  # noqa: E402: needs a variant
+from mitsuba_objects import cloud, mesh, objects, rgb  # noqa: E402: needs a variant
 
 T = mi.ScalarTransform4f
 # Most samples per pixel and call.
@@ -51,22 +51,12 @@ def homogeneous(keys):
     }
 
 
-def cloud(keys):
+def voxels(keys):
     """A box of voxels, whose scattering and absorption are grey."""
     [scattering], [absorption] = (set(keys[name]) for name in ("scattering", "absorption"))
     low, high = (np.array(corner, float) for corner in keys["corners"])
-    # Mitsuba counts z, y, x; its grids fill the cube from 0 to 1, and its cubes are from -1 to 1.
-    densities = np.fromfile(keys["densities"], "<f4").reshape(*reversed(keys["counts"]), 1)
-    box = T().translate(list(low)) @ T().scale(list(high - low))
-    medium = {
-        "type": "heterogeneous",
-        "albedo": {"type": "constvolume", "value": scattering / (scattering + absorption)},
-        "sigma_t": {"type": "gridvolume", "grid": mi.VolumeGrid(densities), "to_world": box},
-        "scale": scattering + absorption,
-        "phase": {"type": "hg", "g": keys["g"]},
-    }
-    cube = box @ T().translate([0.5] * 3) @ T().scale(0.5)
-    return {"type": "cube", "to_world": cube, "bsdf": {"type": "null"}, "interior": medium}
+    densities = np.fromfile(keys["densities"], "<f4").reshape(*reversed(keys["counts"]))
+    return cloud(densities, low, high, scattering, absorption, keys["g"])
 
 
 def disk(light):
@@ -103,7 +93,7 @@ def scene(keys):
         built["fog"] = homogeneous(keys["medium"])
         built["sensor"]["medium"] = {"type": "ref", "id": "fog"}
     for index, volume in enumerate(keys["volumes"]):
-        built[f"cloud{index}"] = cloud(volume)
+        built[f"cloud{index}"] = voxels(volume)
     for index, light in enumerate(keys["lights"]):
         built[f"light{index}"] = disk(light)
     if keys["geometry"]:

@@ -1,4 +1,5 @@
-"""What the scripts have in common that render a scene in Mitsuba 3: its objects, exactly as the geometry file has them."""
+"""What the scripts have in common that render a scene in Mitsuba 3: its objects, exactly as the geometry file has them,
+and clouds."""
 
 import json
 
@@ -8,6 +9,22 @@ import numpy as np
 
 def rgb(value):
     return {"type": "rgb", "value": [float(x) for x in value]}
+
+
+def cloud(densities, low, high, scattering, absorption, g):
+    """A box of voxels with its edges along the axes, from one outer face to the other; densities count z, y, x."""
+    transform = mi.ScalarTransform4f
+    # Mitsuba's grids fill the cube from 0 to 1, and its cubes are from -1 to 1.
+    box = transform().translate(list(low)) @ transform().scale(list(high - low))
+    medium = {
+        "type": "heterogeneous",
+        "albedo": {"type": "constvolume", "value": scattering / (scattering + absorption)},
+        "sigma_t": {"type": "gridvolume", "grid": mi.VolumeGrid(densities[..., None]), "to_world": box},
+        "scale": float(scattering + absorption),
+        "phase": {"type": "hg", "g": g},
+    }
+    cube = box @ transform().translate([0.5] * 3) @ transform().scale(0.5)
+    return {"type": "cube", "to_world": cube, "bsdf": {"type": "null"}, "interior": medium}
 
 
 def made_of(material):

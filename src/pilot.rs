@@ -5,8 +5,9 @@
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
 //! Where there are surfaces, connections have to be traced, and in a grid their transmittance has to be estimated. Those
-//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as nearly all that is faint is fainter than that, and would be seen: what
-//! plays roulette is bright in the dark parts of an image. Where nothing scatters roulette would only add noise.
+//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as
+//! nearly all that is faint is fainter than that, and would be seen: what plays roulette is bright in the dark parts of
+//! an image.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
@@ -41,7 +42,7 @@ const SIDE: u32 = 32;
 /// Samples per pixel and setting, in parts.
 const SAMPLES: u32 = 32;
 /// Most work of a trial in about nanoseconds of one core, where a sample may take any time.
-const MOST_WORK: f64 = 2e10;
+const MOST_WORK_OF_TRIAL: f64 = 2e10;
 /// Parts whose spread tells how well a variance is known.
 const PARTS: u32 = 4;
 /// Standard errors by which the means of two settings may differ.
@@ -301,7 +302,7 @@ impl<'a> Pilot<'a> {
 
     /// Whether a trial of samples of this cost takes no longer than it should.
     fn can_afford(&self, cost: f64) -> bool {
-        cost * f64::from(SAMPLES) * self.region.pixels() as f64 <= MOST_WORK
+        cost * f64::from(SAMPLES) * self.region.pixels() as f64 <= MOST_WORK_OF_TRIAL
     }
 
     fn attempt(&self, setting: Setting) -> Trial {

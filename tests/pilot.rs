@@ -7,6 +7,7 @@ use fogbow::pilot::{self, Setting, Trial};
 use fogbow::render::{Monitor, Renderer};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow_kernels::random::lis_seed;
+use fogbow_testing::frames::clouds::white_ball;
 use fogbow_testing::render::{WORKERS, green, render};
 use fogbow_testing::statistics::z_of_means;
 
@@ -71,17 +72,7 @@ fn walks_through_volumes_end_by_their_depth() {
 /// A sample of a white ball of 1000 mean free paths takes 65536 segments, and a trial would take minutes.
 #[test]
 fn what_takes_too_long_is_not_tried() {
-    let ball = r#"
-        camera = { position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }
-        film = { size = [32, 32] }
-        environment = { radiance = 1 }
-
-        [[volume]]
-        shape = { type = "sphere", center = [0, 0, 0], radius = 1000 }
-        scattering = 1
-    "#;
-    let scene = scene::parse("ball.toml", ball).unwrap_or_else(|error| panic!("{error}"));
-    let (frame, trials) = piloted(&scene);
+    let (frame, trials) = piloted(&white_ball(1000.0, 32));
     assert!(trials.is_empty() && frame.walk.survival.at(1000) == 1.0, "{trials:?}");
 }
 
@@ -155,7 +146,7 @@ fn roulette_is_played_below_a_part_of_the_mean_where_that_pays() {
     };
     let (chosen, tried) = roulette("dense-plate", &[]);
     assert!((0.03..0.07).contains(&chosen) && tried == [0.0, chosen], "{chosen} of {tried:?}");
-    // A tenth of the cost counts, where nothing is lost.
+    // A tenth of the cost counts where nothing is lost.
     let (chosen, tried) = roulette("dense-plate", &["render.technique=nee"]);
     assert!((0.03..0.07).contains(&chosen) && tried == [0.0, chosen], "{chosen} of {tried:?}");
     assert_eq!(roulette("dense-plate", &["render.roulette=0.01"]), (0.01, vec![]));

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use fogbow::render::{Monitor, Renderer, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow::truncation::{Share, Truncation, estimate};
+use fogbow_testing::frames::clouds::white_ball;
 use fogbow_testing::render::WORKERS;
 
 fn scene(folder: &str, settings: &[&str]) -> LoadedScene {
@@ -133,17 +134,7 @@ fn light_through_smoke_is_missed_aloud() {
 /// exp(-pi^2 n / (3 100^2)) in the end: 2 exp(-21) of it has more than 65536 segments, and a hundredth more than 16 000.
 #[test]
 fn light_leaves_a_thick_ball_however_white_it_is() {
-    let ball = r#"
-        camera = { position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }
-        film = { size = [8, 8] }
-        environment = { radiance = 1 }
-
-        [[volume]]
-        shape = { type = "sphere", center = [0, 0, 0], radius = 100 }
-        scattering = 1
-    "#;
-    let found = left_out_of(&scene::parse("ball.toml", ball).unwrap_or_else(|error| panic!("{error}")));
-    let found = found.expect("a share");
+    let found = left_out_of(&white_ball(100.0, 8)).expect("a share");
     let (share, error) = share(Some(found));
     assert!(found.max_segments == 65536 && share + 2.0 * error < 1e-3, "{found:?}");
     assert!(found.likely.is_some_and(|limit| (12_000..22_000).contains(&limit)), "{found:?}");

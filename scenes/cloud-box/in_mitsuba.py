@@ -9,6 +9,7 @@ import math
 import pathlib
 import sys
 import time
+import tomllib
 
 import mitsuba as mi
 import numpy as np
@@ -21,25 +22,25 @@ except ImportError:
 mi.set_variant("llvm_ad_rgb")
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
-from mitsuba_objects import mesh, objects
+from mitsuba_objects import cloud, mesh, objects, rgb
+
 SIZE, BATCH = 128, 32
-SCALE_BY, TRANSLATE = 2.2, np.array([2.78, 2.5, 2.79])
+SCENE = tomllib.loads((HERE / "scene.toml").read_text())
 
 
-def cloud():
-    """Extinction on a dense grid, and the box of its voxels: Mitsuba counts from their faces, OpenVDB from their centres."""
-    grid = vdb.read(str(HERE / "cloud.vdb"), "density")
+def voxels():
+    """The cloud, with one voxel more on every side: Mitsuba counts from their faces, OpenVDB from their centres."""
+    [volume] = SCENE["volume"]
+    place = volume["grid"]
+    grid = vdb.read(str(HERE / place["file"]), "density")
     low, high = (np.array(corner) for corner in grid.evalActiveVoxelBoundingBox())
     low, high = low - 1, high + 1
-    dense = np.zeros(high - low + 1, dtype=np.float32)
-    grid.copyToArray(dense, ijk=tuple(int(x) for x in low))
+    densities = np.zeros(high - low + 1, dtype=np.float32)
+    grid.copyToArray(densities, ijk=tuple(int(x) for x in low))
     corners = [np.array(grid.transform.indexToWorld(tuple(index))) for index in (low - 0.5, high + 0.5)]
-    corners = [SCALE_BY * corner + TRANSLATE for corner in corners]
-    t = mi.ScalarTransform4f
-    # Mitsuba's unit cube, and its cube shape from -1 to 1.
-    box = t().translate(list(corners[0])) @ t().scale(list(corners[1] - corners[0]))
-    values = np.ascontiguousarray(dense.transpose(2, 1, 0))[..., None]
-    return values, box, box @ t().translate([0.5] * 3) @ t().scale(0.5)
+    corners = [place["scale_by"] * corner + np.array(place["translate"]) for corner in corners]
+    densities = np.ascontiguousarray(densities.transpose(2, 1, 0))
+    return cloud(densities, *corners, volume["scattering"], volume["absorption"], volume["phase"]["g"])
 
 
 def walls():
@@ -48,30 +49,24 @@ def walls():
 
 
 def scene():
-    values, box, cube = cloud()
+    camera, [lamp], segments = SCENE["camera"], SCENE["light"], SCENE["render"]["max_segments"]
     t = mi.ScalarTransform4f
-    light = t().look_at([2.78, 5.48, 2.79], [2.78, 4.48, 2.79], [0, 0, 1]) @ t().scale(0.8)
-    medium = {
-        "type": "heterogeneous",
-        "albedo": {"type": "constvolume", "value": 0.8},
-        "sigma_t": {"type": "gridvolume", "grid": mi.VolumeGrid(values), "to_world": box},
-        "scale": 5.0,
-        "phase": {"type": "hg", "g": 0.9},
-    }
+    center, normal = np.array(lamp["center"]), np.array(lamp["normal"])
+    light = t().look_at(list(center), list(center + normal), [0, 0, 1]) @ t().scale(lamp["radius"])
     film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
     return mi.load_dict({
         "type": "scene",
-        "integrator": {"type": "volpath", "max_depth": 25, "rr_depth": 100000},
+        "integrator": {"type": "volpath", "max_depth": segments, "rr_depth": 100000},
         "sensor": {
-            "type": "perspective", "near_clip": 1.0, "fov": 53.13010235, "fov_axis": "y",
-            "to_world": t().look_at([2.78, 2.73, -4], [2.78, 2.73, 0], [0, 1, 0]),
+            "type": "perspective", "near_clip": float(camera["near"]), "fov": camera["vertical_fov_deg"], "fov_axis": "y",
+            "to_world": t().look_at(camera["position"], camera["look_at"], [0, 1, 0]),
             "film": film | {"component_format": "float32"}, "sampler": {"type": "independent"},
         },
-        "cloud": {"type": "cube", "to_world": cube, "bsdf": {"type": "null"}, "interior": medium},
+        "cloud": voxels(),
         "light": {
             "type": "disk", "to_world": light,
-            "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
-            "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 40.0}},
+            "bsdf": {"type": "diffuse", "reflectance": rgb([0, 0, 0])},
+            "emitter": {"type": "area", "radiance": rgb([lamp["radiance"]] * 3)},
         },
         **dict(walls()),
     })

@@ -1,9 +1,30 @@
 //! Frames with grids of densities.
 
+use fogbow::scene::LoadedScene;
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
 use fogbow_kernels::media::field::{Field, Interpolation, Leaf, Shape, ToIndex, Volume, Voxels};
 
 use super::*;
+
+/// The middle of a white ball of this `radius` in mean free paths of a metre, under a sky of radiance 1, in `side` x `side`
+/// pixels: every pixel is 1, by paths of about as many segments as the square of the radius.
+///
+/// # Panics
+/// If that is no scene.
+pub fn white_ball(radius: f64, side: u32) -> LoadedScene {
+    let text = format!(
+        r#"
+        camera = {{ position = [0, 0, 0], look_at = [0, 0, 1], vertical_fov_deg = 50 }}
+        film = {{ size = [{side}, {side}] }}
+        environment = {{ radiance = 1 }}
+
+        [[volume]]
+        shape = {{ type = "sphere", center = [0, 0, 0], radius = {radius:?} }}
+        scattering = 1
+        "#
+    );
+    scene::parse("ball.toml", &text).unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// The leaves of a cube of `side` leaves, of densities at index coordinates.
 pub fn leaves(side: i32, density: impl Fn([i32; 3]) -> f32) -> Vec<Leaf> {
