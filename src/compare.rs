@@ -1,4 +1,8 @@
 //! How far two images differ, and whether noise explains it.
+//!
+//! Errors of pixels are estimates themselves. Where a few bright samples hold much of the light, most pixels have not
+//! found one yet: they are too dark and call themselves too sure, so that two honest images differ by chi-square. Sums
+//! over blocks of pixels have found some, and know their errors: chi-square over blocks is the better judge there.
 
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -24,18 +28,58 @@ pub struct ChannelComparison {
     pub rmse: f64,
     /// Mean squared difference over the square of the second image, plus 1 % of its mean against division by zero.
     pub relative_mse: f64,
-    /// Difference of the means over its standard error; absent without errors.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mean_difference_in_standard_errors: Option<f64>,
-    /// Pixels whose errors are above zero: chi-square's degrees of freedom; absent without errors.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub noisy_pixels: Option<usize>,
-    /// Sum of the squared differences of the noisy pixels over their variances; absent without errors.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub chi_square: Option<f64>,
-    /// Probability of so large a chi-square, or a larger one, from noise alone; absent without errors.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub p_value: Option<f64>,
+    /// Differences in units of noise; absent without errors.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseComparison>,
+}
+
+/// Differences of a channel in units of the errors that the images carry.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoiseComparison {
+    /// Difference of the means over its standard error.
+    pub mean_difference_in_standard_errors: f64,
+    /// Pixels whose errors are above zero: chi-square's degrees of freedom.
+    pub noisy_pixels: usize,
+    /// Sum of the squared differences of the noisy pixels over their variances.
+    pub chi_square: f64,
+    /// Probability of so large a chi-square, or a larger one, from noise alone.
+    pub p_value: f64,
+    /// Blocks of [`BLOCK`] x [`BLOCK`] pixels with noisy ones among them.
+    pub noisy_blocks: usize,
+    /// Sum of the squared differences of their sums over the variances of these.
+    pub chi_square_of_blocks: f64,
+    /// Probability of so large a chi-square of blocks, or a larger one, from noise alone.
+    pub p_value_of_blocks: f64,
+}
+
+impl NoiseComparison {
+    /// Of differences by their variances, pixel by pixel, and of their sums over blocks.
+    fn new(pixels: &[(f64, f64)], blocks: &[(f64, f64)]) -> Self {
+        let sum = |part: fn(&(f64, f64)) -> f64| pixels.iter().map(part).sum::<f64>();
+        let standard_error = sum(|pixel| pixel.1).sqrt();
+        let (noisy_pixels, chi_square, p_value) = by_chi_square(pixels);
+        let (noisy_blocks, chi_square_of_blocks, p_value_of_blocks) = by_chi_square(blocks);
+        Self {
+            mean_difference_in_standard_errors: sum(|pixel| pixel.0) / standard_error.max(f64::MIN_POSITIVE),
+            noisy_pixels,
+            chi_square,
+            p_value,
+            noisy_blocks,
+            chi_square_of_blocks,
+            p_value_of_blocks,
+        }
+    }
+}
+
+/// Edge of the blocks over which differences are added up, in pixels.
+pub const BLOCK: usize = 16;
+
+/// Degrees of freedom, chi-square and its probability, of differences and their variances. Without noise there is
+/// nothing to measure a difference in.
+fn by_chi_square(differences: &[(f64, f64)]) -> (usize, f64, f64) {
+    let noisy = || differences.iter().filter(|(_, variance)| *variance > 0.0);
+    let (freedom, sum) = (noisy().count(), noisy().map(|(difference, variance)| difference.powi(2) / variance).sum());
+    (freedom, sum, ChiSquared::new(freedom.max(1) as f64).map_or(1.0, |distribution| distribution.sf(sum)))
 }
 
 /// Standard errors of this size or more mark pixels that are not valid.
@@ -99,13 +143,14 @@ fn compare_channel(a: &Image, b: &Image, channel: &str) -> Result<ChannelCompari
     let square = |i: usize| (value_a(i) - value_b(i)).powi(2);
     let floor = (0.01 * mean_b).powi(2).max(f64::MIN_POSITIVE);
     let noise = variances.as_ref().map(|variances| {
-        let standard_error = sum(&|i| variances[i]).sqrt() / count;
-        // Without noise there is nothing to measure a difference in.
-        let noisy = |i: usize| if variances[i] > 0.0 { square(i) / variances[i] } else { 0.0 };
-        let freedom = pixels.iter().filter(|i| variances[**i] > 0.0).count();
-        let chi_square = sum(&noisy);
-        let p_value = ChiSquared::new(freedom.max(1) as f64).map_or(1.0, |distribution| distribution.sf(chi_square));
-        ((mean_a - mean_b) / standard_error.max(f64::MIN_POSITIVE), freedom, chi_square, p_value)
+        let differences: Vec<_> = pixels.iter().map(|i| (value_a(*i) - value_b(*i), variances[*i])).collect();
+        let mut blocks = vec![(0.0, 0.0); a.width.div_ceil(BLOCK) * a.height.div_ceil(BLOCK)];
+        for (i, (difference, variance)) in pixels.iter().zip(&differences) {
+            let [x, y] = [i % a.width, i / a.width].map(|pixel| pixel / BLOCK);
+            let block = &mut blocks[y * a.width.div_ceil(BLOCK) + x];
+            *block = (block.0 + difference, block.1 + variance);
+        }
+        NoiseComparison::new(&differences, &blocks)
     });
     Ok(ChannelComparison {
         channel: channel.into(),
@@ -114,10 +159,7 @@ fn compare_channel(a: &Image, b: &Image, channel: &str) -> Result<ChannelCompari
         mean_b,
         rmse: (sum(&square) / count).sqrt(),
         relative_mse: sum(&|i| square(i) / (value_b(i).powi(2) + floor)) / count,
-        mean_difference_in_standard_errors: noise.map(|noise| noise.0),
-        noisy_pixels: noise.map(|noise| noise.1),
-        chi_square: noise.map(|noise| noise.2),
-        p_value: noise.map(|noise| noise.3),
+        noise,
     })
 }
 
@@ -165,16 +207,51 @@ mod tests {
         let b = image(&[1.5, 1.5, 3.5, 4.5], Some(0.4));
         let red = &compare(&a, &b).expect("same size")[0];
         assert_eq!((red.pixels, red.mean_a, red.mean_b, red.rmse), (4, 2.5, 2.75, 0.5));
-        assert!((red.mean_difference_in_standard_errors.expect("has errors") + 1.0).abs() < 1e-6);
-        assert!((red.chi_square.expect("has errors") - 4.0).abs() < 1e-5);
-        assert!((red.p_value.expect("has errors") - 0.406).abs() < 1e-3);
+        let noise = red.noise.as_ref().expect("has errors");
+        assert!((noise.mean_difference_in_standard_errors + 1.0).abs() < 1e-6);
+        assert!((noise.chi_square - 4.0).abs() < 1e-5 && (noise.p_value - 0.406).abs() < 1e-3);
+        assert!((noise.chi_square_of_blocks - 1.0).abs() < 1e-5 && (noise.p_value_of_blocks - 0.317).abs() < 1e-3);
+        assert_eq!((noise.noisy_pixels, noise.noisy_blocks), (4, 1));
+    }
+
+    /// Pixels that are 1 on average, half of it by samples that come once in sixteen pixels: the others, which have
+    /// seen nothing of them, are all alike.
+    #[test]
+    fn blocks_know_the_errors_of_rare_light() {
+        let rare = |first: u32| {
+            let samples = (0..4 * BLOCK * BLOCK).map(|i| {
+                let word = (i as u32 + first).wrapping_mul(0x9e37_79b9);
+                let is_rare = (word ^ word >> 15).wrapping_mul(0x85eb_ca6b) >> 28 == 0;
+                if is_rare { (8.5, 8.0) } else { (0.5 + 0.02 * (i as f32 + first as f32).sin(), 0.02) }
+            });
+            let (values, errors): (Vec<f32>, Vec<f32>) = samples.unzip();
+            let mut image = image(&values, Some(0.0));
+            (image.width, image.height) = (2 * BLOCK, 2 * BLOCK);
+            image
+                .channels
+                .iter_mut()
+                .filter(|(name, _)| name.starts_with("SE"))
+                .for_each(|(_, all)| all.clone_from(&errors));
+            image
+        };
+        let red = compare(&rare(0), &rare(1 << 20)).expect("same size").swap_remove(0);
+        let noise = red.noise.expect("has errors");
+        assert_eq!((noise.noisy_pixels, noise.noisy_blocks), (4 * BLOCK * BLOCK, 4));
+        assert!(noise.p_value_of_blocks > 0.01, "{noise:?}");
+        // The same, half as bright again: more than noise.
+        let mut bright = rare(1 << 20);
+        bright.channels.iter_mut().filter(|(name, _)| name == "R").for_each(|(_, all)| {
+            all.iter_mut().for_each(|value| *value *= 1.5);
+        });
+        let red = compare(&rare(0), &bright).expect("same size").swap_remove(0);
+        assert!(red.noise.expect("has errors").p_value_of_blocks < 1e-4);
     }
 
     #[test]
     fn without_errors_there_is_no_verdict() {
         let a = image(&[1.0, f32::NAN], None);
         let red = &compare(&a, &a).expect("same size")[0];
-        assert_eq!((red.pixels, red.rmse, red.p_value), (1, 0.0, None));
+        assert_eq!((red.pixels, red.rmse, &red.noise), (1, 0.0, &None));
     }
 
     #[test]
@@ -183,7 +260,7 @@ mod tests {
         let b = image(&[1.5, 2.0], Some(0.1));
         a.channels.push(("N".into(), vec![1.0; 2]));
         let red = &compare(&a, &b).expect("same size")[0];
-        assert_eq!((red.pixels, red.p_value, red.mean_difference_in_standard_errors), (2, None, None));
+        assert_eq!((red.pixels, &red.noise), (2, &None));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::destinations::{self, Destination};
 use super::{CompareArgs, say, tell};
-use crate::compare::{ChannelComparison, compare, difference_picture};
+use crate::compare::{BLOCK, ChannelComparison, compare, difference_picture};
 use crate::error::{Error, Result};
 use crate::figures::number;
 use crate::image;
@@ -54,11 +54,19 @@ fn describe(c: &ChannelComparison) -> String {
     let [mean_a, mean_b] = [c.mean_a, c.mean_b].map(|mean| number(mean, 6));
     let (rmse, relative) = (number(c.rmse, 4), number(c.relative_mse, 4));
     let mut text = format!("{}  means {mean_a} and {mean_b}  RMSE {rmse}  relative MSE {relative}", c.channel);
-    let noise = (c.mean_difference_in_standard_errors, c.noisy_pixels, c.chi_square, c.p_value);
-    if let (Some(z), Some(pixels), Some(chi_square), Some(p)) = noise {
-        let chi_square = number(chi_square, 4);
+    if let Some(noise) = &c.noise {
+        let z = noise.mean_difference_in_standard_errors;
         text += &format!(
-            "\n   means differ by {z:+.2} standard errors  chi-square {chi_square} over {pixels} noisy pixels, p = {p:.3}"
+            "\n   means differ by {z:+.2} standard errors\n   chi-square {} over {} noisy pixels, p = {:.3}",
+            number(noise.chi_square, 4),
+            noise.noisy_pixels,
+            noise.p_value
+        );
+        text += &format!(
+            "; {} over {} blocks of {BLOCK}x{BLOCK}, p = {:.3}",
+            number(noise.chi_square_of_blocks, 4),
+            noise.noisy_blocks,
+            noise.p_value_of_blocks
         );
     }
     text

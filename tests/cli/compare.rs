@@ -59,6 +59,10 @@ fn noise_explains_the_difference_of_two_seeds() {
     assert_eq!(figure("noisy_pixels"), 64.0);
     assert!((20.0..150.0).contains(&figure("chi_square")), "{report:#}");
     assert!((0.0..=1.0).contains(&figure("p_value")), "{report:#}");
+    // One block, of which the difference is that of the means.
+    assert_eq!(figure("noisy_blocks"), 1.0);
+    let of_means = figure("mean_difference_in_standard_errors").powi(2);
+    assert!((figure("chi_square_of_blocks") / of_means - 1.0).abs() < 1e-9, "{report:#}");
 }
 
 #[test]
@@ -70,8 +74,8 @@ fn a_different_scene_is_not_noise() {
     assert!(red["p_value"].as_f64().is_some_and(|p| p < 1e-6), "{red:#}");
     let run = folder.done(&["compare", "bright.exr", "a.exr"]);
     assert!(run.stdout.starts_with("bright.exr and a.exr: 8x8 pixels\nR  means "), "{run}");
-    assert!(run.stdout.contains(" over 64 noisy pixels, p = 0.000\n"), "{run}");
-    assert_eq!(run.stdout.lines().count(), 7, "{run}");
+    assert!(run.stdout.contains(" over 64 noisy pixels, p = 0.000; "), "{run}");
+    assert_eq!(run.stdout.lines().count(), 10, "{run}");
 }
 
 #[test]
