@@ -53,6 +53,10 @@ fn constant_grid() -> Frames {
         ("grid, mvnee-4", of(&grid, Active::Mvnee)),
         ("fog, bridge", of(&fog, Active::Bridge)),
         ("grid, bridge", of(&grid, Active::Bridge)),
+        ("fog, lis", of(&fog, Active::Lis)),
+        ("grid, lis", of(&grid, Active::Lis)),
+        ("fog, nee and omnee", of(&fog, Active::Omnee)),
+        ("grid, nee and omnee", of(&grid, Active::Omnee)),
     ]
 }
 

@@ -137,13 +137,18 @@ pub fn assert_equal_means(name: &str, base: &Frame, segments: RangeInclusive<u32
 pub fn assert_equal_means_in(name: &str, base: &Frame, other: &Frame, segments: RangeInclusive<u32>) {
     for segments in segments {
         let [base, other] = [base, other].map(|frame| frames::with_length(frame, segments));
-        let truth = known_means(&Frame { seed: 99, ..frames::with_techniques(&other, Active::Nee, 4.0) });
-        for active in IN_FIELDS {
-            let seed = 100 * active as u32 + segments;
-            let frame = Frame { seed, ..frames::with_techniques(&base, active, 4.0) };
-            let is_known = |found: &[(f64, f64); 3]| (0..3).all(|c| settles(found[c], truth[c], known_of(active)));
-            let found = means_until(is_known, &frame, 700);
-            assert_same_of(active, &format!("{name}, {segments} segments"), found, truth);
-        }
+        assert_equal_means_of(&format!("{name}, {segments} segments"), &base, &other);
+    }
+}
+
+/// The same of paths of any of the lengths of `base`.
+pub fn assert_equal_means_of(case: &str, base: &Frame, other: &Frame) {
+    let truth = known_means(&Frame { seed: 99, ..frames::with_techniques(other, Active::Nee, 4.0) });
+    for active in IN_FIELDS {
+        let seed = 100 * active as u32 + base.lengths.max;
+        let frame = Frame { seed, ..frames::with_techniques(base, active, 4.0) };
+        let is_known = |found: &[(f64, f64); 3]| (0..3).all(|c| settles(found[c], truth[c], known_of(active)));
+        let found = means_until(is_known, &frame, 700);
+        assert_same_of(active, case, found, truth);
     }
 }
