@@ -43,7 +43,12 @@ fn constant_grid() -> Frames {
     let fog = frames::fog_facing(0.0, 0.9, SIZE);
     let voxels = Voxels::new(&leaves(8, |_| 1.0), &centred(64, 40.0, DVec3::ZERO), Interpolation::Trilinear);
     let grid = with_field(&fog, Field::grid(voxels, fog.medium.largest_extinction()));
-    let of = |base: &Frame, active: Active| frames::with_techniques(base, active, 4.0);
+    let of = |base: &Frame, active: Active| {
+        let mut frame = frames::with_techniques(base, active, 4.0);
+        // In a field the companion has no limit.
+        frame.techniques.lis.iter_mut().for_each(|lis| lis.near = f32::INFINITY);
+        frame
+    };
     vec![
         ("fog, path", of(&fog, Active::Path)),
         ("grid, path", of(&grid, Active::Path)),
