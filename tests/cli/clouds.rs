@@ -108,6 +108,20 @@ fn a_box_is_rendered_and_described() {
     folder.refused(&["render", "scene.toml"], 1, "scene.toml:");
 }
 
+/// In the clear channel light comes from where a voxel is less than a digit of the distance.
+#[test]
+fn fog_may_be_clear_in_one_channel() {
+    let folder = with_cloud("");
+    for (technique, fog) in [("nee", "[1, 0, 0]"), ("path", "[0.1, 0.01, 0]"), ("bridge", "1e-6")] {
+        let fog = format!("medium.scattering={fog}");
+        let args =
+            ["render", "scene.toml", "--technique", technique, "--max-segments", "4", "-o", "a.exr", "--set", &fog];
+        let run = folder.done(&args);
+        assert!(!run.stderr.contains("dropped"), "{run}");
+        assert!(mean(&folder.image("a.exr"), "G") >= 0.0, "{run}");
+    }
+}
+
 #[test]
 fn no_result_replaces_the_voxels() {
     let folder = with_cloud("");

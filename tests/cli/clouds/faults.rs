@@ -145,12 +145,19 @@ fn what_is_too_thin_or_too_dense_to_be_meant_is_told() {
 }
 
 #[test]
-fn volumes_too_far_away_to_have_a_size_are_refused() {
+fn volumes_too_far_away_to_have_a_size_are_told() {
     let shape = "shape = { type = \"box\", min = [1e8, 0, 0], max = [100000001, 1, 1] }\nscattering = 1";
     let run = with_volumes("", &[shape]).run(&["info", "scene.toml"]);
     let finding = "volume[0] is from [100000000, 0, 0] to [100000001, 1, 1] m, too far from the camera for its size";
     assert!(run.code == Some(1) && run.stderr.contains(finding), "{run}");
-    with_volumes("", &[&shape.replace("100000001", "100000100")]).done(&["info", "scene.toml"]);
+    // With a dozen places along it, it can be seen, but not well.
+    let said = |size: f64| {
+        let shape = shape.replace("max = [100000001, 1, 1]", &format!("max = [{}, {size}, {size}]", 1e8 + size));
+        with_volumes("", &[&shape]).done(&["info", "scene.toml"]).stdout
+    };
+    let few = "knows fewer than 16 places along it, so that its image may be wrong; move it nearer to the camera";
+    assert!(said(100.0).contains(few), "{}", said(100.0));
+    assert!(!said(1000.0).contains("places along it"), "{}", said(1000.0));
 }
 
 #[test]

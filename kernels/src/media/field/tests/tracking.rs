@@ -110,6 +110,52 @@ fn no_block_is_too_dense_to_leave() {
     assert_eq!(ended, 2);
 }
 
+/// Rays through the field that begin `away` from it, and their ends beyond it.
+fn rays_from(away: f64, count: u32) -> Vec<Ray> {
+    let ray = |i: u32| {
+        let direction = real(point(50_000 + i)).normalize();
+        let origin = (0.5 * real(point(i)) - away * direction).as_vec3().to_array();
+        Ray { origin, direction: direction.as_vec3().to_array(), stream: Stream::new(i, 5, 6, 7, 2), hues: [1.0; 3] }
+    };
+    (0..count).map(ray).collect()
+}
+
+/// As seen from far away, blocks are no wider than a digit of the distance.
+#[test]
+fn rays_from_far_away_come_through() {
+    for (number, grid) in grids().iter().enumerate() {
+        for away in [30.0, 1e3, 3e4, 1e6, 1e7, 1e9] {
+            let rays = rays_from(away, 2000);
+            fly(grid, &rays, |_, ended, flights| {
+                let away = away as f32;
+                crate::lanes::each(ended).map(|lane| flights.to_array()[lane]).for_each(|flown| {
+                    assert!(flown >= 0.0, "grid {number}, {away} m: {flown}");
+                    let is_beside = flown.is_finite() && (flown - away).abs() > 15.0 + 4.0 * f32::EPSILON * away;
+                    assert!(!is_beside || grid.around() > 0.0, "grid {number}, {away} m: {flown}");
+                });
+            });
+            let through = |ray: Ray| Ray { direction: ray.direction.map(|part| 2.0 * away as f32 * part), ..ray };
+            let segments: Vec<_> = rays.into_iter().map(through).collect();
+            let (mut found, mut expected) = (0.0, 0.0);
+            tracking::transmittances(grid, batches(&segments), |_, [product], known| {
+                assert!(product >= 0.0 && known >= 0.0, "grid {number}, {away} m: {product}, {known}");
+                found += f64::from(product * (-known).exp());
+            });
+            for ray in &segments {
+                let (from, way) = (real(ray.origin), real(ray.direction));
+                let ([product], known) = tracking_twin::transmittance(grid, [1.0], from, from + way, ray.stream);
+                expected += product * (-known).exp();
+            }
+            let [found, expected] = [found, expected].map(|sum| sum / segments.len() as f64);
+            let is_near = away <= 1e6;
+            assert!(
+                !is_near || (found - expected).abs() < 0.01,
+                "grid {number}, {away} m: {found} instead of {expected}"
+            );
+        }
+    }
+}
+
 /// Fog is even, so that every candidate in it is a collision; there were thousands of others where the whole block had the
 /// majorant of the ball.
 #[test]

@@ -25,8 +25,10 @@ pub(super) struct Lanes<const N: usize> {
     /// Where the ray is at t = 0, and where it goes, in cells.
     pub origin: Vec3x8,
     pub direction: Vec3x8,
+    /// How far that is from where it began: t counts from where it comes to the cells.
+    pub start: f32x8,
     pub t: f32x8,
-    /// Where it leaves the cells or ends.
+    /// Where it leaves the cells or ends, as t.
     pub exit: f32x8,
     /// Where it enters the next block along each axis.
     pub next: Vec3x8,
@@ -59,6 +61,7 @@ impl<const N: usize> Lanes<N> {
         Self {
             origin: Vec3x8::ZERO,
             direction: Vec3x8::ZERO,
+            start: zero,
             t: zero,
             exit: zero,
             next: Vec3x8::ZERO,
@@ -82,7 +85,7 @@ impl<const N: usize> Lanes<N> {
     pub fn ended(&self, lane: usize, through: u32) -> Ended<N> {
         let of = |v: f32x8| v.to_array()[lane];
         let collided = through >> lane & 1 == 0;
-        Ended { t: of(self.t), collided, results: self.results.map(of), known: of(self.known) }
+        Ended { t: of(self.start + self.t), collided, results: self.results.map(of), known: of(self.known) }
     }
 
     /// Takes the rays that wait as long as there are vacant lanes.
@@ -110,6 +113,9 @@ impl<const N: usize> Lanes<N> {
     }
 
     /// Takes a batch to where it enters the cells, with so many mean free paths to its first candidates.
+    ///
+    /// From there on t counts: seen from far away, the way from one block to the next is less than a digit of how far
+    /// away they are, and steps that are lost there would lead out of the columns.
     #[inline(always)]
     pub fn enter<Q: Quest<N>>(&mut self, field: &Field, batch: &RaysX8<N>, budget: f32x8, longest: f32) {
         let RaysX8 { first, stream, hues, .. } = *batch;
@@ -120,8 +126,14 @@ impl<const N: usize> Lanes<N> {
             scale *= hues[0];
         }
         let (origin, direction) = (field.in_cells(origin), field.to_cells.directions(direction));
-        let [enter, exit] =
-            within(origin, direction, [0.0; 3], field.cells.dims().map(|dim| dim as f32), f32x8::splat(longest));
+        let part = |origin: Vec3x8, longest: f32x8| {
+            within(origin, direction, [0.0; 3], field.cells.dims().map(|dim| dim as f32), longest)
+        };
+        let longest = f32x8::splat(longest);
+        let [enter, exit] = part(origin, longest);
+        let start = enter.simd_lt(exit).select(enter, f32x8::ZERO);
+        let origin = direction.mul_add(start, origin);
+        let [enter, exit] = part(origin, longest - start);
         let at = direction.mul_add(enter, origin);
         let (layout, edge) = (&field.blocks.layout, f32x8::splat(EDGE as f32));
         let mut next = [f32x8::ZERO; 3];
@@ -129,14 +141,14 @@ impl<const N: usize> Lanes<N> {
         let mut index = i32x8::splat(0);
         for axis in 0..3 {
             let pick = |v: Vec3x8| [v.x, v.y, v.z][axis];
-            let (start, step) = (pick(origin), pick(direction));
+            let (from, step) = (pick(origin), pick(direction));
             let last = f32x8::splat((layout.dims[axis] - 1) as f32);
             let block = (pick(at) / edge).fast_max(f32x8::ZERO).fast_min(last).fast_trunc_int();
             let forward = step.simd_gt(f32x8::ZERO);
             let border = (f32x8::from_i32x8(block) + forward.select(f32x8::ONE, f32x8::ZERO)) * edge;
             let inverse = f32x8::ONE / step;
             let moves = !step.simd_eq(f32x8::ZERO);
-            next[axis] = moves.select((border - start) * inverse, f32x8::splat(f32::INFINITY));
+            next[axis] = moves.select((border - from) * inverse, f32x8::splat(f32::INFINITY));
             delta[axis] = moves.select(edge * inverse.abs(), f32x8::splat(f32::INFINITY));
             let stride = i32x8::splat(layout.strides()[axis]);
             index += (block + i32x8::splat(1)) * stride;
@@ -145,7 +157,7 @@ impl<const N: usize> Lanes<N> {
         let vector = |[x, y, z]: [f32x8; 3]| Vec3x8::new(x, y, z);
         (self.origin, self.direction) = (origin, direction);
         (self.next, self.delta, self.block) = (vector(next), vector(delta), index);
-        (self.t, self.exit, self.scale) = (enter, exit, scale);
+        (self.start, self.t, self.exit, self.scale) = (start, enter, exit, scale);
         (self.results, self.hues, self.known) = ([f32x8::ONE; N], hues, f32x8::ZERO);
         self.stream = stream;
         self.row = u32x8::splat(first as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
@@ -167,6 +179,7 @@ impl<const N: usize> Lanes<N> {
             put(&mut vector.y, to, &source.y, from);
             put(&mut vector.z, to, &source.z, from);
         }
+        put(&mut self.start, to, &other.start, from);
         put(&mut self.t, to, &other.t, from);
         put(&mut self.exit, to, &other.exit, from);
         put(&mut self.scale, to, &other.scale, from);

@@ -152,7 +152,7 @@ impl<const N: usize> Lanes<N> {
     fn approach<Q: Quest<N>>(&mut self, field: &Field, fresh: u32, missed: u32, longest: f32) -> (u32, u32) {
         let fresh_lanes = lanes::mask(fresh);
         let rate = f32x8::splat(field.around()) * self.scale;
-        let until = lanes::mask(missed).select(f32x8::splat(longest), self.t);
+        let until = lanes::mask(missed).select(f32x8::splat(longest), self.start + self.t);
         let depth = rate * until;
         if !Q::FLIES {
             self.known = fresh_lanes.select(depth, self.known);
@@ -160,6 +160,7 @@ impl<const N: usize> Lanes<N> {
         }
         let early = fresh_lanes & depth.simd_ge(self.budget);
         self.t = early.select(self.budget / rate, self.t);
+        self.start = early.select(f32x8::ZERO, self.start);
         self.budget = (fresh_lanes & !early).select(self.budget - depth, self.budget);
         let early = lanes::bits(early);
         (missed & !early, early)
@@ -177,7 +178,7 @@ impl<const N: usize> Lanes<N> {
             self.t = through.select(self.exit + self.budget / rate, self.t);
             self.through = 0;
         } else {
-            let rest = rate * (f32x8::splat(longest) - self.exit);
+            let rest = rate * (f32x8::splat(longest) - (self.start + self.exit));
             self.known = through.select(self.known + rest, self.known);
         }
     }
