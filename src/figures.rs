@@ -1,6 +1,5 @@
 //! Figures as people read them, and as programs do.
 
-use fogbow_kernels::LONGEST_PATH;
 use fogbow_kernels::survival::Survival;
 
 /// A number with `digits` significant digits, whole numbers without a point, very large and small ones with an
@@ -58,13 +57,13 @@ pub fn survival(survival: &Survival) -> String {
     }
 }
 
-/// The same for people: of walks that end by depth, how far they get.
-pub fn survival_in_words(survival: &Survival) -> String {
+/// The same for people: of walks that end by depth, how far they get, where paths have `longest` segments at most.
+pub fn survival_in_words(survival: &Survival, longest: u32) -> String {
     if let Some(constant) = survival.constant() {
         return format!("survival {constant}");
     }
     let last = |share: f64| {
-        let (mut near, mut far) = (1, LONGEST_PATH + 1);
+        let (mut near, mut far) = (1, longest + 1);
         while far - near > 1 {
             let middle = near + (far - near) / 2;
             if survival.reach(middle) >= share { near = middle } else { far = middle }
@@ -72,12 +71,13 @@ pub fn survival_in_words(survival: &Survival) -> String {
         near
     };
     let [half, few] = [0.5, 0.01].map(last);
-    match (half, few) {
-        (LONGEST_PATH, _) => format!("{} of all walks get to the last vertex", percent(survival.reach(LONGEST_PATH))),
-        (_, LONGEST_PATH) => {
-            format!("half of all walks get to vertex {half}, {} to the last", percent(survival.reach(LONGEST_PATH)))
-        }
-        _ => format!("half of all walks get to vertex {half}, 1 % to vertex {few}"),
+    let share = |vertex: u32| percent(survival.reach(vertex));
+    if half == longest {
+        format!("{} of all walks get to the last vertex", share(longest))
+    } else if few == longest {
+        format!("half of all walks get to vertex {half}, {} to the last", share(longest))
+    } else {
+        format!("half of all walks get to vertex {half}, 1 % to vertex {few}")
     }
 }
 
@@ -142,6 +142,8 @@ pub fn csv_line<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use fogbow_kernels::LONGEST_PATH;
+
     use super::*;
 
     #[test]
@@ -165,13 +167,16 @@ mod tests {
 
     #[test]
     fn walks_that_end_by_depth_are_told_by_how_far_they_get() {
-        assert_eq!(survival_in_words(&Survival::Constant(0.75)), "survival 0.75");
-        let told = survival_in_words(&Survival::fading(3));
+        assert_eq!(survival_in_words(&Survival::Constant(0.75), LONGEST_PATH), "survival 0.75");
+        let told = survival_in_words(&Survival::fading(3), LONGEST_PATH);
         // 2^4 + 5 and 2^11 + 1758, as the share falls evenly from one octave to the next.
         assert_eq!(told, "half of all walks get to vertex 21, 1 % to vertex 3806");
-        let told = survival_in_words(&Survival::fading(12));
+        let told = survival_in_words(&Survival::fading(12), LONGEST_PATH);
         assert_eq!(told, "half of all walks get to vertex 10922, 12.5 % to the last");
-        assert_eq!(survival_in_words(&Survival::fading(16)), "100 % of all walks get to the last vertex");
+        assert_eq!(survival_in_words(&Survival::fading(16), LONGEST_PATH), "100 % of all walks get to the last vertex");
+        // As far as paths may go.
+        let told = survival_in_words(&Survival::fading(3), 100);
+        assert!(told.starts_with("half of all walks get to vertex 21, ") && told.ends_with(" % to the last"), "{told}");
     }
 
     #[test]

@@ -233,7 +233,11 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         .filter(|left_out| left_out.matters())
         .try_for_each(|left_out| say(format!("warning: {left_out}")))?;
     if frame.techniques.any() {
-        say(format!("vertices that connect: {}, {}", starts(walk.starts), survival_in_words(&walk.survival)))?;
+        say(format!(
+            "vertices that connect: {}, {}",
+            starts(walk.starts),
+            survival_in_words(&walk.survival, frame.lengths.max)
+        ))?;
     }
     let samples = pixels * u64::from(render.samples);
     say(format!(

@@ -200,8 +200,8 @@ impl Volume<'_> {
                 (extinction, None)
             }
             None if shape.is_none() => {
-                let remedy = "add a shape, or a grid, whose densities bound it";
-                let finding = format!("{} has neither a shape nor a grid", self.table);
+                let remedy = "add a shape, or a grid or an emission_grid, whose densities bound it";
+                let finding = format!("{} has neither a shape nor a grid nor an emission_grid", self.table);
                 return Err(self.document.error(&self.table, finding, remedy));
             }
             None => (extinction, None),

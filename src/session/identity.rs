@@ -12,9 +12,9 @@ pub type Entry = (String, String);
 /// Entries of which the pilot decides.
 pub const PILOTED: [&str; 4] = ["starts", "survival", "aimed", "roulette"];
 
-/// Entries that have to be the same, those that say most first.
+/// Entries that have to be the same, those that say most first: what the pilot decides follows from the scene.
 const DECISIVE: [&str; 10] =
-    ["version", FRAME, "reference", "technique", "starts", "survival", "aimed", "roulette", "aov", "scene_hash"];
+    ["version", FRAME, "reference", "technique", "aov", "scene_hash", "starts", "survival", "aimed", "roulette"];
 
 /// The entry with hashes of the scene's files: they may differ where no sample does, and say why samples do.
 pub const FILES: &str = "files";
@@ -152,6 +152,8 @@ mod tests {
         assert_eq!(found(&a, &other).as_deref(), Some("render.seed is not set there, 2 here"));
         let other = entries("2", &a[1].1, "1");
         assert_eq!(found(&a, &other).as_deref(), Some("the content of a file of the scene is another one"));
+        let piloted = entries("2", &a[1].1, "4");
+        assert_eq!(found(&a, &piloted), found(&a, &other), "what the pilot chose for the file is no cause");
         let with = |entries: &[Entry], files: &str| [entries, &[(FILES.to_string(), files.to_string())]].concat();
         let found_files = found(&with(&a, "1 a.glb\n1 b.bin"), &with(&other, "1 b.bin\n2 a.glb"));
         assert_eq!(found_files.as_deref(), Some("the content of a.glb is another one"));

@@ -183,7 +183,8 @@ impl fmt::Display for Share {
 impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { max_segments, share, sufficient, likely } = self;
-        write!(f, "paths of more than {max_segments} segments are left out, and with them {share}: ")?;
+        let segments = if *max_segments == 1 { "segment" } else { "segments" };
+        write!(f, "paths of more than {max_segments} {segments} are left out, and with them {share}: ")?;
         match (sufficient, likely, share) {
             (Some(limit), ..) => write!(f, "--max-segments {limit} would leave out 1 % or less"),
             _ if *max_segments < LONGEST_PATH && (share.is_vague() || *share == Share::Unknown) => {
