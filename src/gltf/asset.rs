@@ -130,6 +130,7 @@ impl Asset {
             colors,
             triangles,
             instances,
+            hidden: nodes::hidden(root, &self.places)?,
             materials,
             textures,
             images,

@@ -27,6 +27,8 @@ pub struct Model {
     pub triangles: Vec<Triangle>,
     /// Which triangles come from which node.
     pub instances: Vec<Instance>,
+    /// Names of nodes with meshes, and of these, that are left out because a scale of 0 hides them.
+    pub hidden: Vec<String>,
     /// Materials, in the order of the file; the default material is last where a mesh has no material.
     pub materials: Vec<Material>,
     /// The textures that materials refer to.

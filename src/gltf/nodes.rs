@@ -81,6 +81,23 @@ pub fn places(root: &Root, warnings: &mut Warnings) -> Checked<Vec<Place>> {
     Ok(places)
 }
 
+/// Names of the nodes of the scene with meshes that are at none of the `places`, as a scale of 0 hides them, and of these
+/// meshes.
+pub fn hidden(root: &Root, places: &[Place]) -> Checked<Vec<String>> {
+    let mut is_placed = vec![false; root.nodes.len()];
+    places.iter().for_each(|place| is_placed[place.index] = true);
+    let (mut names, mut open) = (Vec::new(), roots(root, &parents(&root.nodes)?)?);
+    while let Some(index) = open.pop() {
+        let node = &root.nodes[index];
+        if let (false, Some(mesh)) = (is_placed[index], node.mesh) {
+            let mesh = entry(&root.meshes, "mesh", mesh).at(|| node_label(index, node))?;
+            names.extend([&node.name, &mesh.name].into_iter().flatten().cloned());
+        }
+        open.extend(&node.children);
+    }
+    Ok(names)
+}
+
 /// The parent of every node.
 fn parents(nodes: &[Node]) -> Checked<Vec<Option<usize>>> {
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];

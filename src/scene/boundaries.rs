@@ -29,17 +29,23 @@ pub struct Wanted<'a> {
 }
 
 /// The boundaries that are `wanted`, in their order, with positions counted from where those of `loaded` are. Their
-/// triangles are taken out of `loaded`. Volumes may share one.
+/// triangles are taken out of `loaded`. Volumes may share one. There is none where a scale of 0 hides all that has the
+/// name, as it may in some frames of an animation.
 ///
 /// # Errors
 /// If there is no geometry, nothing in it has the name, or what has it is not closed, has no inside, or shines.
-pub fn take(loaded: Option<&mut Loaded>, document: &Document, wanted: &[Wanted<'_>]) -> Result<Vec<ClosedMesh>> {
+pub fn take(
+    loaded: Option<&mut Loaded>,
+    document: &Document,
+    wanted: &[Wanted<'_>],
+) -> Result<Vec<Option<ClosedMesh>>> {
     let Some(first) = wanted.first() else { return Ok(Vec::new()) };
     let loaded = loaded.ok_or_else(|| no_geometry(document, first))?;
     let of_file = |wanted: &Wanted<'_>, error| document.error_of_file(&wanted.path, error);
     let one = |wanted: &Wanted<'_>| match parts(loaded, wanted)[..] {
+        [] if loaded.model.hidden.iter().any(|name| name == wanted.name) => Ok(None),
         [] => Err(unknown(loaded, document, wanted)),
-        ref parts => boundary(loaded, parts).map_err(|error| of_file(wanted, error)),
+        ref parts => boundary(loaded, parts).map(Some).map_err(|error| of_file(wanted, error)),
     };
     let boundaries = wanted.iter().map(one).collect::<Result<_>>()?;
     remove(&mut loaded.model, |instance| wanted.iter().any(|wanted| is_called(instance, wanted.name)));

@@ -44,7 +44,7 @@ pub struct Volume<'a> {
     pub keys: &'a schema::Volume,
     /// Its medium, for densities of 1.
     pub medium: Medium,
-    /// The mesh that bounds it, if one does.
+    /// The mesh that bounds it, if one does and is not hidden.
     pub boundary: Option<Arc<ClosedMesh>>,
     /// The grids of files.
     pub files: &'a GridFiles,
@@ -80,7 +80,7 @@ pub fn boundaries(scene: &schema::Scene, document: &Document, loaded: Option<&mu
     });
     let (indices, wanted): (Vec<usize>, Vec<Wanted<'_>>) = named.unzip();
     let meshes = boundaries::take(loaded, document, &wanted)?;
-    Ok(indices.into_iter().zip(meshes.into_iter().map(Arc::new)).collect())
+    Ok(indices.into_iter().zip(meshes).filter_map(|(index, mesh)| Some((index, Arc::new(mesh?)))).collect())
 }
 
 /// The medium of `volumes` in what is `around` them, of positions counted from `origin`, and what each of them holds, if
@@ -184,7 +184,13 @@ impl Volume<'_> {
     /// Where it is, of positions counted from `origin`, what it emits there, and what it holds; none if it is nowhere.
     fn placed(&self, origin: DVec3) -> Result<Option<(Placed, Source, Filling)>> {
         let extinction = self.medium.largest_extinction();
-        let mut shape = self.keys.shape.as_ref().map(|shape| self.shape(shape, origin)).transpose()?;
+        let mut shape = None;
+        if let Some(keys) = &self.keys.shape {
+            shape = self.shape(keys, origin)?;
+            if shape.is_none() {
+                return Ok(None);
+            }
+        }
         let (source, glowing) = self.source(origin)?;
         let mut densities = None;
         let (unit, voxels) = match &self.keys.grid {

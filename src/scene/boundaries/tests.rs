@@ -87,7 +87,7 @@ fn a_boundary_leaves_the_model() {
         { "name": "Wall", "mesh": 1 }]);
     let mut loaded = loaded(nodes, DVec3::ZERO);
     let before = loaded.model.clone();
-    let [mesh] = &take(Some(&mut loaded), &document(), &[wanted("Wax")]).expect("a boundary")[..] else {
+    let [Some(mesh)] = &take(Some(&mut loaded), &document(), &[wanted("Wax")]).expect("a boundary")[..] else {
         panic!("one boundary")
     };
     assert_eq!(mesh.bounds(), [[2.0, 0.0, 0.0], [3.0, 1.0, 1.0]]);
@@ -111,9 +111,26 @@ fn all_nodes_of_a_name_are_parts() {
     let mut loaded = loaded(nodes, DVec3::ZERO);
     let boundaries = take(Some(&mut loaded), &document(), &[wanted("Cube"), wanted("Second")]).expect("two boundaries");
     assert!(loaded.model.triangles.is_empty() && loaded.model.instances.is_empty());
+    let [Some(all), Some(second)] = &boundaries[..] else { panic!("two boundaries") };
     let points = [[0.25; 3], [0.75; 3], [1.25; 3], [-0.5, 1.5, 0.5], [0.25, 1.25, 0.25]];
-    assert_eq!(points.map(|at| contains(&boundaries[0], at)), [true, true, true, true, false]);
-    assert_eq!(points.map(|at| contains(&boundaries[1], at)), [false, true, true, false, false]);
+    assert_eq!(points.map(|at| contains(all, at)), [true, true, true, true, false]);
+    assert_eq!(points.map(|at| contains(second, at)), [false, true, true, false, false]);
+}
+
+/// As animations hide things; what is left of a name still is a boundary.
+#[test]
+fn what_a_scale_of_0_hides_is_nowhere() {
+    let nodes = json!([
+        { "name": "Gone", "mesh": 0, "scale": [0, 0, 0] },
+        { "name": "Empty", "scale": [0, 0, 0], "children": [2] },
+        { "name": "Below", "mesh": 1, "translation": [1, 0, 0] },
+        { "name": "Here", "mesh": 0 },
+    ]);
+    let mut loaded = loaded(nodes, DVec3::ZERO);
+    let found = take(Some(&mut loaded), &document(), &["Gone", "Below", "Cube"].map(wanted)).expect("boundaries");
+    assert_eq!(found.iter().map(Option::is_some).collect::<Vec<_>>(), [false, false, true]);
+    let message = error(Some(&mut loaded), "Empty");
+    assert!(message.contains("has no such mesh"), "{message}");
 }
 
 #[test]
@@ -141,7 +158,7 @@ fn positions_are_counted_from_the_origin() {
     let message = error(Some(&mut loaded), "Wrong");
     assert!(message.contains("from [1000001.0, 0.0, 0.0] to [1000001.0, 0.0, 1.0]"), "{message}");
     let boundaries = take(Some(&mut loaded), &document(), &[wanted("Far")]).expect("a boundary");
-    assert_eq!(boundaries[0].bounds(), [[0.0; 3], [1.0; 3]]);
+    assert_eq!(boundaries[0].as_ref().map(ClosedMesh::bounds), Some([[0.0; 3], [1.0; 3]]));
 }
 
 #[test]
@@ -244,7 +261,8 @@ fn sheets_have_no_inside() {
 fn the_candle_of_wax_is_a_boundary() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/wax/wax.glb");
     let mut loaded = Loaded::read(Asset::open(&file, None).expect("a file"), DVec3::ZERO).expect("a model");
-    let candle = &take(Some(&mut loaded), &document(), &[wanted("Candle.inside")]).expect("a boundary")[0];
+    let found = take(Some(&mut loaded), &document(), &[wanted("Candle.inside")]).expect("a boundary");
+    let candle = found[0].as_ref().expect("it is there");
     let points = [[0.0, 0.5, 0.0], [0.2, 0.01, 0.2], [0.0, 0.98, 0.0], [0.5, 0.5, 0.0]];
     assert_eq!(points.map(|at| contains(candle, at)), [true, true, false, false]);
     let left: Vec<_> = loaded.model.instances.iter().map(|instance| instance.name.as_str()).collect();

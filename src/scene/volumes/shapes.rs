@@ -14,8 +14,8 @@ const SMALLEST_EDGE: f64 = 1e-6;
 const A_RADIUS: &str = "give a radius from 1e-6 to 1e9 m";
 
 impl Volume<'_> {
-    /// The shape of these keys.
-    pub(super) fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Shape> {
+    /// The shape of these keys; none if it is a mesh that a scale of 0 hides.
+    pub(super) fn shape(&self, shape: &schema::Shape, origin: DVec3) -> Result<Option<Shape>> {
         let schema::Shape { kind, min, max, center, radius, name } = shape;
         let given = [
             ("min", min.is_some(), kind == &ShapeKind::Box, "give the corner with the smallest coordinates, [x, y, z]"),
@@ -34,16 +34,16 @@ impl Volume<'_> {
             let ok = point.is_none_or(|point| point.iter().all(|x| x.abs() <= LARGEST));
             self.require(ok, key, format!("{:?}", point.unwrap_or_default()), remedy)?;
         }
-        match kind {
-            ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin),
+        Ok(Some(match kind {
+            ShapeKind::Box => self.block(min.unwrap_or_default(), max.unwrap_or_default(), origin)?,
             ShapeKind::Sphere => {
                 let radius = radius.unwrap_or_default();
                 let ok = (SMALLEST_EDGE..=LARGEST).contains(&radius);
                 self.require(ok, "shape.radius", format!("{radius:?}"), A_RADIUS)?;
-                Ok(Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius })
+                Shape::Sphere { center: DVec3::from(center.unwrap_or_default()) - origin, radius }
             }
-            ShapeKind::Mesh => Ok(Shape::Mesh(self.boundary.clone().expect("its name is given"))),
-        }
+            ShapeKind::Mesh => return Ok(self.boundary.clone().map(Shape::Mesh)),
+        }))
     }
 
     /// A box.
