@@ -44,7 +44,10 @@ fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<Result<
         None => say("  active voxels: the file does not say how many")?,
     }
     match grid.voxel_size() {
-        Some(edges) => say(format!("  voxel size: {} m", size(edges)))?,
+        Some(edges) => {
+            let slant = grid.slant().map_or_else(String::new, |slant| format!(", {slant}"));
+            say(format!("  voxel size: {} m{slant}", size(edges)))?;
+        }
         None => say(format!("  transform: {}", quoted(&grid.transform)))?,
     }
     if let Some([first, last]) = grid.index_bounds {

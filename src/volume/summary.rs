@@ -1,9 +1,12 @@
 //! What a file says about a grid.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::archive::Entry;
 use super::grid::obstacle;
+
+/// Cosine between edges up to which they are at right angles.
+const STRAIGHT: f64 = 1e-6;
 
 /// What a file says about one of its grids, before any voxel is read. Programs may leave out counts and bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +70,12 @@ impl GridSummary {
         Some([matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::length))
     }
 
+    /// How its voxels lie where their edges are not along the axes of the world: `turned`, or `sheared` where these are at
+    /// no right angles, either.
+    pub fn slant(&self) -> Option<&'static str> {
+        slant(self.index_to_world?.matrix3)
+    }
+
     /// The smallest box `[m]` around all active voxels, each of which reaches half an edge beyond its centre: smallest
     /// and largest coordinates.
     pub fn world_bounds(&self) -> Option<[[f64; 3]; 2]> {
@@ -88,4 +97,26 @@ fn compression(bits: u32) -> String {
     let words = [(1, "zip"), (4, "blosc"), (2, "active values")];
     let words: Vec<_> = words.into_iter().filter(|(bit, _)| bits & bit != 0).map(|(_, word)| word).collect();
     if words.is_empty() { "none".into() } else { words.join(" + ") }
+}
+
+/// [`GridSummary::slant`] of the edges of a voxel.
+fn slant(matrix: DMat3) -> Option<&'static str> {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::normalize_or_zero);
+    let is_sheared = [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > STRAIGHT);
+    let is_turned = [x, y, z].iter().any(|edge| edge.abs().max_element() < 1.0 - STRAIGHT);
+    if is_sheared { Some("sheared") } else { is_turned.then_some("turned") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn voxels_lie_along_the_axes_or_aslant() {
+        let scaled = |turn: DMat3| slant(turn * DMat3::from_diagonal(DVec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(scaled(DMat3::from_rotation_z(0.3) * DMat3::from_rotation_x(1.0)), Some("turned"));
+        assert_eq!(scaled(DMat3::from_rotation_z(-core::f64::consts::FRAC_PI_2)), None);
+        assert_eq!(scaled(DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0))), None);
+        assert_eq!(scaled(DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(0.2, 0.0, 1.0))), Some("sheared"));
+    }
 }

@@ -17,7 +17,7 @@ fn the_grids_of_a_volume_are_listed() {
         "two.vdb: 2 grids",
         r#"grid "heat": float, unknown class, blosc + active values"#,
         "  active voxels: 27, 108 bytes at 4 bytes each",
-        "  voxel size: 2 x 3 x 4.12311 m",
+        "  voxel size: 2 x 3 x 4.12311 m, sheared",
         "  index bounds: [0, 0, 0] to [2, 2, 2]",
         "  world bounds: [-3, 5, 5] to [9, 11, 17] m",
         "  densities: 2 at most, 2 on average of active voxels",
