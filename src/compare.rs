@@ -82,6 +82,17 @@ fn by_chi_square(differences: &[(f64, f64)]) -> (usize, f64, f64) {
     (freedom, sum, ChiSquared::new(freedom.max(1) as f64).map_or(1.0, |distribution| distribution.sf(sum)))
 }
 
+/// Differences and variances of `pixels` in an image of this size, added up block by block.
+fn sums_over_blocks([width, height]: [usize; 2], pixels: &[usize], differences: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let columns = width.div_ceil(BLOCK);
+    let mut blocks = vec![(0.0, 0.0); columns * height.div_ceil(BLOCK)];
+    for (i, (difference, variance)) in pixels.iter().zip(differences) {
+        let block = &mut blocks[i / width / BLOCK * columns + i % width / BLOCK];
+        *block = (block.0 + difference, block.1 + variance);
+    }
+    blocks
+}
+
 /// Standard errors of this size or more mark pixels that are not valid.
 const INVALID_ERROR: f32 = 1e8;
 
@@ -144,12 +155,7 @@ fn compare_channel(a: &Image, b: &Image, channel: &str) -> Result<ChannelCompari
     let floor = (0.01 * mean_b).powi(2).max(f64::MIN_POSITIVE);
     let noise = variances.as_ref().map(|variances| {
         let differences: Vec<_> = pixels.iter().map(|i| (value_a(*i) - value_b(*i), variances[*i])).collect();
-        let mut blocks = vec![(0.0, 0.0); a.width.div_ceil(BLOCK) * a.height.div_ceil(BLOCK)];
-        for (i, (difference, variance)) in pixels.iter().zip(&differences) {
-            let [x, y] = [i % a.width, i / a.width].map(|pixel| pixel / BLOCK);
-            let block = &mut blocks[y * a.width.div_ceil(BLOCK) + x];
-            *block = (block.0 + difference, block.1 + variance);
-        }
+        let blocks = sums_over_blocks([a.width, a.height], &pixels, &differences);
         NoiseComparison::new(&differences, &blocks)
     });
     Ok(ChannelComparison {

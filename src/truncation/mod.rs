@@ -26,6 +26,7 @@
 
 mod light;
 mod lights;
+mod tail;
 
 use core::fmt;
 use std::sync::Arc;
@@ -42,7 +43,8 @@ use crate::film::Film;
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
 use crate::stats::{LightByLength, Stats};
-use light::{Fate, Light};
+use light::Light;
+use tail::Fate;
 
 /// Share of the light that may be left out without a word.
 pub const TOLERATED: f64 = 0.01;
