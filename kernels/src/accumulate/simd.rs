@@ -20,7 +20,17 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { lights, lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
+    let lights = columns.lights;
+    match lights.emitters() {
+        [only] => add(step, columns, |_, channel| f32x8::splat(only.radiance[channel])),
+        _ => add(step, columns, |emitters, channel| lights.gather(emitters, |emitter| emitter.radiance[channel])),
+    }
+}
+
+/// Adds the contributions of candidates with such `radiance` of their emitters in a channel.
+#[inline(always)]
+fn add(step: Step, columns: Columns<'_, '_>, emitted: impl Fn(&[u32; LANES], usize) -> f32x8) {
+    let Columns { lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
     let Columns { radiance, origin, parts, dropped, .. } = columns;
     let has_parts = !parts.is_empty();
     for (b, rows) in bucket.batches() {
@@ -38,7 +48,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         }
         for (channel, radiance) in radiance.channels_mut().iter_mut().enumerate() {
-            let emitted = lights.gather(&emitter_of, |emitter| emitter.radiance[channel]);
+            let emitted = emitted(&emitter_of, channel);
             let throughput = throughput.channels()[channel].gather(&lane_of);
             let contribution = (weight * emitted * throughput * worth.factor.channels()[channel].batch(b)).to_array();
             let radiance = radiance.rows_mut();

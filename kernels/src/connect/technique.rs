@@ -133,6 +133,11 @@ impl Techniques {
         near.chain(reaches_far.then(|| straight(Technique::Nee, distant::SCOPE)))
     }
 
+    /// Whether next event estimation is all that connects.
+    pub fn are_nee_alone(&self) -> bool {
+        *self == Self { nee: true, ..Self::default() }
+    }
+
     /// Whether any weight looks at the vertices before a start.
     pub fn look_back(&self) -> bool {
         self.rows().any(|(_, row)| row.looks_back)

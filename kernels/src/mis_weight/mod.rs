@@ -19,7 +19,7 @@ mod passages;
 pub mod reference;
 pub mod simd;
 mod starts;
-mod straight;
+pub(crate) mod straight;
 #[cfg(test)]
 mod tests;
 

@@ -1,7 +1,7 @@
 //! Weights where next event estimation alone competes with walks, in media without colour.
 //!
 //! ```text
-//! weight = profile / (reach(n) + reach(n - 1) r),    r = p_A P_l s^2 e^tau / (p_w cos_light)
+//! weight = profile cos_light / (reach(n) cos_light + reach(n - 1) p_A P_l s^2 e^tau / p_w)
 //! ```
 //!
 //! One vertex is looked at, so that there is neither a suffix to fill nor a history to read.
@@ -10,19 +10,18 @@ use wide::{f32x8, u32x8};
 
 use super::starts::Starts;
 use super::{Columns, albedos};
-use crate::connect::Techniques;
-use crate::connect::light_sample::selection;
+use crate::connect::light_sample::lights::LightsX8;
 use crate::media::{MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
 use crate::survival::LogSurvival;
 use crate::transcendental::exp;
+use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// Whether this is all that a bucket of candidates needs.
 pub(super) fn suffices<M: MediumLanes>(columns: &Columns<'_, '_>) -> bool {
-    let alone = Techniques { nee: true, ..Techniques::default() };
     let is_plain = !M::COLOURED && !columns.lights.has_distant();
-    is_plain && columns.bucket.inserted == 0 && *columns.techniques == alone
+    is_plain && columns.bucket.inserted == 0 && columns.techniques.are_nee_alone()
 }
 
 /// Weighs a bucket of candidates for which this [`suffices`].
@@ -33,29 +32,69 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
     let (medium, survival) = (medium.own(), LogSurvival::of(&walk.survival));
     for (b, rows) in bucket.batches() {
         let lane_of = candidates.lane.batch(b).to_array();
-        let emitter_of = candidates.emitter.batch(b).to_array();
-        let (start, point) = (candidates.start.batch(b), candidates.point.batch(b));
         let starts = Starts::new(&lane_of, rows, 0, paths, last_surface, walk, step);
-        let (distance, leaving) = (point - start).length_and_direction();
-        let cos_light = lights.cosine(&emitter_of, point, leaving);
-        let mut inverse_density = phase.inverse_density(candidates.arriving.batch(b), leaving);
+        let line = Line::new(
+            lights,
+            candidates.emitter.batch(b).to_array(),
+            candidates.start.batch(b),
+            candidates.point.batch(b),
+        );
+        let mut inverse_density = phase.inverse_density(candidates.arriving.batch(b), line.leaving);
         let mut outside = lanes::mask(lanes::ALL);
         let on_surface = starts.surface & lanes::as_mask(starts.most_edges.simd_eq(u32x8::splat(1)));
         if solid && on_surface.any() {
-            let cosine = leaving.dot(last_surface.normal.gather(&lane_of));
+            let cosine = line.leaving.dot(last_surface.normal.gather(&lane_of));
             outside = !on_surface | cosine.simd_gt(f32x8::ZERO);
             inverse_density = on_surface.select(f32x8::splat(core::f32::consts::PI) / cosine, inverse_density);
         }
         let light_sum =
             if lights.selection_depends_on_start() { outlook.light_sum.gather(&lane_of) } else { f32x8::ONE };
-        let choices = lights.choices(&emitter_of);
-        let selected = selection::probability(lights, &choices, start, light_sum);
-        let attempt = selected * survival.reach(starts.depth(1));
-        let geometry = choices.density * attempt * (distance * distance) / cos_light;
-        let depth = medium.optical_depth(start, point, distance);
-        let connected = starts.eligible(1).select(geometry * inverse_density * exp(depth), f32x8::ZERO);
-        let sum = starts.reach_of_walk(survival, walk) + connected;
-        let weighs = cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside;
-        worth.weight.set_batch(b, weighs.select(lights.profile(&emitter_of, cos_light) / sum, f32x8::ZERO));
+        let reach_start = starts.eligible(1).select(survival.reach(starts.depth(1)), f32x8::ZERO);
+        let reach_light = starts.reach_of_walk(survival, walk);
+        let weight = line.weight(medium, light_sum, inverse_density, [reach_start, reach_light]);
+        worth.weight.set_batch(b, outside.select(weight, f32x8::ZERO));
+    }
+}
+
+/// Straight connections from eight starts to points on emitters.
+pub(crate) struct Line<L: LightsX8> {
+    lights: L,
+    emitters: L::Emitters,
+    start: Vec3x8,
+    point: Vec3x8,
+    distance: f32x8,
+    /// Directions at the starts.
+    pub leaving: Vec3x8,
+    /// Cosines at the lights.
+    pub cos_light: f32x8,
+}
+
+impl<L: LightsX8> Line<L> {
+    /// Those from `start` to `point`.
+    #[inline(always)]
+    pub fn new(lights: L, emitters: L::Emitters, start: Vec3x8, point: Vec3x8) -> Self {
+        let (distance, leaving) = (point - start).length_and_direction();
+        let cos_light = lights.cosine(&emitters, point, leaving);
+        Self { lights, emitters, start, point, distance, leaving, cos_light }
+    }
+
+    /// The weight where a share `reach_start` of walks gets to the starts and `reach_light` to the light, and where the
+    /// density of turns is one over `inverse_density` [1/sr].
+    #[inline(always)]
+    pub fn weight<M: MediumX8>(
+        &self,
+        medium: M,
+        light_sum: f32x8,
+        inverse_density: f32x8,
+        [reach_start, reach_light]: [f32x8; 2],
+    ) -> f32x8 {
+        let attempt = self.lights.probability(&self.emitters, self.start, light_sum) * reach_start;
+        let depth = medium.optical_depth(self.start, self.point, self.distance);
+        let area = self.lights.density(&self.emitters) * attempt * (self.distance * self.distance);
+        let connected = reach_start.simd_gt(f32x8::ZERO).select(area * inverse_density * exp(depth), f32x8::ZERO);
+        let sum = reach_light.mul_add(self.cos_light, connected);
+        let weighs = self.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO);
+        let profile = self.lights.profile(&self.emitters, self.cos_light);
+        weighs.select(profile * self.cos_light / sum, f32x8::ZERO)
     }
 }

@@ -1,5 +1,6 @@
 //! The far end of a connection: a light, and a point on it, for every vertex that may connect.
 
+pub(crate) mod lights;
 pub mod reference;
 pub mod selection;
 pub mod simd;

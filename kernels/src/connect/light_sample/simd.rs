@@ -12,11 +12,12 @@
 
 use wide::{f32x8, u32x8};
 
-use super::{Columns, selection};
+use super::lights::{LightsX8, OneDisk};
+use super::{Columns, Scope, selection};
 use crate::columns::queues::CandidateBatch;
 use crate::connect::distant;
 use crate::lanes::LANES;
-use crate::random::{self, uniform_x8};
+use crate::random::{self, Purpose, uniform_x8};
 use crate::tables::lights::{FAR, Lights, Places};
 use crate::transcendental::sin_cos_turn;
 use crate::vec3x8::Vec3x8;
@@ -24,6 +25,42 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
+    let lights = columns.lights;
+    if columns.scope.distant {
+        return sample(step, columns, |draw, start, _| {
+            let (emitter, direction) = distant::simd::draw(lights, draw.uniforms(), || draw.emitter_words());
+            (emitter, direction.mul_add(f32x8::splat(FAR), start), lanes::mask(lanes::ALL))
+        });
+    }
+    match OneDisk::of(lights) {
+        Some(disk) => sample_within(step, columns, disk),
+        None => sample_within(step, columns, lights),
+    }
+}
+
+/// Points on `lights` as far as the scope goes.
+#[inline(always)]
+fn sample_within(step: Step, columns: Columns<'_, '_>, lights: impl LightsX8) {
+    let Scope { max_distance, reach, facing, .. } = columns.scope;
+    sample(step, columns, |draw, start, light_sum| {
+        let (emitters, point) = draw.light_point(lights, start, light_sum);
+        let to_start = start - point;
+        let squared = to_start.length_squared();
+        let mut keep = squared.simd_le(f32x8::splat(max_distance * max_distance));
+        if let Some(reach) = &reach {
+            keep &= reach.may_hold(start, point, squared);
+        }
+        if facing {
+            keep &= lights.cosine(&emitters, point, -to_start).simd_gt(f32x8::ZERO);
+        }
+        (lights.indices(&emitters), point, keep)
+    });
+}
+
+/// Connects every vertex that may start with what `connect` draws for it, a start and its light sum: emitter, point, and
+/// whether it is kept.
+#[inline(always)]
+fn sample(step: Step, columns: Columns<'_, '_>, connect: impl Fn(&Draw, Vec3x8, f32x8) -> (u32x8, Vec3x8, f32x8)) {
     let Columns { lights, scope, live, paths, last_surface, outlook, vertex, before, connections } = columns;
     let n = live.batches();
     let [pixel, sample, birth, last_surface] =
@@ -48,51 +85,60 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
                 continue;
             }
         }
-        let block = random::block_x8(depth, scope.purpose);
-        let [choice, u, v, _] = random::words_x8(pixel[b], sample[b], block, step.seed).map(uniform_x8);
-        let (lane, arriving) = (lanes::indices(b), arriving.at(b));
-        if scope.distant {
-            let words = || {
-                let block = random::block_x8(depth, scope.purpose.emitter());
-                random::words_x8(pixel[b], sample[b], block, step.seed)
-            };
-            let (emitter, direction) = distant::simd::draw(lights, [choice, u, v], words);
-            let point = direction.mul_add(f32x8::splat(FAR), start);
-            connections.push_batch(live, CandidateBatch { lane, emitter, start, arriving, point });
-            continue;
-        }
+        let draw = Draw { pixel: pixel[b], sample: sample[b], depth, purpose: scope.purpose, seed: step.seed };
         let sum = if lights.selection_depends_on_start() { light_sum[b] } else { f32x8::ONE };
-        let mut emitter = selection::choose(lights, start, sum, choice);
-        if lights.groups {
-            let block = random::block_x8(depth, scope.purpose.emitter());
-            let [words, ..] = random::words_x8(pixel[b], sample[b], block, step.seed);
-            emitter = emitters_of(lights, emitter, words);
-        }
-        let point = point_on(lights, &emitter.to_array(), u, v);
-        let to_start = start - point;
-        let squared = to_start.length_squared();
-        let mut keep = squared.simd_le(f32x8::splat(scope.max_distance * scope.max_distance));
-        if let Some(reach) = &scope.reach {
-            keep &= reach.may_hold(start, point, squared);
-        }
-        if scope.facing {
-            keep &= lights.cosine(&emitter.to_array(), point, -to_start).simd_gt(f32x8::ZERO);
-        }
-        let batch = CandidateBatch { lane, emitter, start, arriving, point };
+        let (emitter, point, keep) = connect(&draw, start, sum);
+        let batch = CandidateBatch { lane: lanes::indices(b), emitter, start, arriving: arriving.at(b), point };
         connections.push_batch(lanes::bits(keep) & live, batch);
     }
 }
 
-/// One emitter of each light.
-#[inline(always)]
-fn emitters_of(lights: &Lights, light: u32x8, words: u32x8) -> u32x8 {
-    let (light, words) = (light.to_array(), words.to_array());
-    u32x8::new(core::array::from_fn(|i| lights.choose_emitter(light[i], words[i])))
+/// What decides on the light points of eight vertices.
+#[derive(Clone, Copy)]
+pub(crate) struct Draw {
+    /// Pixels of the paths.
+    pub pixel: u32x8,
+    /// Their samples.
+    pub sample: u32x8,
+    /// Depths of the vertices.
+    pub depth: u32x8,
+    /// The random dimension of the light point.
+    pub purpose: Purpose,
+    /// Seed of the frame.
+    pub seed: u32,
+}
+
+impl Draw {
+    /// Emitters and points on them, of lights that are chosen from `start` with the normalisation `sum`.
+    #[inline(always)]
+    pub fn light_point<L: LightsX8>(&self, lights: L, start: Vec3x8, sum: f32x8) -> (L::Emitters, Vec3x8) {
+        let [choice, u, v] = self.uniforms();
+        let emitters = lights.choose(start, sum, choice, || self.emitter_words()[0]);
+        (emitters, lights.point(&emitters, u, v))
+    }
+
+    /// Uniform numbers for the light and the point.
+    #[inline(always)]
+    fn uniforms(&self) -> [f32x8; 3] {
+        let [choice, u, v, _] = self.words(self.purpose).map(uniform_x8);
+        [choice, u, v]
+    }
+
+    /// Random words for the emitter.
+    #[inline(always)]
+    fn emitter_words(&self) -> [u32x8; 4] {
+        self.words(self.purpose.emitter())
+    }
+
+    #[inline(always)]
+    fn words(&self, purpose: Purpose) -> [u32x8; 4] {
+        random::words_x8(self.pixel, self.sample, random::block_x8(self.depth, purpose), self.seed)
+    }
 }
 
 /// Points on emitters, uniform in area.
 #[inline(always)]
-fn point_on(lights: &Lights, emitters: &[u32; LANES], u: f32x8, v: f32x8) -> Vec3x8 {
+pub(super) fn point_on(lights: &Lights, emitters: &[u32; LANES], u: f32x8, v: f32x8) -> Vec3x8 {
     let Places { origin, radius, curvature, .. } = lights.places(emitters);
     let [tangent, bitangent] = lights.axes(emitters);
     let (sin, cos) = sin_cos_turn(v);
