@@ -49,7 +49,7 @@ fn coloured_frame() -> Frame {
 type Stage = fn(&mut Wavefront<'_>);
 
 /// The stages that work on lanes.
-const LANE_STAGES: [(&str, Stage); 12] = [
+const LANE_STAGES: [(&str, Stage); 13] = [
     ("generate", |w| w.generate()),
     ("remember", |w| w.remember()),
     ("medium_sample", |w| w.medium_sample()),
@@ -62,6 +62,7 @@ const LANE_STAGES: [(&str, Stage); 12] = [
     ("scatter", |w| w.scatter()),
     ("light_survey", |w| w.light_survey()),
     ("light_sample", |w| w.light_sample(nee::SCOPE)),
+    ("nee", |w| w.nee()),
 ];
 
 fn request_all(w: &mut Wavefront<'_>, live: usize) {

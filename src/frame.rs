@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
+use fogbow_kernels::connect::nee::in_place;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::survival::Survival;
 use fogbow_kernels::tables::camera::Camera;
@@ -85,6 +86,12 @@ impl Frame {
     /// Whether anything is solid.
     pub fn is_solid(&self) -> bool {
         !self.surfaces.is_empty()
+    }
+
+    /// Whether connections need no queues: see [`in_place`].
+    pub fn connects_in_place(&self) -> bool {
+        let Self { medium, lights, techniques, walk, lengths, .. } = self;
+        self.roulette == 0.0 && in_place::suffices(medium, lights, techniques, walk, *lengths, self.is_solid())
     }
 
     /// Whether nothing turns light.

@@ -110,6 +110,30 @@ fn lights_that_hide_nothing_are_never_hidden() {
     }
 }
 
+/// Who counts what connections cost has them made through queues.
+#[test]
+fn connections_in_place_bring_what_they_bring_through_queues() {
+    let size = [24, 24];
+    for (name, frame) in frames::connected_in_place(size) {
+        let found = |stats: Stats| {
+            let film = Film::new(&frame, Region::whole(size[0], size[1]), 32);
+            let arena = Bump::new();
+            let mut wavefront = Wavefront::new_in(&arena, &frame, &SIMD, 128);
+            wavefront.stats = stats;
+            wavefront.render(0..8, &mut film.tile(0));
+            let rows = [Stage::Nee, Stage::LightSample].map(|stage| wavefront.stats.stages[stage as usize].rows);
+            let means: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
+            (means, wavefront.stats.connections, rows)
+        };
+        let (means, connections, [in_place, queued]) = found(Stats::new(true));
+        assert!(in_place > 1000 && queued == 0, "{name}: {in_place} rows in place, {queued} in queues");
+        let (expected, expected_connections, [in_place, queued]) = found(Stats::new(true).with_work());
+        assert!(in_place == 0 && queued > 1000, "{name}: {in_place} rows in place, {queued} in queues");
+        assert!(means == expected, "{name}: another image");
+        assert_eq!(connections, expected_connections, "{name}");
+    }
+}
+
 #[test]
 fn media_of_any_density_leave_the_range_of_numbers_nowhere() {
     let size = [48, 48];

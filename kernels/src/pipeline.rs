@@ -2,7 +2,7 @@
 
 mod joint;
 
-use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, omnee};
+use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, nee, omnee};
 use crate::{
     accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
     mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift, spectral_weight,
@@ -85,6 +85,8 @@ pipeline! {
     light_survey (LightSurvey): light_survey::Kernel = light_survey::simd::run, light_survey::reference::run;
     /// A light point for every vertex that may connect.
     light_sample (LightSample): light_sample::Kernel = light_sample::simd::run, light_sample::reference::run;
+    /// Next event estimation at once, where nothing else connects and nothing hides a light.
+    nee (Nee): nee::in_place::Kernel = nee::in_place::simd::run, nee::in_place::reference::run;
     /// How many vertices each MVNEE connection inserts.
     mvnee_count (MvneeCount): mvnee::sample::CountKernel = mvnee::sample::simd::count, mvnee::sample::reference::count;
     /// Where MVNEE's inserted vertices are.

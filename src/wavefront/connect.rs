@@ -10,6 +10,7 @@ use fogbow_kernels::{PathLengths, Step};
 
 use super::stages::rows;
 use super::{Source, Wavefront};
+use crate::stats::Stats;
 
 impl Wavefront<'_> {
     /// Everything that connects from the current vertices.
@@ -21,6 +22,9 @@ impl Wavefront<'_> {
         }
         if frame.lights.selection_depends_on_start() || techniques.near().is_finite() {
             self.light_survey();
+        }
+        if self.connects_in_place() {
+            return self.nee();
         }
         for connection in techniques.connections(lengths, &frame.lights) {
             self.light_sample(connection.scope);
@@ -38,6 +42,13 @@ impl Wavefront<'_> {
                 }
             }
         }
+    }
+
+    /// Whether connections need no queues: nobody asks for more of them than the radiance that they bring.
+    fn connects_in_place(&self) -> bool {
+        let Stats { work, light_by_length, by_depth, .. } = &self.stats;
+        let is_asked = work.is_some() || light_by_length.is_some() || by_depth.is_some() || !self.parts.is_empty();
+        !is_asked && self.frame.connects_in_place()
     }
 
     /// What becomes of connections that all insert the same number of vertices.

@@ -24,11 +24,10 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             lights.emitters()[candidates.emitter.rows()[row] as usize].radiance.map(f64::from),
             throughput.row(lane).map(f64::from),
         );
-        let used = &contribution[..radiance.channels().len()];
-        if used.iter().any(|channel| !(*channel as f32).is_finite()) {
+        let Some(used) = used(&contribution, radiance) else {
             dropped.note(paths.pixel.rows()[lane], paths.sample.rows()[lane]);
             continue;
-        }
+        };
         add(radiance, lane, used);
         let segments = paths.depth_of(step.clock, lane) + bucket.inserted as u32 + 1;
         parts.of(origin, segments).for_each(|part| add(part, lane, used));
@@ -36,11 +35,17 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 }
 
 /// Adds to what a path has found.
-fn add(found: &mut Spectrum<'_>, lane: usize, contribution: &[f64]) {
+pub(crate) fn add(found: &mut Spectrum<'_>, lane: usize, contribution: &[f64]) {
     for (sum, channel) in found.channels_mut().iter_mut().zip(contribution) {
         let sum = &mut sum.rows_mut()[lane];
         *sum = (f64::from(*sum) + channel) as f32;
     }
+}
+
+/// The part of a contribution that is for the channels in use, unless it is not finite.
+pub(crate) fn used<'c>(contribution: &'c [f64; 3], radiance: &Spectrum<'_>) -> Option<&'c [f64]> {
+    let used = &contribution[..radiance.channels().len()];
+    used.iter().all(|channel| (*channel as f32).is_finite()).then_some(used)
 }
 
 /// Whether a path of `depth + inserted + 1` segments is among those asked for.

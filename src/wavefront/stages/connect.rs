@@ -2,8 +2,9 @@
 
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
+use fogbow_kernels::connect::nee::in_place::{self, Tally};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
-use fogbow_kernels::connect::{light_sample, light_survey};
+use fogbow_kernels::connect::{Technique, light_sample, light_survey};
 use fogbow_kernels::pipeline::Stage;
 
 use super::rows;
@@ -47,6 +48,35 @@ impl Wavefront<'_> {
             };
             (self.pipeline.light_sample)(self.step, columns);
         });
+    }
+
+    /// Next event estimation at once, where that is all.
+    pub fn nee(&mut self) {
+        let size = self.stats.lane_rows(&self.live);
+        let [ray, _] = self.rays.last_two(self.step.clock);
+        let (mut dropped, mut tally) = (self.stats.dropped, Tally::default());
+        self.stats.run(Stage::Nee, size, || {
+            let columns = in_place::Columns {
+                medium: &self.frame.medium,
+                lights: &self.frame.lights,
+                walk: &self.frame.walk,
+                live: &self.live,
+                paths: &self.paths,
+                outlook: &self.outlook,
+                vertex: self.vertices.at(self.step.clock),
+                before: ray,
+                throughput: &self.throughput,
+                radiance: &mut self.radiance,
+                dropped: &mut dropped,
+                tally: &mut tally,
+            };
+            (self.pipeline.nee)(self.step, columns);
+        });
+        self.stats.dropped = dropped;
+        let weighted = if self.stats.detailed { tally.weighted } else { 0 };
+        let stats = self.stats.connections(Technique::Nee);
+        stats.tried += tally.tried;
+        stats.weighted += weighted;
     }
 
     /// Where the one vertex is that OMNEE inserts into every connection.

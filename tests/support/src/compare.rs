@@ -14,6 +14,7 @@ use fogbow_kernels::columns::queues::{
 };
 use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::columns::{Column, ColumnMut, ColumnRef, ColumnSet, Spectrum};
+use fogbow_kernels::connect::nee::in_place::Tally;
 use fogbow_kernels::lanes::LaneSet;
 
 use crate::tolerances::{EXACT, Tolerance};
@@ -320,6 +321,18 @@ impl Save for Dropped {
     fn restore(&mut self, saved: &Saved) {
         let column = &saved.tables[0][0].2;
         *self = Self { count: u64::from(column[2]), first: (column[3] == 1).then_some((column[0], column[1])) };
+    }
+}
+
+impl Save for Tally {
+    fn save(&self) -> Saved {
+        let column = [self.tried, self.weighted].map(|count| u32::try_from(count).expect("few connections"));
+        Saved::new(vec![vec![("tally", false, column.to_vec())]])
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        let column = &saved.tables[0][0].2;
+        *self = Self { tried: u64::from(column[0]), weighted: u64::from(column[1]) };
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod clouds;
 mod crowd;
+mod in_place;
 mod layers;
 mod lights;
 pub mod skies;
@@ -27,6 +28,7 @@ use fogbow_kernels::{PathLengths, WalkLimits};
 use glam::DVec3;
 
 pub use crowd::crowded;
+pub use in_place::connected_in_place;
 pub use layers::{WALL_ALBEDO, WALL_DISTANCE, in_front_of_a_wall, seen_first, seen_first_in_volumes, with_all_layers};
 pub use lights::{focused, swarm, three_lights, two_lights, wall_of_lights, with_cones};
 pub use variety::variety;

@@ -47,6 +47,59 @@ pub(super) fn check_light_sample(step: Step, columns: light_sample::Columns<'_, 
     check_queue("light_sample", &both, &[("point", light_point(lights))]);
 }
 
+/// What kernel and twin add to paths that have found nothing so far.
+pub(super) fn check_nee(step: Step, columns: in_place::Columns<'_, '_>) {
+    let in_place::Columns { medium, lights, walk, live, paths, outlook, vertex, before, throughput, .. } = columns;
+    let in_place::Columns { radiance, dropped, tally, .. } = columns;
+    let found = radiance.save();
+    radiance.channels_mut().iter_mut().for_each(|channel| channel.rows_mut().fill(0.0));
+    let [added, dropped, tally] = run_both!(
+        nee(step),
+        [radiance, dropped, tally],
+        in_place::Columns {
+            medium,
+            lights,
+            walk,
+            live,
+            paths,
+            outlook,
+            vertex,
+            before,
+            throughput,
+            radiance: &mut *radiance,
+            dropped: &mut *dropped,
+            tally: &mut *tally,
+        }
+    );
+    for lane in live.each() {
+        let depth = paths.depth_of(step.clock, lane);
+        let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
+        let u = reference::uniforms(pixel, sample, depth, nee::SCOPE.purpose, step.seed);
+        let start = glam::DVec3::from(vertex.position.row(lane).map(f64::from));
+        let tolerance =
+            reference::connect(lights, nee::SCOPE, start, u).map_or(tolerances::EXACT, |(emitter, point)| {
+                let extent = [start.length().max(point.length()), start.distance(point)];
+                let conditioning =
+                    weigh::conditioning(lights, emitter, [start, point], weigh::sharpest(medium), extent);
+                let Tolerance { absolute, relative } = tolerances::WEIGHT;
+                Tolerance { absolute, relative: relative + conditioning }
+            });
+        check_row("nee", (0, lane), &added, &[("channels", tolerance)]);
+    }
+    if dropped.0 != dropped.1 {
+        fail("nee", 0, &format!("    dropped {:?} and {:?}", dropped.0, dropped.1));
+    }
+    let counts = [&tally.0, &tally.1].map(|saved| saved.indices("tally"));
+    count_decisions(counts[0].iter().zip(counts[1]).map(|(kernel, twin)| kernel.abs_diff(*twin) as usize).sum());
+    let added = radiance.save();
+    radiance.restore(&found);
+    for lane in live.each() {
+        let found = found.vector("channels", lane).into_iter().zip(added.vector("channels", lane));
+        let sums = radiance.channels_mut().iter_mut().zip(found);
+        sums.for_each(|(channel, (before, added))| channel.rows_mut()[lane] = before + added);
+    }
+}
+
 pub(super) fn check_mvnee_count(step: Step, columns: mvnee_sample::CountColumns<'_, '_, Mvnee>) {
     let (longest, paths, connections) = (columns.lengths.max, columns.paths, columns.connections);
     let left = |at: usize| longest - 1 - paths.depth_of(step.clock, connections.lane.rows()[at] as usize);

@@ -12,9 +12,11 @@ use fogbow_kernels::columns::trail::TrailTable;
 use fogbow_kernels::connect::bridge::{Bridge, sample as bridge_sample};
 use fogbow_kernels::connect::buckets::{BucketTable, BuildColumns, CountColumns, DROPPED};
 use fogbow_kernels::connect::light_sample;
+use fogbow_kernels::connect::light_sample::reference;
 use fogbow_kernels::connect::light_survey;
 use fogbow_kernels::connect::lis::sample as lis_sample;
 use fogbow_kernels::connect::mvnee::{Mvnee, sample as mvnee_sample};
+use fogbow_kernels::connect::nee::{self, in_place};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
 use fogbow_kernels::emission::reference::cosine;
 use fogbow_kernels::lanes::{LANES, LaneSet};
@@ -82,6 +84,7 @@ pub const CHECKED: Pipeline = Pipeline {
     passage: walk::check_passage,
     light_survey: connect::check_light_survey,
     light_sample: connect::check_light_sample,
+    nee: connect::check_nee,
     mvnee_count: connect::check_mvnee_count,
     mvnee_build: connect::check_mvnee_build,
     omnee_build: connect::check_omnee_build,

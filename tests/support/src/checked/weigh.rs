@@ -104,7 +104,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
 }
 
 /// Largest |g| of the lobes of a medium.
-fn sharpest(medium: &Medium) -> f64 {
+pub(super) fn sharpest(medium: &Medium) -> f64 {
     medium.phase.twin().roll_lobes().into_iter().fold(0.0, |largest, (_, g)| g.abs().max(largest))
 }
 
@@ -141,12 +141,25 @@ impl Sight<'_, '_> {
         let near = &path[..path.len() - usize::from(self.is_distant(at))];
         let distance = near.iter().map(|position| position.length()).fold(0.0, f64::max);
         let shortest = near.windows(2).map(|ends| ends[0].distance(ends[1])).fold(f64::INFINITY, f64::min);
-        let emitter = &self.lights.emitters()[self.candidates.emitter.rows()[at] as usize];
-        let [before, point] = [path[path.len() - 2], path[path.len() - 1]];
-        let cos_light = cosine(emitter, point, point - before);
-        tolerances::weight_conditioning(g, distance, shortest, cos_light / (1.0 + f64::from(emitter.exponent)))
-            + tolerances::cone_conditioning(emitter.window, distance, shortest, cos_light)
+        let emitter = self.candidates.emitter.rows()[at] as usize;
+        let ends = [path[path.len() - 2], path[path.len() - 1]];
+        conditioning(self.lights, emitter, ends, g, [distance, shortest])
     }
+}
+
+/// Relative error of a weight of a path that ends with a segment between `ends`, whose vertices are up to `distance`
+/// from the origin and at least `shortest` from each other.
+pub(super) fn conditioning(
+    lights: &Lights,
+    emitter: usize,
+    [before, point]: [glam::DVec3; 2],
+    g: f64,
+    [distance, shortest]: [f64; 2],
+) -> f64 {
+    let emitter = &lights.emitters()[emitter];
+    let cos_light = cosine(emitter, point, point - before);
+    tolerances::weight_conditioning(g, distance, shortest, cos_light / (1.0 + f64::from(emitter.exponent)))
+        + tolerances::cone_conditioning(emitter.window, distance, shortest, cos_light)
 }
 
 pub(super) fn check_phase_quotient(step: Step, columns: phase_quotient::Columns<'_, '_>) {

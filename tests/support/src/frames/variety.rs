@@ -83,6 +83,7 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
         let aimed = Frame { aimed: 0.3, ..with_techniques(&coloured, Active::Every, 4.0) };
         add(format!("{name}, aimed"), aimed.with_walk(2, 0.8));
     }
+    connected_in_place(size).into_iter().for_each(|(name, frame)| add(name, frame));
     skies::rooms(size).into_iter().for_each(|(name, frame)| add(name, frame));
     let short = PathLengths { min: 1, max: 2 };
     add("K 2".into(), Frame { lengths: short, ..three_lights(0.6, Selection::Uniform, size) });
