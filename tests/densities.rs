@@ -51,6 +51,62 @@ impl Phase for Exact {
     }
 }
 
+/// Weights, by the kernel and by its twin, of a path that MVNEE alone made through fog of that `extinction`, by these
+/// inserted vertices between its start at 0 and a lamp 200 m away.
+fn weights_by_mvnee(extinction: f32, offset: Offset, inserted: &[DVec3]) -> [f64; 2] {
+    let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
+    let disk = Emitter::disk(200.0 * DVec3::Z, DVec3::NEG_Z, 0.5, [1.0; 3]);
+    let lights = Lights::new(vec![disk], Selection::Uniform);
+    let mvnee = Some(Mvnee::new(&medium, f64::INFINITY, offset));
+    let techniques = Techniques { mvnee, ..Techniques::default() };
+    let path = [&[-10.0 * DVec3::Z, DVec3::ZERO], inserted, &[200.0 * DVec3::Z]].concat();
+    let made = Made { vertices: &path, inserted: inserted.len(), first_start: 1, emitter: 0 };
+    [mis_weight::simd::run, mis_weight::reference::run]
+        .map(|kernel| Weigher::new(kernel, &medium, &lights, &techniques).weight(&made, 3))
+}
+
+/// Detours by long edges, of which densities of offsets and of walks are beyond the range of f32, and quotients are not.
+#[test]
+fn detours_of_mvnee_are_weighed_however_long_they_are() {
+    for (extinction, offset, across) in [
+        (0.02, Offset::Ggx, [60.0, 120.0, 180.0]),
+        (0.02, Offset::Gaussian, [60.0, 150.0, 300.0]),
+        (0.05, Offset::Gaussian, [60.0, 150.0, 300.0]),
+        (0.1, Offset::Gaussian, [60.0, 90.0, 210.0]),
+    ] {
+        for across in across {
+            let around =
+                |i: u32| DVec3::new(across * f64::from(i).cos(), across * f64::from(i).sin(), 25.0 * f64::from(i));
+            let inserted: Vec<DVec3> = (1..8).map(around).collect();
+            let [kernel, twin] = weights_by_mvnee(extinction, offset, &inserted);
+            let name = format!("{offset:?}, extinction {extinction}, {across} m off the axis");
+            assert!((1e-35..0.1).contains(&twin), "{name}: {twin:e}");
+            assert!((kernel / twin - 1.0).abs() < 2e-4, "{name}: {kernel:e}, should be {twin:e}");
+        }
+    }
+}
+
+/// Positions are rounded: which of two seeds at a distance of 100 m comes first is not known to 1e-5 m.
+#[test]
+fn seeds_that_are_too_close_for_their_order_to_be_known_count_as_in_order() {
+    let weights = |step: f64| {
+        let at = |i: u32| DVec3::new(20.0 * f64::from(i).cos(), 20.0 * f64::from(i).sin(), 25.0 * f64::from(i));
+        let mut inserted: Vec<DVec3> = (1..8).map(at).collect();
+        inserted[4].z = inserted[3].z + step;
+        weights_by_mvnee(0.05, Offset::Ggx, &inserted)
+    };
+    let [expected, _] = weights(1e-3);
+    assert!(expected < 1e-5, "{expected:e}");
+    for step in [-4e-5, -1e-5, 0.0, 1e-5, 4e-5] {
+        for weight in weights(step) {
+            assert!((weight / expected - 1.0).abs() < 1e-3, "{step} m: {weight:e}, should be {expected:e}");
+        }
+    }
+    // Chains that turn back are made from vertices behind that alone.
+    let [back, back_twin] = weights(-0.1);
+    assert!(back > 3.0 * expected && (back / back_twin - 1.0).abs() < 1e-3, "{back:e} and {back_twin:e}");
+}
+
 #[test]
 fn full_densities_of_the_twins_match_recorded_ratios() {
     let mut checked = 0;

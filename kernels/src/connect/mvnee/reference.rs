@@ -23,7 +23,7 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use super::{BLUR, GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::density::Density;
 use crate::media::reference::{Medium, Stratum, depth_until, extinction_along};
 
@@ -53,7 +53,7 @@ impl From<&Mvnee> for Settings {
 }
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
-/// start. Zero if the chain is longer than a limit or turns back along its axis.
+/// start. Zero if the chain is longer than a limit or turns back along its axis, by more than [`BLUR`].
 pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_density: f64) -> Density {
     let [start, inner @ .., point] = chain else {
         return Density::ZERO;
@@ -64,7 +64,8 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
     }
     let axis = (*point - *start) / distance;
     let segments = seed_segments(*start, inner, axis, distance);
-    if segments.iter().any(|segment| *segment <= 0.0) {
+    let blur = f64::from(BLUR) * (point.length() + distance);
+    if segments.iter().any(|segment| *segment <= -blur) {
         return Density::ZERO;
     }
     let strata = medium.strata(*start, *point);
@@ -130,6 +131,7 @@ pub fn offset_density(offset: Offset, sigma: f64, rho: f64) -> f64 {
             let alpha = GGX_WIDTH * sigma;
             alpha * alpha / (PI * (alpha * alpha + rho * rho).powi(2))
         }
+        Offset::Gaussian if sigma == 0.0 => 0.0,
         Offset::Gaussian => (-0.5 * (rho / sigma).powi(2)).exp() / (2.0 * PI * sigma * sigma),
     }
 }

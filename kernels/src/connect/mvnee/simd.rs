@@ -1,7 +1,7 @@
 //! ```text
 //! for each start a, counted from the light, near enough:
 //!     w, s: axis and distance to the light point
-//!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > 0
+//!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > -blur
 //!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
 //!     r += p_A P_l l_{n-1}^2 / cos_light * seeds / (prod_v mu exp(-tau(Lambda_a)) p_w(a))
 //!          * prod_v pi offset_density(width_v, rho_v) * spread_v
@@ -12,16 +12,17 @@
 //!    only after the first; R as a difference would cancel, and sums of outer products of the edges, which give R
 //!    without a pass, cost more loads and cancel too when edges stand across the axis.
 //! 3. rho comes from the component across the axis, not from a difference of squares.
-//! 4. Every factor of the product is dimensionless and of order one, so that a running f32 product neither overflows
-//!    nor vanishes. `seeds` over the rest of path tracing's density is one exponential; in a homogeneous medium all
-//!    mu_t^m cancel, and `tau(Lambda_a) - tau(s)` is left.
+//! 4. `seeds` over the rest of path tracing's density is one exponential; in a homogeneous medium all mu_t^m cancel, and
+//!    `tau(Lambda_a) - tau(s)` is left. Detours that long edges make are as large as offsets that far out are rare, more
+//!    than f32 holds either way. So every edge gets its share of the exponential, the a-th root: a running product of
+//!    factors of order one neither overflows nor vanishes.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
 //! 6. Starts that are near enough in no lane cost only the test; starts that every lane refuses, the projections up to
 //!    there.
 
 use wide::f32x8;
 
-use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use super::{BLUR, GGX_WIDTH, Mvnee, Offset, Seeds};
 use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::spectral::Hues;
 use crate::media::{AxisX8, MediumX8};
@@ -37,20 +38,22 @@ pub fn ratios<M: MediumX8>(
     starts: core::ops::RangeInclusive<usize>,
 ) -> f32x8 {
     match mvnee.offset {
-        Offset::Ggx => sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32 * mvnee.slope, |width, offset, spread| {
-            let inverse = f32x8::ONE / (width + offset);
-            (width * inverse) * (spread * inverse)
-        }),
-        Offset::Gaussian => sum(mvnee, arrival, suffix, starts, mvnee.slope, |width, offset, spread| {
+        Offset::Ggx => {
+            sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32 * mvnee.slope, |width, offset, spread, share| {
+                let inverse = f32x8::ONE / (width + offset);
+                (width * inverse) * (spread * inverse) * share.exp
+            })
+        }
+        Offset::Gaussian => sum(mvnee, arrival, suffix, starts, mvnee.slope, |width, offset, spread, share| {
             let inverse = f32x8::ONE / (width + width);
-            exp(-offset * inverse) * (spread * inverse)
+            exp(share.log - offset * inverse) * (spread * inverse)
         }),
     }
 }
 
 /// The ratios of all starts. `factor` is what an inserted vertex contributes, pi times the density of its offset times
-/// its spread, as a function of squared width, squared offset and spread: quotients of areas, which no scale of the
-/// scene can make overflow.
+/// its spread and its share of the exponential, as a function of squared width, squared offset, spread and share:
+/// quotients of areas, which no scale of the scene can make overflow.
 #[inline(always)]
 fn sum<M: MediumX8>(
     mvnee: &Mvnee,
@@ -58,7 +61,7 @@ fn sum<M: MediumX8>(
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
     slope: f32,
-    factor: impl Fn(f32x8, f32x8, f32x8) -> f32x8,
+    factor: impl Fn(f32x8, f32x8, f32x8, Share) -> f32x8,
 ) -> f32x8 {
     let longest_squared = f32x8::splat(mvnee.max_distance * mvnee.max_distance);
     let slope_squared = f32x8::splat(slope * slope);
@@ -84,7 +87,8 @@ fn sum<M: MediumX8>(
                 continue;
             }
         }
-        let Some(axial) = project(suffix, a, axis, distance, possible) else { continue };
+        let blur = (suffix.vertices[0].position.length_squared().sqrt() + distance) * f32x8::splat(BLUR);
+        let Some(axial) = project(suffix, a, axis, [distance, blur], possible) else { continue };
         let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance, most);
         let mut possible = axial.possible;
         if M::VARIES {
@@ -94,28 +98,42 @@ fn sum<M: MediumX8>(
             }
         }
 
-        let mut product = start.inverse_density;
-        let mut after = axial.last_squared;
-        let widening = slope_squared / axial.total;
-        for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
-            let width_squared = projection.before * (after * widening);
-            product *= factor(width_squared, projection.offset_squared, vertex.spread);
-            after += projection.segment_squared;
-        }
         let way = arrival.way(&start);
         let mut log = way.depth - depth;
         if M::VARIES {
             log += log_extinctions(mvnee.seeds, &line, &suffix.projections[1..a]);
             log -= arrival.medium.log_extinction_along(a - 1, way.log_extinction);
         }
-        let detour = exp(log);
-        let mut ratio = scale * start.attempt * detour * product;
+        let share = Share::new(log * f32x8::splat(1.0 / a as f32));
+        let mut product = start.inverse_density * share.exp;
+        let mut after = axial.last_squared;
+        let widening = slope_squared / axial.total;
+        for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
+            let width_squared = projection.before * (after * widening);
+            product *= factor(width_squared, projection.offset_squared, vertex.spread, share);
+            after += projection.segment_squared;
+        }
+        let mut ratio = scale * start.attempt * product;
         if let Some(hues) = arrival.hues {
             ratio *= seeds(hues, suffix, a, depth);
         }
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum
+}
+
+/// What an edge gets of the exponential.
+#[derive(Clone, Copy)]
+struct Share {
+    log: f32x8,
+    exp: f32x8,
+}
+
+impl Share {
+    #[inline(always)]
+    fn new(log: f32x8) -> Self {
+        Self { log, exp: exp(log) }
+    }
 }
 
 /// Least logarithm of an extinction: there are no seeds in vacuum.
@@ -170,22 +188,34 @@ struct Axial {
     total: f32x8,
 }
 
-/// Fills the projections of the vertices between start `a` and the light; `None` if every row refuses.
+/// Least square of a projected segment [m^2]: widths are not 0.
+const SHORTEST_SQUARED: f32 = 1e-30;
+
+/// Fills the projections of the vertices between start `a` and the light, at `distance`, which may be off by `blur`;
+/// `None` if every row refuses.
 #[inline(always)]
-fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, possible: f32x8) -> Option<Axial> {
+fn project(
+    suffix: &mut Suffix<'_>,
+    a: usize,
+    axis: Vec3x8,
+    [distance, blur]: [f32x8; 2],
+    possible: f32x8,
+) -> Option<Axial> {
+    let shortest = f32x8::splat(SHORTEST_SQUARED);
     let start = suffix.vertices[a].position;
     let (mut possible, mut along, mut before) = (possible, f32x8::ZERO, f32x8::ZERO);
     for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
         let from_start = vertex.position - start;
         let reached = from_start.dot(axis);
         let segment = reached - along;
-        possible &= segment.simd_gt(f32x8::ZERO);
+        possible &= segment.simd_gt(-blur);
         if !possible.any() {
             return None;
         }
-        before = segment.mul_add(segment, before);
+        let segment_squared = (segment * segment).fast_max(shortest);
+        before += segment_squared;
         *projection = Projection {
-            segment_squared: segment * segment,
+            segment_squared,
             before,
             offset_squared: axis.mul_neg_add(reached, from_start).length_squared(),
             along: reached,
@@ -193,7 +223,7 @@ fn project(suffix: &mut Suffix<'_>, a: usize, axis: Vec3x8, distance: f32x8, pos
         along = reached;
     }
     let last = distance - along;
-    possible &= last.simd_gt(f32x8::ZERO);
-    let last_squared = last * last;
+    possible &= last.simd_gt(-blur);
+    let last_squared = (last * last).fast_max(shortest);
     possible.any().then(|| Axial { possible, last_squared, total: before + last_squared })
 }
