@@ -27,8 +27,18 @@ fn statistics_tell_what_every_stage_did() {
     let names: Vec<_> = stages.iter().map(|stage| stage["stage"].as_str().expect("a name")).collect();
     assert_eq!(names, Stage::ALL.iter().map(|stage| stage.name()).collect::<Vec<_>>());
     // Nothing is solid in this scene, and its extinction is grey and the same everywhere; lamps has what is solid.
-    let elsewhere =
-        ["surface", "spectral_weight", "flight_hue", "passage", "phase_quotient", "transmittance", "glow", "outline"];
+    // Where several techniques connect, none does so in place.
+    let elsewhere = [
+        "surface",
+        "spectral_weight",
+        "flight_hue",
+        "passage",
+        "phase_quotient",
+        "transmittance",
+        "glow",
+        "outline",
+        "nee",
+    ];
     let others = |(_, name): &(usize, &&str)| !elsewhere.contains(name);
     for (index, name) in names.iter().enumerate().filter(others) {
         let stage = |what: &str| number(&statistics, &format!("/stages/{index}/{what}"));
@@ -38,6 +48,15 @@ fn statistics_tell_what_every_stage_did() {
         assert!(stage("seconds") > 0.0, "{name}: {statistics:#}");
     }
     assert_eq!(number(&statistics, "/stages/0/rows"), 16.0 * 64.0, "every sample is generated once");
+}
+
+#[test]
+fn next_event_estimation_alone_connects_in_place() {
+    let folder = Folder::with_scene();
+    let statistics = statistics(&folder, &["--technique", "nee", "--samples", "4", "--set", "render.roulette=0"]);
+    let calls = |stage: Stage| number(&statistics, &format!("/stages/{}/calls", stage as usize));
+    assert!(calls(Stage::Nee) >= 1.0 && calls(Stage::LightSample) == 0.0, "{statistics:#}");
+    assert!(number(&statistics, "/connections/nee/weighted") > 0.0, "{statistics:#}");
 }
 
 /// The lamp of the test scene fills its image.
