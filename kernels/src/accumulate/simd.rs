@@ -27,7 +27,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     }
 }
 
-/// Adds the contributions of candidates with such `radiance` of their emitters in a channel.
+/// Adds contributions, where `emitted` is the radiance of eight emitters in a channel.
 #[inline(always)]
 fn add(step: Step, columns: Columns<'_, '_>, emitted: impl Fn(&[u32; LANES], usize) -> f32x8) {
     let Columns { lengths, bucket, candidates, worth, paths, throughput, .. } = columns;
