@@ -51,18 +51,23 @@ impl Phase for Exact {
     }
 }
 
-/// Weights, by the kernel and by its twin, of a path that MVNEE alone made through fog of that `extinction`, by these
-/// inserted vertices between its start at 0 and a lamp 200 m away.
-fn weights_by_mvnee(extinction: f32, offset: Offset, inserted: &[DVec3]) -> [f64; 2] {
+/// Weights, by the kernel and by its twin, of a path that `techniques` made through fog of that `extinction`, by these
+/// inserted vertices between its start at 0 and a lamp 200 m away that faces somewhere.
+fn weights_far_away(extinction: f32, facing: DVec3, techniques: &Techniques, inserted: &[DVec3]) -> [f64; 2] {
     let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
-    let disk = Emitter::disk(200.0 * DVec3::Z, DVec3::NEG_Z, 0.5, [1.0; 3]);
+    let disk = Emitter::disk(200.0 * DVec3::Z, facing, 0.5, [1.0; 3]);
     let lights = Lights::new(vec![disk], Selection::Uniform);
-    let mvnee = Some(Mvnee::new(&medium, f64::INFINITY, offset));
-    let techniques = Techniques { mvnee, ..Techniques::default() };
     let path = [&[-10.0 * DVec3::Z, DVec3::ZERO], inserted, &[200.0 * DVec3::Z]].concat();
     let made = Made { vertices: &path, inserted: inserted.len(), first_start: 1, emitter: 0 };
     [mis_weight::simd::run, mis_weight::reference::run]
-        .map(|kernel| Weigher::new(kernel, &medium, &lights, &techniques).weight(&made, 3))
+        .map(|kernel| Weigher::new(kernel, &medium, &lights, techniques).weight(&made, 3))
+}
+
+/// The same by MVNEE alone.
+fn weights_by_mvnee(extinction: f32, offset: Offset, inserted: &[DVec3]) -> [f64; 2] {
+    let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
+    let mvnee = Some(Mvnee::new(&medium, f64::INFINITY, offset));
+    weights_far_away(extinction, DVec3::NEG_Z, &Techniques { mvnee, ..Techniques::default() }, inserted)
 }
 
 /// Detours by long edges, of which densities of offsets and of walks are beyond the range of f32, and quotients are not.
@@ -105,6 +110,21 @@ fn seeds_that_are_too_close_for_their_order_to_be_known_count_as_in_order() {
     // Chains that turn back are made from vertices behind that alone.
     let [back, back_twin] = weights(-0.1);
     assert!(back > 3.0 * expected && (back / back_twin - 1.0).abs() < 1e-3, "{back:e} and {back_twin:e}");
+}
+
+/// The same of a vertex next to the light: rounding decides where from the light arrives.
+#[test]
+fn a_vertex_that_is_too_close_to_the_light_for_its_turn_to_be_known_counts_as_turning_forward() {
+    let omnee = Techniques { omnee: true, ..Techniques::default() };
+    let weights = |away: DVec3| weights_far_away(0.15, DVec3::X, &omnee, &[200.0 * DVec3::Z + away]);
+    let [expected, _] = weights(DVec3::new(3e-5, 0.0, -2e-5));
+    assert!(expected < 1e-6, "{expected:e}");
+    for along in [0.0, 2e-5, 4e-5] {
+        for weight in weights(DVec3::new(3e-5, 0.0, along)) {
+            assert!((0.1..10.0).contains(&(weight / expected)), "{along} m: {weight:e}, about {expected:e}");
+        }
+    }
+    assert!(weights(DVec3::new(3.0, 0.0, 0.1)).into_iter().all(|weight| weight == 1.0), "OMNEE does not turn back");
 }
 
 #[test]

@@ -7,11 +7,12 @@ use fogbow::wavefront::{Candidates, Source, Wavefront};
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::mvnee::{self, Mvnee, Offset, Seeds};
 use fogbow_kernels::media::reference::{Medium as _, extinction_along};
+use fogbow_kernels::pipeline::{REFERENCE, SIMD};
 use fogbow_kernels::{PathLengths, random};
 use fogbow_testing::frames::{self, clouds};
 use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
-use fogbow_testing::walks::{after_walks, vector};
+use fogbow_testing::walks::{LANES, after_walks, vector};
 use glam::DVec3;
 
 /// Samples that a distribution is tested with.
@@ -163,6 +164,35 @@ fn a_cloud_is_connected_through_up_to_the_depth_of_the_axis_that_mesc_says() {
         }
     });
     assert!(nearer > 500 && deeper > 500, "{nearer} nearer, {deeper} deeper");
+}
+
+#[test]
+fn vertices_that_are_where_their_start_is_end_a_connection() {
+    let frame = mvnee_frame(0.9, Offset::Ggx);
+    for pipeline in [SIMD, REFERENCE] {
+        let mut dropped = 0;
+        after_walks(&frame, LANES, 1, |wavefront| {
+            recorded::build_mvnee(wavefront, &frame.techniques.mvnee.expect("MVNEE"));
+            wavefront.pipeline = pipeline;
+            for index in 0..wavefront.buckets.buckets().len() {
+                let bucket = wavefront.buckets.buckets()[index];
+                if bucket.inserted == 0 {
+                    continue;
+                }
+                for row in bucket.rows().step_by(2) {
+                    let start = wavefront.candidates.bridged.start.row(row);
+                    wavefront.chains.vertices[0].set_row(row, start);
+                }
+                wavefront.sift(Source::Bridged, bucket);
+                let counts = |row: usize| wavefront.worth.weight.rows()[row] != 0.0;
+                let (at_start, others): (Vec<_>, Vec<_>) = bucket.rows().partition(|row| (row - bucket.start) % 2 == 0);
+                assert!(!at_start.iter().any(|row| counts(*row)), "a vertex where its start is counts");
+                dropped += at_start.len() * usize::from(others.iter().any(|row| counts(*row)));
+            }
+            wavefront.pipeline = SIMD;
+        });
+        assert!(dropped > 100, "{dropped}");
+    }
 }
 
 #[test]

@@ -27,6 +27,14 @@ use mvnee::Mvnee;
 
 pub use technique::{Chain, Connection, Densities, Row, Technique};
 
+/// What single precision leaves open of where vertices are, over the distance of the light point from the origin and from
+/// the start: two roundings of positions and a few of sums.
+///
+/// A technique that goes forward only must not refuse what rounding turned around: the weight of a connection that its own
+/// technique refuses would be left to others that hardly make it, and one that is as good as 0 could become 1. So whatever
+/// turns back by no more than that passes.
+pub const BLUR: f32 = 5e-7;
+
 /// The connection techniques of a frame; path tracing is always among the competitors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Techniques {

@@ -24,6 +24,7 @@ pub struct Columns<'a, 'q> {
     pub worth: &'a mut WorthTable<'q>,
 }
 
-/// Weighs a connection 0 if its last segment arrives at the dark side of its emitter, or where extinction varies one of
-/// its inserted vertices is in vacuum, and 1 otherwise: then it is yet to be weighed.
+/// Weighs a connection 0 if its last segment arrives at the dark side of its emitter, if its first inserted vertex was
+/// rounded to its start, which leaves no direction to weigh it by, or where extinction varies if one of its inserted
+/// vertices is in vacuum; and 1 otherwise: then it is yet to be weighed.
 pub type Kernel = fn(Step, Columns<'_, '_>);

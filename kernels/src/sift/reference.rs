@@ -1,7 +1,7 @@
 //! Which connections may count, in f64.
 //!
 //! ```text
-//! C = 0  unless  n . (x_{n-1} - x_n) > 0  and  mu_t(x_i) > 0  for every inserted vertex x_i
+//! C = 0  unless  n . (x_{n-1} - x_n) > 0,  x_1 != x_0  and  mu_t(x_i) > 0  for every inserted vertex x_i
 //! ```
 
 use glam::DVec3;
@@ -32,7 +32,7 @@ fn may_count(field: Option<&dyn Medium>, emitter: &Emitter, chain: &[DVec3]) -> 
     let [.., last, point] = chain else { return false };
     let inserted = &chain[1..chain.len() - 1];
     let scatters = |medium: &dyn Medium| inserted.iter().all(|vertex| medium.extinction(*vertex) > 0.0);
-    cosine(emitter, *point, *point - *last) > 0.0 && field.is_none_or(scatters)
+    cosine(emitter, *point, *point - *last) > 0.0 && chain[1] != chain[0] && field.is_none_or(scatters)
 }
 
 #[cfg(test)]
@@ -42,7 +42,7 @@ mod tests {
     use crate::phase::PhaseFunction;
 
     #[test]
-    fn neither_vacuum_nor_dark_sides_count() {
+    fn neither_vacuum_nor_dark_sides_nor_vertices_at_the_start_count() {
         let lamp = Emitter::disk(4.0 * DVec3::Z, -DVec3::Z, 1.0, [1.0; 3]);
         let field = Field::block([[-1.0, -1.0, 0.0], [1.0, 1.0, 2.0]], 3.0);
         let phase = PhaseFunction::isotropic();
@@ -56,6 +56,7 @@ mod tests {
         for is_bounded in [false, true] {
             assert!(counts(&[], is_bounded) && counts(&[[0.5, 0.5, 1.0], [0.0, 0.9, 1.5]], is_bounded));
             assert!(!counts(&[[0.0, 0.0, 1.0], [0.1, 0.0, 5.0]], is_bounded), "from behind the lamp");
+            assert!(!counts(&[[0.0; 3], [0.0, 0.9, 1.5]], is_bounded), "a vertex where the start is");
             assert_eq!(counts(&[[0.0, 0.0, 3.0], [0.0, 0.1, 1.0]], is_bounded), !is_bounded, "a vertex in vacuum");
         }
     }

@@ -1,5 +1,5 @@
 //! ```text
-//! weight = cos_light > 0  and  mu(v) > 0 at every inserted vertex v
+//! weight = cos_light > 0  and  |v_1 - start| > 0  and  mu(v) > 0 at every inserted vertex v
 //! ```
 //!
 //! 1. Vertices are asked for one after the other, until no row of the batch is left.
@@ -22,6 +22,10 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
         let last = inserted.last().unwrap_or(&candidates.start).batch(b);
         let (_, direction) = (point - last).length_and_direction();
         let mut counts = lights.cosine(&emitters, point, direction).simd_gt(f32x8::ZERO);
+        if let [first, ..] = inserted {
+            let edge = first.batch(b) - candidates.start.batch(b);
+            counts &= edge.length_squared().simd_gt(f32x8::ZERO);
+        }
         if let Some(field) = field {
             for vertex in inserted {
                 if lanes::bits(counts) & rows == 0 {

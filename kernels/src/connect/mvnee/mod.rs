@@ -51,12 +51,6 @@ pub enum Seeds {
     Fast,
 }
 
-/// What single precision leaves open of the projection of a vertex on an axis, over the distance of its light point from
-/// the origin and from the start: two roundings of positions and a few of sums. Of seeds closer to each other than that
-/// nobody knows which comes first. To refuse what a connection made would leave its weight to techniques that hardly make
-/// it, and a weight that is as good as 0 could become 1; so they pass as if in order.
-pub const BLUR: f32 = 5e-7;
-
 /// Width of the GGX offset over that of the Gaussian with the same core (Weber et al. 2017; rederived in
 /// [`slope`]'s tests).
 pub const GGX_WIDTH: f64 = 1.637_618_734;

@@ -23,7 +23,8 @@ use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{BLUR, GGX_WIDTH, Mvnee, Offset, Seeds};
+use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use crate::connect::BLUR;
 use crate::connect::density::Density;
 use crate::media::reference::{Medium, Stratum, depth_until, extinction_along};
 

@@ -22,7 +22,8 @@
 
 use wide::f32x8;
 
-use super::{BLUR, GGX_WIDTH, Mvnee, Offset, Seeds};
+use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use crate::connect::BLUR;
 use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::spectral::Hues;
 use crate::media::{AxisX8, MediumX8};

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! with F the forward share of the phase function. The ratio to path tracing, at the second vertex before the light and
-//! for theta < pi / 2 only,
+//! for theta < pi / 2 only, as far as rounding can tell,
 //!
 //! ```text
 //! r_{n-2} = p_A P_l s (sin theta / theta) exp(mu_t L) / (F p_w mu_t cos_light)

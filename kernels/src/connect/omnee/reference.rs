@@ -13,11 +13,12 @@
 
 use glam::DVec3;
 
+use crate::connect::BLUR;
 use crate::connect::density::Density;
 use crate::phase::reference::Phase;
 
 /// Density of making `chain`, the vertices from the start to the point on the light; `light_density` is p_A P_l at the
-/// start. Zero unless exactly one vertex is inserted, and turns the path forward.
+/// start. Zero unless exactly one vertex is inserted, and turns the path forward, or back by no more than [`BLUR`].
 pub fn density(phase: &dyn Phase, chain: &[DVec3], light_density: f64) -> Density {
     let [start, vertex, point] = chain else {
         return Density::ZERO;
@@ -27,14 +28,16 @@ pub fn density(phase: &dyn Phase, chain: &[DVec3], light_density: f64) -> Densit
         return Density::ZERO;
     }
     let (along, across) = (first.dot(second), first.cross(second).length());
-    if along <= 0.0 {
+    let distance = (*point - *start).length();
+    let blur = f64::from(BLUR) * (point.length() + distance);
+    if along <= -blur * (first.length() + second.length()) {
         return Density::ZERO;
     }
     let theta = across.atan2(along);
     let sine_over_angle = if theta == 0.0 { 1.0 } else { theta.sin() / theta };
     Density::new(light_density)
         .times(phase.density(theta.cos()) / phase.forward_share())
-        .times((*point - *start).length() * sine_over_angle)
+        .times(distance * sine_over_angle)
         .times(1.0 / first.length_squared())
         .times(1.0 / second.length_squared())
 }
