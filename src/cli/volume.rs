@@ -56,21 +56,27 @@ fn describe_grid(path: &Path, index: usize, grid: GridSummary) -> Result<Result<
     if let Some(bounds) = grid.world_bounds() {
         say(format!("  world bounds: {} m", extent(bounds)))?;
     }
-    if let Some(Densities { mean, most, .. }) = densities {
-        say(format!(
-            "  densities: {} at most, {} on average of active voxels",
-            number(most.into(), 4),
-            number(mean, 4)
-        ))?;
-        let [densest, mean] = [f64::from(most), mean].map(|density| number(1.0 / density, 4));
-        say(format!(
-            "  mean free path at an extinction of 1/m: {densest} m where it is densest, {mean} m at that average"
-        ))?;
+    if let Some(densities) = densities {
+        say(match densities.nothing() {
+            Some(nothing) => format!("  renders as nothing: it {nothing}"),
+            None => of_densities(&densities),
+        })?;
     }
     if let Some(obstacle) = grid.obstacle {
         say(format!("  cannot be rendered: {obstacle}"))?;
     }
     Ok(fault)
+}
+
+/// Two lines about densities that count.
+fn of_densities(Densities { mean, most, .. }: &Densities) -> String {
+    let most = f64::from(*most);
+    let [densest, average] = [1.0 / most, 1.0 / mean].map(|path| number(path, 4));
+    let [most, mean] = [most, *mean].map(|density| number(density, 4));
+    format!(
+        "  densities: {most} at most, {mean} on average of active voxels\n  mean free path at an extinction of 1/m: \
+         {densest} m where it is densest, {average} m at that average"
+    )
 }
 
 /// The same with what the file does not say of a grid that can be read: what its voxels are, or why they cannot be read
@@ -84,10 +90,8 @@ fn completed(path: &Path, index: usize, grid: GridSummary) -> (GridSummary, Opti
             let densities = Densities::of(&found);
             let index_bounds = grid.index_bounds.or_else(|| found.index_bounds());
             let active_voxels = grid.active_voxels.or(Some(found.active_voxels));
-            let nothing = densities.nothing().map(|nothing| format!("it {nothing}"));
-            let obstacle = nothing.or_else(|| Some(format!("its {}", too_far_apart(&found)?)));
-            let densities = Some(densities).filter(|densities| densities.most > 0.0);
-            (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, densities, Ok(()))
+            let obstacle = too_far_apart(&found).map(|far| format!("its {far}"));
+            (GridSummary { active_voxels, index_bounds, obstacle, ..grid }, Some(densities), Ok(()))
         }
         Err(error) => {
             let place = error.place.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&error.place).to_string();

@@ -74,7 +74,10 @@ fn voxels_are_read_where_the_file_does_not_say_what_they_are() {
     ];
     assert_eq!(text.lines().skip(2).collect::<Vec<_>>(), expected, "{text}");
     let text = said(|_| 0.0);
-    assert!(text.contains("\n  active voxels: 0, ") && text.ends_with("it has no density above 0\n"), "{text}");
+    assert!(
+        text.contains("\n  active voxels: 0, ") && text.ends_with("  renders as nothing: it has no density above 0\n"),
+        "{text}"
+    );
     let run = plain_and(|index| if index == 1 { f32::NAN } else { 1.0 }, FLOAT).run(&["info", "a.vdb"]);
     let finding = "grid \"density\", voxel [9, 16, 0]: has the value NaN\n";
     assert!(run.code == Some(1) && run.stdout.ends_with(&format!("\n  cannot be rendered: {finding}")), "{run}");

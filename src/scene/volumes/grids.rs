@@ -20,6 +20,8 @@ const LARGEST_SCALE: f64 = 1e9;
 const MOST_PER_VOXEL: f64 = 1e4;
 /// As many of which nothing is said: with more, next to no light gets beyond the outermost voxels.
 const MANY_PER_VOXEL: f64 = 30.0;
+/// Places that single precision must tell from a voxel to the next, as seen from the camera.
+const FEWEST_PLACES: f64 = 2.0;
 
 /// What the densities of a grid multiply.
 pub(super) struct Quantity {
@@ -127,6 +129,7 @@ impl Volume<'_> {
         }
         let bricks = file.bricks.clone().expect("bricks where densities count and are not too far apart");
         self.check_densities(table, grid, &densities, quantity, (&file, origin))?;
+        self.warn_if_blurred(table, grid, densities.bounds, shortest_edge(&to_world));
         Ok(Some((Voxels::of(bricks, &to_index, interpolation), densities)))
     }
 
@@ -219,6 +222,23 @@ impl Volume<'_> {
         self.require(reach(DVec3::ZERO) <= LARGEST, &format!("{table}.{key}"), finding, &remedy)
     }
 
+    /// Warns of voxels, `edge` from one to the next, which single precision hardly tells apart somewhere within bounds:
+    /// positions are counted from the camera.
+    fn warn_if_blurred(&self, table: &str, grid: &schema::Grid, [low, high]: [DVec3; 2], edge: f64) {
+        let away = low.abs().max(high.abs()).length();
+        if edge < FEWEST_PLACES * f64::from(f32::EPSILON) * away {
+            let file = quoted(&grid.file);
+            self.warn(
+                &format!("{table}.file"),
+                format!(
+                    "{file}, a grid whose voxels are {edge:.3e} m apart and up to {away:.3e} m from the camera: single \
+                     precision hardly tells one from the next there, so that its image may be wrong; move it nearer to \
+                     the camera, or make it larger"
+                ),
+            );
+        }
+    }
+
     /// To index coordinates, which lead `to_world`.
     fn to_index(&self, table: &str, grid: &schema::Grid, to_world: &DAffine3) -> Result<ToIndex> {
         let to_index = to_world.inverse();
@@ -267,8 +287,18 @@ impl Volume<'_> {
 
 /// Distance from a voxel to the next along the axis where it is longest `[m]`.
 fn longest_edge(to_world: &DAffine3) -> f64 {
+    edges(to_world).into_iter().fold(0.0, f64::max)
+}
+
+/// The same where it is shortest.
+fn shortest_edge(to_world: &DAffine3) -> f64 {
+    edges(to_world).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The same along every axis.
+fn edges(to_world: &DAffine3) -> [f64; 3] {
     let axes = to_world.matrix3;
-    [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max)
+    [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::length)
 }
 
 /// From index coordinates of a grid of a file, placed as `grid` says, to positions counted from `origin`.

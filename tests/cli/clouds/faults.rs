@@ -161,6 +161,20 @@ fn volumes_too_far_away_to_have_a_size_are_told() {
 }
 
 #[test]
+fn voxels_too_far_away_to_be_told_apart_are_told() {
+    let said = |away: f64| {
+        let set = format!("volume[0].grid.translate=[{away:?},0,0]");
+        with_cloud("").done(&["info", "scene.toml", "--set", &set]).stdout
+    };
+    let finding = "\"cloud.vdb\", a grid whose voxels are 2.500e-1 m apart and up to ";
+    let warned = "from the camera: single precision hardly tells one from the next there, so that its image may be \
+                  wrong; move it nearer to the camera, or make it larger";
+    let text = said(3e6);
+    assert!(text.contains(finding) && text.contains(warned), "{text}");
+    assert!(!said(5e5).contains("from the next there"), "{}", said(5e5));
+}
+
+#[test]
 fn a_volume_is_no_scene() {
     let run = with_cloud("").refused(&["render", "cloud.vdb"], 1, "cloud.vdb: is an OpenVDB file, not a scene\n");
     assert!(run.stderr.contains("[[volume]] grid = { file = \"cloud.vdb\" }"), "{run}");
@@ -212,10 +226,10 @@ fn densities_too_small_to_count_are_told() {
         let (run, info) = tiny(density);
         let warning = format!("volume[0].grid.file is \"tiny.vdb\", whose grid \"density\" {nothing}, so that nothing");
         assert!(run.stderr.contains(&warning), "{density:e}: {run}");
-        assert!(info.stdout.ends_with(&format!("\n  cannot be rendered: it {nothing}\n")), "{density:e}: {info}");
+        assert!(info.stdout.ends_with(&format!("\n  renders as nothing: it {nothing}\n")), "{density:e}: {info}");
     }
     let (run, info) = tiny(2e-40);
-    assert!(!run.stderr.contains("nothing is there") && !info.stdout.contains("cannot be rendered"), "{run}{info}");
+    assert!(!run.stderr.contains("nothing is there") && !info.stdout.contains("as nothing"), "{run}{info}");
 }
 
 #[test]
