@@ -33,28 +33,32 @@ fn assert_clean(name: &str, log: &Log) {
 
 #[test]
 fn every_stage_agrees_with_its_twin_on_the_queues_of_real_frames() {
-    let (mut rows, mut decisions) = (0, 0);
+    let mut all = Log::default();
     for (name, frame) in frames::variety([16, 16]) {
         let log = check(&frame, 128, [16, 16], 4);
         assert_clean(&name, &log);
         assert!(log.rows > 1000, "{name}: only {} rows were compared", log.rows);
-        (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+        all.merge(log);
     }
+    let Log { rows, decisions, .. } = all;
     let share = decisions as f64 / rows as f64;
     assert!(share <= tolerances::DIFFERENT_DECISIONS, "{decisions} of {rows} rows were decided differently");
+    all.assert_little_is_disputed("variety");
 }
 
 #[test]
 fn every_stage_agrees_with_its_twin_for_every_tail_length() {
-    let (mut rows, mut decisions) = (0, 0);
+    let mut all = Log::default();
     for paths in 1..=17 {
         for (name, frame) in frames::variety([paths, 1]) {
             let log = check(&frame, 24, [paths, 1], 1);
             assert_clean(&format!("{name}, {paths} paths"), &log);
-            (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+            all.merge(log);
         }
     }
+    let Log { rows, decisions, .. } = all;
     assert!(decisions <= 5, "{decisions} of {rows} rows were decided differently");
+    all.assert_little_is_disputed("tails");
 }
 
 #[test]

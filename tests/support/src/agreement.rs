@@ -7,7 +7,7 @@ use fogbow::reference;
 use fogbow::render::Workers;
 use fogbow_kernels::pipeline::SIMD;
 
-use crate::checked::{CHECKED, take_log};
+use crate::checked::{CHECKED, Log, take_log};
 use crate::frames::clouds::IN_FIELDS;
 use crate::frames::{self, Active};
 use crate::render::{WORKERS, render, render_here, render_with};
@@ -20,13 +20,15 @@ const DIFFERENT: f64 = 2e-3;
 
 /// Every stage of these small frames agrees with its twin, in `samples` of a pixel.
 pub fn assert_stages_agree(name: &str, frames: impl Iterator<Item = Frame>, samples: u32) {
-    let (mut rows, mut decisions) = (0, 0);
+    let mut all = Log::default();
     for frame in frames {
         render_here(&frame, &CHECKED, 128, SMALL, samples);
         let log = take_log();
         assert!(log.failures.is_empty(), "{name}, {:?}: {}", frame.techniques, log.failures[0]);
-        (rows, decisions) = (rows + log.rows, decisions + log.decisions);
+        all.merge(log);
     }
+    all.assert_little_is_disputed(name);
+    let Log { rows, decisions, .. } = all;
     assert!(decisions as f64 <= DIFFERENT * rows as f64, "{name}: {decisions} of {rows}");
     assert!(rows > 10_000, "{name}: only {rows} rows");
 }

@@ -172,6 +172,9 @@ pub const DIFFERENT_HITS: f64 = 4e-5;
 /// the light, a start at the limit of reach.
 pub const DIFFERENT_DECISIONS: f64 = 2e-5;
 
+/// Share of what weighed candidates bring that kernel and twin may find differently where they decided differently.
+pub const DISPUTED_WORTH: f64 = 2e-4;
+
 /// Whole paths: share of samples in which rounding may have led to another path. A path of 15 segments makes some 60
 /// decisions; with needle-sharp lobes the error of a direction grows at every turn.
 pub const DIFFERENT_PATHS: f64 = 2e-3;

@@ -39,8 +39,30 @@ pub struct Log {
     pub rows: u64,
     /// Rows about which kernel and twin decided differently.
     pub decisions: u64,
+    /// What weighed candidates bring.
+    pub worth: f64,
+    /// By how much kernel and twin disagree about it where they decided differently.
+    pub disputed: f64,
     /// Rows that are further apart than their tolerance.
     pub failures: Vec<String>,
+}
+
+impl Log {
+    /// Takes in what was found elsewhere.
+    pub fn merge(&mut self, other: Self) {
+        self.rows += other.rows;
+        self.decisions += other.decisions;
+        self.worth += other.worth;
+        self.disputed += other.disputed;
+        self.failures.extend(other.failures);
+    }
+
+    /// Of real frames: rows that were decided differently are no harm only if they bring little, and one in a million may
+    /// bring more than all others.
+    pub fn assert_little_is_disputed(&self, name: &str) {
+        let Self { worth, disputed, .. } = self;
+        assert!(*disputed <= tolerances::DISPUTED_WORTH * worth, "{name}: {disputed:e} of {worth:e} are disputed");
+    }
 }
 
 thread_local! {
@@ -58,6 +80,17 @@ fn count_rows(rows: usize) {
 
 fn count_decisions(rows: usize) {
     LOG.with_borrow_mut(|log| log.decisions += rows as u64);
+}
+
+/// Counts what a candidate brings by kernel and twin.
+fn count_worth(kernel: f64, twin: f64) {
+    LOG.with_borrow_mut(|log| log.worth += kernel.max(twin));
+}
+
+/// The same where they decided differently.
+fn count_disputed(kernel: f64, twin: f64) {
+    count_decisions(1);
+    LOG.with_borrow_mut(|log| log.disputed += (kernel - twin).abs());
 }
 
 fn fail(stage: &str, row: usize, text: &str) {

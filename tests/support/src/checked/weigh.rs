@@ -55,8 +55,10 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
         let conditioning = sight.conditioning(sharpest(medium), at);
         let Tolerance { absolute, relative } = tolerances::WEIGHT;
         let largest = weight.max(weight_twin);
+        let [brings, brings_twin] = [&both.0, &both.1].map(|saved| brings(saved, at));
+        count_worth(brings, brings_twin);
         if (weight == 0.0) != (weight_twin == 0.0) && largest > absolute {
-            count_decisions(1);
+            count_disputed(brings, brings_twin);
         } else if medium.is_coloured() && weight != 0.0 {
             // Where two channels are as likely, kernel and twin may weigh by another one: all together is the same.
             let [factor, factor_twin] = [&both.0, &both.1].map(|saved| saved.vector("factor", at));
@@ -64,7 +66,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
                 let (found, expected) = (weight * f64::from(factor), weight_twin * f64::from(factor_twin));
                 if (found - expected).abs() > absolute + (relative + conditioning) * found.max(expected) {
                     if medium.field().is_some() {
-                        count_decisions(1);
+                        count_disputed(brings, brings_twin);
                         break;
                     }
                     let text = format!(
@@ -80,7 +82,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
         } else if (weight - weight_twin).abs() > absolute + (relative + conditioning) * largest {
             if medium.field().is_some() {
                 // A cell of the coarse field is a decision.
-                count_decisions(1);
+                count_disputed(brings, brings_twin);
                 continue;
             }
             let text = format!(
@@ -101,6 +103,12 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
     for at in bucket.rows() {
         check_row("mis_weight", (0, at), &factors, &[("factor", tolerances::CONTRIBUTION)]);
     }
+}
+
+/// What a candidate brings that has been weighed, in its brightest channel.
+fn brings(worth: &Saved, at: usize) -> f64 {
+    let brightest = worth.vector("factor", at).into_iter().fold(0.0, f32::max);
+    f64::from(worth.vector("weight", at)[0]) * f64::from(brightest)
 }
 
 /// Largest |g| of the lobes of a medium.
