@@ -11,7 +11,9 @@ use fogbow::wavefront::{Wavefront, default_lanes};
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::survival::{OCTAVES, Survival};
 use fogbow_kernels::{LONGEST_PATH, MOST_INSERTED, PathLengths};
+use fogbow_testing::agreement::assert_stages_agree;
 use fogbow_testing::checked::{CHECKED, take_log};
+use fogbow_testing::frames::clouds::IN_FIELDS;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, green, render, render_here};
 use fogbow_testing::statistics::z_of_means;
@@ -54,6 +56,63 @@ fn stages_agree_with_their_twins_on_walks_that_end_by_depth() {
         render_here(&frame, &CHECKED, 128, size, 8);
         let log = take_log();
         assert!(log.failures.is_empty(), "{active:?}: {}", log.failures[0]);
+    }
+}
+
+/// Thin endless fog that absorbs nothing, around a ball and a box of other phase functions and a lamp: paths wander off
+/// and come back over distances next to which their first and last segments are nothing.
+fn wandering() -> Frame {
+    let text = r#"
+        camera = { position = [0, 0, -8], look_at = [0, 0, 0], vertical_fov_deg = 20 }
+        film = { size = [16, 16] }
+        medium = { scattering = 0.05 }
+
+        [[light]]
+        type = "disk"
+        center = [1.5, 0.5, 0]
+        normal = [-0.6, 0, -0.8]
+        radius = 0.4
+        radiance = 20
+
+        [[volume]]
+        shape = { type = "sphere", center = [0, 0, 0], radius = 0.8 }
+        scattering = 3
+        phase = { type = "henyey_greenstein", g = 0.8 }
+
+        [[volume]]
+        shape = { type = "box", min = [-3, -1.5, 1], max = [3, -0.8, 4] }
+        scattering = 1.5
+        phase = { type = "rayleigh" }
+    "#;
+    let scene = scene::parse("wandering.toml", text).unwrap_or_else(|error| panic!("{error}"));
+    let frame = piloted(&scene);
+    assert!(frame.lengths.max > 1000 && frame.walk.survival.reach(200) > 0.01, "{:?}", frame.lengths);
+    frame
+}
+
+/// The same by every technique, with short connections.
+fn wandering_by_all() -> impl Iterator<Item = (Active, Frame)> {
+    let frame = wandering();
+    IN_FIELDS.into_iter().map(move |active| {
+        let mut frame = frames::with_techniques(&frame, active, 4.0);
+        frame.techniques.limit_inserted(6);
+        (active, frame)
+    })
+}
+
+#[test]
+fn stages_agree_with_their_twins_where_walks_wander_off() {
+    assert_stages_agree("wandering", wandering_by_all().map(|(_, frame)| frame), 1);
+}
+
+#[test]
+fn every_technique_has_the_same_mean_where_walks_wander_off() {
+    let size = [16, 16];
+    let truth = green(&render(&frames::with_techniques(&wandering(), Active::Nee, 4.0), size, 0..400).0);
+    for (active, frame) in wandering_by_all() {
+        let found = green(&render(&Frame { seed: 5, ..frame }, size, 0..60).0);
+        let z = z_of_means(found, truth);
+        assert!(z.abs() < 4.2, "{active:?}: {found:?} instead of {truth:?}, z = {z}");
     }
 }
 

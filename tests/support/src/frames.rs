@@ -24,7 +24,7 @@ use fogbow_kernels::tables::camera::Camera;
 use fogbow_kernels::tables::geometry::{FEW, Geometry};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
 use fogbow_kernels::tables::surfaces::{Material, Surfaces};
-use fogbow_kernels::{PathLengths, WalkLimits};
+use fogbow_kernels::{LONGEST_BRIDGED_PATH, MOST_INSERTED, PathLengths, WalkLimits};
 use glam::DVec3;
 
 pub use crowd::crowded;
@@ -106,9 +106,15 @@ impl Active {
     }
 }
 
-/// `frame` with other techniques; MVNEE is limited to `mesc` expected segments.
+/// `frame` with other techniques; MVNEE is limited to `mesc` expected segments, and on long paths all are to what scenes
+/// let them insert.
 pub fn with_techniques(frame: &Frame, active: Active, mesc: f64) -> Frame {
-    Frame { techniques: active.techniques(&frame.medium, frame.lengths.max, mesc), ..frame.clone() }
+    let longest = frame.lengths.max;
+    let mut techniques = active.techniques(&frame.medium, longest.min(LONGEST_BRIDGED_PATH), mesc);
+    if longest > LONGEST_BRIDGED_PATH {
+        techniques.limit_inserted(MOST_INSERTED);
+    }
+    Frame { techniques, ..frame.clone() }
 }
 
 /// A phase function of every kind but one lobe of Henyey and Greenstein, by name.
