@@ -52,20 +52,27 @@ impl Phase for Exact {
 }
 
 /// Weights, by the kernel and by its twin, of a path that `techniques` made through fog of that `extinction`, by these
-/// inserted vertices between its start at 0 and a lamp 200 m away that faces somewhere.
-fn weights_far_away(extinction: f32, facing: DVec3, techniques: &Techniques, inserted: &[DVec3]) -> [f64; 2] {
-    let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
-    let disk = Emitter::disk(200.0 * DVec3::Z, facing, 0.5, [1.0; 3]);
-    let lights = Lights::new(vec![disk], Selection::Uniform);
-    let path = [&[-10.0 * DVec3::Z, DVec3::ZERO], inserted, &[200.0 * DVec3::Z]].concat();
+/// inserted vertices between its start at 0 and a lamp somewhere that faces somewhere.
+fn weights_of(medium: &Medium, [lamp, facing]: [DVec3; 2], techniques: &Techniques, inserted: &[DVec3]) -> [f64; 2] {
+    let lights = Lights::new(vec![Emitter::disk(lamp, facing, 0.5, [1.0; 3])], Selection::Uniform);
+    let path = [&[-10.0 * DVec3::Z, DVec3::ZERO], inserted, &[lamp]].concat();
     let made = Made { vertices: &path, inserted: inserted.len(), first_start: 1, emitter: 0 };
     [mis_weight::simd::run, mis_weight::reference::run]
-        .map(|kernel| Weigher::new(kernel, &medium, &lights, techniques).weight(&made, 3))
+        .map(|kernel| Weigher::new(kernel, medium, &lights, techniques).weight(&made, 3))
+}
+
+/// The same of a lamp 200 m away.
+fn weights_far_away(extinction: f32, facing: DVec3, techniques: &Techniques, inserted: &[DVec3]) -> [f64; 2] {
+    weights_of(&thin_fog(extinction), [200.0 * DVec3::Z, facing], techniques, inserted)
+}
+
+fn thin_fog(extinction: f32) -> Medium {
+    Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4))
 }
 
 /// The same by MVNEE alone.
 fn weights_by_mvnee(extinction: f32, offset: Offset, inserted: &[DVec3]) -> [f64; 2] {
-    let medium = Medium::homogeneous(extinction, [1.0; 3], PhaseFunction::henyey_greenstein(0.4));
+    let medium = thin_fog(extinction);
     let mvnee = Some(Mvnee::new(&medium, f64::INFINITY, offset));
     weights_far_away(extinction, DVec3::NEG_Z, &Techniques { mvnee, ..Techniques::default() }, inserted)
 }
@@ -110,6 +117,20 @@ fn seeds_that_are_too_close_for_their_order_to_be_known_count_as_in_order() {
     // Chains that turn back are made from vertices behind that alone.
     let [back, back_twin] = weights(-0.1);
     assert!(back > 3.0 * expected && (back / back_twin - 1.0).abs() < 1e-3, "{back:e} and {back_twin:e}");
+}
+
+/// What is short next to the way to the lamp is not lost: lengths between vertices are added up without it.
+#[test]
+fn connections_to_a_vertex_made_from_the_light_are_weighed_however_far_away_that_is() {
+    let medium = thin_fog(1e-6);
+    let lis = Some(Lis::new(&medium, Connector::Bridge(Bridge::new(Roll::Aligned, &medium, 32))));
+    let techniques = Techniques { lis, ..Techniques::default() };
+    let inserted = [DVec3::new(0.1, 0.0, 0.2), DVec3::new(0.2, 0.1, 0.45), DVec3::new(0.1, 0.2, 0.7)];
+    for away in [1e2, 1e4, 1e5, 1e6] {
+        let [kernel, twin] = weights_of(&medium, [away * DVec3::Z, DVec3::NEG_Z], &techniques, &inserted);
+        assert!(twin > 0.0 && twin < 0.5, "{away} m: {twin:e}");
+        assert!((kernel / twin - 1.0).abs() < 1e-3, "{away} m: {kernel:e}, should be {twin:e}");
+    }
 }
 
 /// The same of a vertex next to the light: rounding decides where from the light arrives.

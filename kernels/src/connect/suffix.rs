@@ -12,7 +12,8 @@ use crate::vec3x8::Vec3x8;
 pub struct SuffixVertex {
     /// Position `[m]`.
     pub position: Vec3x8,
-    /// Length of the path from here to the light (Lambda) `[m]`.
+    /// Length of the path from here to vertex 1, the last before the light `[m]`: what is short beside the way to a lamp
+    /// far away would be lost in a sum with it.
     pub arc: f32x8,
     /// Optical depth of the path from here to the light, in the channel of the row's medium (tau); known where a
     /// connection may start.
@@ -76,6 +77,11 @@ pub struct Passage {
     pub log_extinction: f32x8,
 }
 
+impl Passage {
+    /// Nothing.
+    pub const NOTHING: Self = Self { depth: f32x8::ZERO, log_extinction: f32x8::ZERO };
+}
+
 impl<'q> Suffix<'q> {
     /// Room for paths of `longest` segments.
     pub fn new_in(arena: &'q Bump, longest: usize) -> Self {
@@ -100,7 +106,7 @@ impl<'q> Suffix<'q> {
             projections: arena.alloc_slice_fill_copy(longest + 1, projection),
             likelihoods: arena.alloc_slice_fill_with(longest + 1, |edges| LengthLikelihood::new(edges.max(1))),
             shares: arena.alloc_slice_fill_copy(longest + 2, [zero; CHANNELS]),
-            apart: arena.alloc_slice_fill_copy(longest + 2, [Passage { depth: zero, log_extinction: zero }; CHANNELS]),
+            apart: arena.alloc_slice_fill_copy(longest + 2, [Passage::NOTHING; CHANNELS]),
         }
     }
 }
@@ -120,8 +126,10 @@ pub struct Arrival<'a, M> {
     pub last_depth: f32x8,
     /// Cosine between the last segment and the light's normal, > 0 where the light is seen from its front.
     pub cos_light: f32x8,
+    /// Length of the last segment where arcs leave it out: 0 where vertex 0 is the last before the light `[m]`.
+    pub last_arc: f32x8,
     /// What the suffix counts beyond vertex 0: nothing where that is on the light.
-    pub skipped: Passed,
+    pub skipped: Passage,
 }
 
 impl<M> Arrival<'_, M> {
@@ -129,7 +137,7 @@ impl<M> Arrival<'_, M> {
     #[inline(always)]
     pub fn way(&self, start: &SuffixVertex) -> Passed {
         Passed {
-            arc: start.arc - self.skipped.arc,
+            arc: start.arc + self.last_arc,
             depth: start.depth - self.skipped.depth,
             log_extinction: start.log_extinction - self.skipped.log_extinction,
         }
@@ -145,9 +153,4 @@ pub struct Passed {
     pub depth: f32x8,
     /// ln of the product of the extinctions at the vertices between; known where extinction varies.
     pub log_extinction: f32x8,
-}
-
-impl Passed {
-    /// Nothing.
-    pub const NOTHING: Self = Self { arc: f32x8::ZERO, depth: f32x8::ZERO, log_extinction: f32x8::ZERO };
 }

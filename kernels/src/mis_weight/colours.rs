@@ -51,16 +51,18 @@ enum Walks {
 
 impl Colours {
     /// Those of candidates of paths with this ln of posteriors, whose suffixes know their arcs and, in their own channel,
-    /// depths.
+    /// depths, and end with a segment of this length `[m]`.
     #[inline(always)]
     pub fn new(
         inserted: usize,
         medium: impl MediumLanes,
         log_posterior: [f32x8; CHANNELS],
         suffix: &Suffix<'_>,
+        last_length: f32x8,
     ) -> Self {
         let first = u32x8::splat(0);
         let SuffixVertex { arc, depth: summed, .. } = suffix.vertices[inserted + 1];
+        let arc = arc + last_length;
         let depth = medium.in_channel(|| first).optical_depth_along(arc, summed);
         let quotients = Hues::new(medium, first).log_quotients(f32x8::splat(inserted as f32), depth);
         let reference = largest(core::array::from_fn(|c| log_posterior[c] + quotients[c]));

@@ -26,7 +26,7 @@ use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
 use crate::connect::light_sample::selection;
 use crate::connect::ratios::simd::Competition;
-use crate::connect::suffix::{Arrival, Passed, Suffix, SuffixVertex};
+use crate::connect::suffix::{Arrival, Passage, Suffix, SuffixVertex};
 use crate::connect::{Densities, distant};
 use crate::lanes::LANES;
 use crate::media::{Even, MediumLanes, MediumX8};
@@ -73,9 +73,9 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         let needed = if all_far { 0 } else { starts.most_edges().min(usable).max(near) };
 
         let suffix = &mut *columns.suffix;
-        let (last_squared, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
+        let (last_length, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
-        let walked = Walked { starts, needed, near, last_squared, cos_light, far, all_far };
+        let walked = Walked { starts, needed, near, last_length, cos_light, far, all_far };
         let points = suffix.vertices[..=needed.max(bucket.inserted + 1)].iter().map(|vertex| vertex.position);
         if media.own().stays_even(points, rows) {
             batch.compete(step, &mut columns, Even(media), b, &walked);
@@ -92,8 +92,8 @@ struct Walked {
     needed: usize,
     /// The farthest that those can use which are limited in distance.
     near: usize,
-    /// Square of the last segment's length [m^2].
-    last_squared: f32x8,
+    /// The last segment's length `[m]`.
+    last_length: f32x8,
     /// Cosine at the light.
     cos_light: f32x8,
     /// Rows that end at infinity.
@@ -130,7 +130,7 @@ impl<P: PhaseX8> Batch<'_, P> {
         let Columns { lights, techniques, walk, lengths, solid, bucket, log_posterior, .. } = *columns;
         let Columns { last_surface, passages, passage_trails, .. } = *columns;
         let (suffix, worth) = (&mut *columns.suffix, &mut *columns.worth);
-        let Walked { starts, needed, near, last_squared, cos_light, far, all_far } = walked;
+        let Walked { starts, needed, near, last_length, cos_light, far, all_far } = walked;
         let needed = *needed;
         let fewest_edges = starts.fewest_edges();
         let (mut dense, mut apart) = (lanes::mask(lanes::ALL), false);
@@ -144,7 +144,7 @@ impl<P: PhaseX8> Batch<'_, P> {
             if apart {
                 Colours::apart(bucket.inserted, log_posterior, suffix, needed)
             } else {
-                Colours::new(bucket.inserted, media, log_posterior, suffix)
+                Colours::new(bucket.inserted, media, log_posterior, suffix, *last_length)
             }
         });
         let medium = media.in_channel(|| colours.as_ref().map_or(u32x8::splat(0), |colours| colours.reference));
@@ -154,16 +154,17 @@ impl<P: PhaseX8> Batch<'_, P> {
             medium,
             hues: colours.as_ref().and_then(|colours| colours.hues()),
             inverse_area: choices.density,
-            last_squared: *last_squared,
-            last_depth: medium.optical_depth_along(last.arc, last.depth),
+            last_squared: *last_length * *last_length,
+            last_depth: medium.optical_depth_along(*last_length, last.depth),
             cos_light: *cos_light,
-            skipped: Passed::NOTHING,
+            last_arc: *last_length,
+            skipped: Passage::NOTHING,
         };
         for a in fewest_edges..=needed {
             let attempt = self.selection(&choices, suffix, a) * self.reach(starts, a);
             let vertex = &mut suffix.vertices[a];
             (vertex.attempt, vertex.eligible) = (attempt, starts.eligible(a));
-            vertex.depth = medium.optical_depth_along(vertex.arc, vertex.depth);
+            vertex.depth = medium.optical_depth_along(vertex.arc + *last_length, vertex.depth);
         }
         let mut sum = starts.reach_of_walk(self.survival, walk);
         if let Some(colours) = &colours {
@@ -202,8 +203,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
 
-    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the square of
-    /// the last segment's length and the cosine at the light.
+    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the
+    /// last segment's length and the cosine at the light.
     #[inline(always)]
     fn walk_connection(
         &self,
@@ -224,10 +225,12 @@ impl<P: PhaseX8> Batch<'_, P> {
             let (length, direction) = (next - position).length_and_direction();
             if a == 1 {
                 (last, cos_light) = (length, self.lights.cosine(&self.emitter_of, point, direction));
-            } else if self.densities || a == 2 && self.last_density {
-                self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
+            } else {
+                arc += length;
+                if self.densities || a == 2 && self.last_density {
+                    self.arrive(&mut suffix.vertices[a - 1], length * length, direction, leaving);
+                }
             }
-            arc += length;
             let vertex = &mut suffix.vertices[a];
             (vertex.position, vertex.arc, vertex.leaving) = (position, arc, direction);
             (next, leaving) = (position, direction);
@@ -238,7 +241,7 @@ impl<P: PhaseX8> Batch<'_, P> {
             let start = &mut suffix.vertices[self.inserted + 1];
             start.inverse_density = self.phase.inverse_density(arriving, leaving);
         }
-        (last * last, cos_light)
+        (last, cos_light)
     }
 
     /// Completes an inserted vertex once the segment that arrives there is known.

@@ -15,7 +15,7 @@ use core::ops::RangeInclusive;
 use wide::f32x8;
 
 use super::{Connector, Lis};
-use crate::connect::suffix::{Arrival, Passed, Suffix};
+use crate::connect::suffix::{Arrival, Passage, Suffix};
 use crate::connect::{bridge, mvnee};
 use crate::media::{AxisX8, MediumX8};
 use crate::phase::PhaseX8;
@@ -50,7 +50,8 @@ pub fn ratios<M: MediumX8>(
         // Nobody asks for it beyond the companion.
         last_depth: f32x8::ZERO,
         cos_light: f32x8::ONE,
-        skipped: Passed { arc: vertex.arc, depth: arrival.last_depth, log_extinction: before.log_extinction },
+        last_arc: f32x8::ZERO,
+        skipped: Passage { depth: arrival.last_depth, log_extinction: before.log_extinction },
     };
     let suffix = &mut Suffix {
         vertices: &mut suffix.vertices[1..],
