@@ -119,6 +119,26 @@ fn seeds_that_are_too_close_for_their_order_to_be_known_count_as_in_order() {
     assert!(back > 3.0 * expected && (back / back_twin - 1.0).abs() < 1e-3, "{back:e} and {back_twin:e}");
 }
 
+/// The last seed may be nearer to the light than rounding tells: its offset from the axis is that of rounding, however
+/// small its width.
+#[test]
+fn seeds_that_are_too_close_to_the_light_are_weighed_like_those_that_are_a_little_further() {
+    for offset in [Offset::Ggx, Offset::Gaussian] {
+        let weights = |along: f64, across: f64| {
+            let at = |i: u32| DVec3::new(20.0 * f64::from(i).cos(), 20.0 * f64::from(i).sin(), 25.0 * f64::from(i));
+            let inserted: Vec<DVec3> = (1..8).map(at).chain([DVec3::new(across, 0.0, 200.0 - along)]).collect();
+            weights_by_mvnee(0.05, offset, &inserted)
+        };
+        let [little, _] = weights(1e-3, 4e-4);
+        assert!(little < 1e-5, "{offset:?}: {little:e}");
+        for (along, across) in [-4e-5, -1e-5, 0.0, 1e-5, 4e-5].into_iter().flat_map(|z| [(z, 6e-6), (z, 2e-5)]) {
+            for weight in weights(along, across) {
+                assert!(weight < 1e-3, "{offset:?}, {along} and {across} m away: {weight:e}, about {little:e}");
+            }
+        }
+    }
+}
+
 /// What is short next to the way to the lamp is not lost: lengths between vertices are added up without it.
 #[test]
 fn connections_to_a_vertex_made_from_the_light_are_weighed_however_far_away_that_is() {
@@ -161,6 +181,7 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
             offset: Offset::Ggx,
             seeds: mvnee::Seeds::Coarse,
             slope: slope::of(case.g),
+            grain: 0.0,
         };
         for start in &case.starts {
             let phase = Exact(case.g);

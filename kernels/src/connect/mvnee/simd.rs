@@ -2,7 +2,7 @@
 //! for each start a, counted from the light, near enough:
 //!     w, s: axis and distance to the light point
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > -blur
-//!     width_v^2 = c^2 slope^2 L_v R_v / (L_v + R_v)
+//!     width_v^2 = c^2 (slope^2 L_v R_v / (L_v + R_v) + grain^2)
 //!     r += p_A P_l l_{n-1}^2 / cos_light * seeds / (prod_v mu exp(-tau(Lambda_a)) p_w(a))
 //!          * prod_v pi offset_density(width_v, rho_v) * spread_v
 //! ```
@@ -23,8 +23,8 @@
 use wide::f32x8;
 
 use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
-use crate::connect::BLUR;
 use crate::connect::suffix::{Arrival, Projection, Suffix};
+use crate::connect::{BLUR, GRAIN};
 use crate::media::spectral::Hues;
 use crate::media::{AxisX8, MediumX8};
 use crate::transcendental::{exp, neg_ln};
@@ -39,20 +39,18 @@ pub fn ratios<M: MediumX8>(
     starts: core::ops::RangeInclusive<usize>,
 ) -> f32x8 {
     match mvnee.offset {
-        Offset::Ggx => {
-            sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32 * mvnee.slope, |width, offset, spread, share| {
-                let inverse = f32x8::ONE / (width + offset);
-                (width * inverse) * (spread * inverse) * share.exp
-            })
-        }
-        Offset::Gaussian => sum(mvnee, arrival, suffix, starts, mvnee.slope, |width, offset, spread, share| {
+        Offset::Ggx => sum(mvnee, arrival, suffix, starts, GGX_WIDTH as f32, |width, offset, spread, share| {
+            let inverse = f32x8::ONE / (width + offset);
+            (width * inverse) * (spread * inverse) * share.exp
+        }),
+        Offset::Gaussian => sum(mvnee, arrival, suffix, starts, 1.0, |width, offset, spread, share| {
             let inverse = f32x8::ONE / (width + width);
             exp(share.log - offset * inverse) * (spread * inverse)
         }),
     }
 }
 
-/// The ratios of all starts. `factor` is what an inserted vertex contributes, pi times the density of its offset times
+/// The ratios of all starts. Widths are `c` standard deviations; `factor` is what an inserted vertex contributes, pi times the density of its offset times
 /// its spread and its share of the exponential, as a function of squared width, squared offset, spread and share:
 /// quotients of areas, which no scale of the scene can make overflow.
 #[inline(always)]
@@ -61,11 +59,11 @@ fn sum<M: MediumX8>(
     arrival: &Arrival<'_, M>,
     suffix: &mut Suffix<'_>,
     starts: core::ops::RangeInclusive<usize>,
-    slope: f32,
+    c: f32,
     factor: impl Fn(f32x8, f32x8, f32x8, Share) -> f32x8,
 ) -> f32x8 {
     let longest_squared = f32x8::splat(mvnee.max_distance * mvnee.max_distance);
-    let slope_squared = f32x8::splat(slope * slope);
+    let slope_squared = f32x8::splat((c * mvnee.slope) * (c * mvnee.slope));
     let scale = arrival.inverse_area * arrival.last_squared / arrival.cos_light;
     let mut sum = f32x8::ZERO;
     for a in starts {
@@ -88,8 +86,8 @@ fn sum<M: MediumX8>(
                 continue;
             }
         }
-        let blur = (suffix.vertices[0].position.length_squared().sqrt() + distance) * f32x8::splat(BLUR);
-        let Some(axial) = project(suffix, a, axis, [distance, blur], possible) else { continue };
+        let size = suffix.vertices[0].position.length_squared().sqrt() + distance;
+        let Some(axial) = project(suffix, a, axis, [distance, size * BLUR], possible) else { continue };
         let [depth, whole] = flights(mvnee.seeds, &line, &suffix.projections[1..a], distance, most);
         let mut possible = axial.possible;
         if M::VARIES {
@@ -107,10 +105,11 @@ fn sum<M: MediumX8>(
         }
         let share = Share::new(log * f32x8::splat(1.0 / a as f32));
         let mut product = start.inverse_density * share.exp;
-        let mut after = axial.last_squared;
+        let grain = size * (c * GRAIN);
+        let (grain_squared, mut after) = (grain * grain, axial.last_squared);
         let widening = slope_squared / axial.total;
         for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
-            let width_squared = projection.before * (after * widening);
+            let width_squared = projection.before.mul_add(after * widening, grain_squared);
             product *= factor(width_squared, projection.offset_squared, vertex.spread, share);
             after += projection.segment_squared;
         }
@@ -189,9 +188,6 @@ struct Axial {
     total: f32x8,
 }
 
-/// Least square of a projected segment [m^2]: widths are not 0.
-const SHORTEST_SQUARED: f32 = 1e-30;
-
 /// Fills the projections of the vertices between start `a` and the light, at `distance`, which may be off by `blur`;
 /// `None` if every row refuses.
 #[inline(always)]
@@ -202,7 +198,6 @@ fn project(
     [distance, blur]: [f32x8; 2],
     possible: f32x8,
 ) -> Option<Axial> {
-    let shortest = f32x8::splat(SHORTEST_SQUARED);
     let start = suffix.vertices[a].position;
     let (mut possible, mut along, mut before) = (possible, f32x8::ZERO, f32x8::ZERO);
     for (vertex, projection) in suffix.vertices[1..a].iter().zip(&mut suffix.projections[1..a]).rev() {
@@ -213,7 +208,7 @@ fn project(
         if !possible.any() {
             return None;
         }
-        let segment_squared = (segment * segment).fast_max(shortest);
+        let segment_squared = segment * segment;
         before += segment_squared;
         *projection = Projection {
             segment_squared,
@@ -225,6 +220,6 @@ fn project(
     }
     let last = distance - along;
     possible &= last.simd_gt(-blur);
-    let last_squared = (last * last).fast_max(shortest);
+    let last_squared = last * last;
     possible.any().then(|| Axial { possible, last_squared, total: before + last_squared })
 }
