@@ -113,6 +113,7 @@ fn every_technique_has_the_same_mean_where_walks_wander_off() {
         let found = green(&render(&Frame { seed: 5, ..frame }, size, 0..60).0);
         let z = z_of_means(found, truth);
         assert!(z.abs() < 4.2, "{active:?}: {found:?} instead of {truth:?}, z = {z}");
+        assert!(found.1 < 0.05 * truth.0, "{active:?}: {found:?} says little");
     }
 }
 

@@ -203,8 +203,8 @@ impl<P: PhaseX8> Batch<'_, P> {
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }
 
-    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the
-    /// last segment's length and the cosine at the light.
+    /// Fills the suffix from the light to the start: positions, arc lengths, densities, spreads. Gives the last segment's
+    /// length and the cosine at the light.
     #[inline(always)]
     fn walk_connection(
         &self,
