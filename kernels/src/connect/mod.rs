@@ -35,13 +35,6 @@ pub use technique::{Chain, Connection, Densities, Row, Technique};
 /// turns back by no more than that passes.
 pub const BLUR: f32 = 5e-7;
 
-/// Standard deviation that rounding of positions alone gives offsets of vertices from an axis, of the same distances:
-/// about one rounding.
-///
-/// What a technique drew more exactly than that is not there any more once it has been rounded, and its density must not
-/// say so: a seed next to the light, whose width is 0 and whose offset is not, would have been made by nobody.
-pub const GRAIN: f32 = 6e-8;
-
 /// The connection techniques of a frame; path tracing is always among the competitors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Techniques {

@@ -7,12 +7,11 @@
 //! p = p_A P_l(x_i) * mu_t^m exp(-mu_t s) * prod_j offset(rho_j; sigma_j)      (volume and area measure)
 //!
 //! sigma_j^2 = slope^2 L_j R_j / (L_j + R_j),  L_j = sum_{k <= j} d_k^2,  R_j = sum_{k > j} d_k^2    (Eqs. 5-7)
-//!             + grain^2
 //! GGX:        offset = alpha^2 / (pi (alpha^2 + rho^2)^2),  alpha = 1.637618734 sigma
 //! Gaussian:   offset = exp(-rho^2 / (2 sigma^2)) / (2 pi sigma^2)
 //! ```
 //!
-//! where grain is what [rounding of positions](GRAIN) adds.
+//! or what [rounding of positions](Offset::grain) makes of it, where that is more.
 //!
 //! The middle factor is the product of the seeds' flight densities `mu_t exp(-mu_t d_j)` and of the probability
 //! `exp(-mu_t d_{m+1})` that the last flight passes the light. Where extinction varies, it is
@@ -27,8 +26,8 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use crate::connect::BLUR;
 use crate::connect::density::Density;
-use crate::connect::{BLUR, GRAIN};
 use crate::media::reference::{Medium, Stratum, depth_until, extinction_along};
 
 /// [`Mvnee`] in f64.
@@ -46,15 +45,13 @@ pub struct Settings {
     pub seeds: Seeds,
     /// Standard deviation of the perturbation per unit of distance.
     pub slope: f64,
-    /// Standard deviation that rounding adds, over the distance of the light point from the origin and from the start.
-    pub grain: f64,
 }
 
 impl From<&Mvnee> for Settings {
     fn from(mvnee: &Mvnee) -> Self {
         let [max_distance, max_depth, slope] = [mvnee.max_distance, mvnee.max_depth, mvnee.slope].map(f64::from);
         let Mvnee { max_inserted, offset, seeds, .. } = *mvnee;
-        Self { max_distance, max_depth, max_inserted, offset, seeds, slope, grain: f64::from(GRAIN) }
+        Self { max_distance, max_depth, max_inserted, offset, seeds, slope }
     }
 }
 
@@ -70,7 +67,7 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
     }
     let axis = (*point - *start) / distance;
     let segments = seed_segments(*start, inner, axis, distance);
-    let [blur, grain] = [f64::from(BLUR), settings.grain].map(|share| share * (point.length() + distance));
+    let [blur, grain] = [BLUR, settings.offset.grain()].map(|share| f64::from(share) * (point.length() + distance));
     if segments.iter().any(|segment| *segment <= -blur) {
         return Density::ZERO;
     }
@@ -82,7 +79,7 @@ pub fn density(settings: &Settings, medium: &dyn Medium, chain: &[DVec3], light_
     for (j, vertex) in inner.iter().enumerate() {
         let arm = *vertex - *start;
         let seed = *start + arm.dot(axis) * axis;
-        let sigma = sigma(settings.slope, &segments, j).hypot(grain);
+        let sigma = sigma(settings.slope, &segments, j).max(grain);
         density = density.times(offset_density(settings.offset, sigma, vertex.distance(seed)));
     }
     density
@@ -154,7 +151,6 @@ mod tests {
         offset: Offset::Ggx,
         seeds: Seeds::Coarse,
         slope: 0.4,
-        grain: 0.0,
     };
     const GAUSSIAN: Settings = Settings { offset: Offset::Gaussian, ..GGX };
 

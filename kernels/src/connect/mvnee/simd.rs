@@ -2,7 +2,7 @@
 //! for each start a, counted from the light, near enough:
 //!     w, s: axis and distance to the light point
 //!     project the vertices between on the axis: t, d = t - t_previous, rho; refuse unless every d > -blur
-//!     width_v^2 = c^2 (slope^2 L_v R_v / (L_v + R_v) + grain^2)
+//!     width_v^2 = c^2 max(slope^2 L_v R_v / (L_v + R_v), grain^2)
 //!     r += p_A P_l l_{n-1}^2 / cos_light * seeds / (prod_v mu exp(-tau(Lambda_a)) p_w(a))
 //!          * prod_v pi offset_density(width_v, rho_v) * spread_v
 //! ```
@@ -23,8 +23,8 @@
 use wide::f32x8;
 
 use super::{GGX_WIDTH, Mvnee, Offset, Seeds};
+use crate::connect::BLUR;
 use crate::connect::suffix::{Arrival, Projection, Suffix};
-use crate::connect::{BLUR, GRAIN};
 use crate::media::spectral::Hues;
 use crate::media::{AxisX8, MediumX8};
 use crate::transcendental::{exp, neg_ln};
@@ -105,11 +105,11 @@ fn sum<M: MediumX8>(
         }
         let share = Share::new(log * f32x8::splat(1.0 / a as f32));
         let mut product = start.inverse_density * share.exp;
-        let grain = size * (c * GRAIN);
+        let grain = size * (c * mvnee.offset.grain());
         let (grain_squared, mut after) = (grain * grain, axial.last_squared);
         let widening = slope_squared / axial.total;
         for (vertex, projection) in suffix.vertices[1..a].iter().zip(&suffix.projections[1..a]) {
-            let width_squared = projection.before.mul_add(after * widening, grain_squared);
+            let width_squared = (projection.before * (after * widening)).fast_max(grain_squared);
             product *= factor(width_squared, projection.offset_squared, vertex.spread, share);
             after += projection.segment_squared;
         }

@@ -184,7 +184,6 @@ mod tests {
         offset: Offset::Ggx,
         seeds: Seeds::Coarse,
         slope: 0.8,
-        grain: 0.0,
     };
 
     /// Seeds on an axis of this length.
