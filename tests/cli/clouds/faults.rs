@@ -161,6 +161,21 @@ fn volumes_too_far_away_to_have_a_size_are_told() {
 }
 
 #[test]
+fn flights_too_short_to_be_known_from_afar_are_told() {
+    let said = |away: f64, keys: &str| {
+        let shape = format!("shape = {{ type = \"box\", min = [{away:?}, 0, 0], max = [{:?}, 1, 1] }}", away + 2.0);
+        with_volumes("", &[&format!("{shape}\n{keys}")]).done(&["info", "scene.toml"]).stdout
+    };
+    let warned = "volume[0] is 1.000e5 m away from the camera, with mean free paths of 1.000e-1 m where it is densest: \
+                  single precision hardly tells them there, so that its image may be wrong; move it nearer to the camera";
+    let text = said(1e5, "scattering = 9\nabsorption = 1");
+    assert!(text.contains(warned), "{text}");
+    for (away, keys) in [(2e4, "scattering = 9\nabsorption = 1"), (1e5, "scattering = 1"), (1e5, "absorption = 10")] {
+        assert!(!said(away, keys).contains("hardly tells"), "{away} m, {keys}: {}", said(away, keys));
+    }
+}
+
+#[test]
 fn voxels_too_far_away_to_be_told_apart_are_told() {
     let said = |away: f64| {
         let set = format!("volume[0].grid.translate=[{away:?},0,0]");
