@@ -9,6 +9,7 @@
 //!    of p_A, and 1 in that of cos_light.
 //! 2. p_dir / cos theta is one power, so that grazing light needs no division.
 //! 3. mu~(t) and tau~(t) are those of the ray from x_n through y, once per candidate: starts share them.
+//! 4. Rows without a start have no vertex before y: what stands in its place is anything, and their scale is 0.
 
 use core::ops::RangeInclusive;
 
@@ -42,6 +43,8 @@ pub fn ratios<M: MediumX8>(
     if M::VARIES {
         scale *= flight.quotient;
     }
+    let has_start = suffix.vertices[starts.clone()].iter().fold(f32x8::ZERO, |any, start| any | start.eligible);
+    let scale = has_start.select(scale, f32x8::ZERO);
     let arrival = &Arrival {
         medium: arrival.medium,
         hues: hues.as_ref(),
