@@ -247,24 +247,6 @@ fn dense_volumes_have_the_same_means_and_lose_nothing() {
     }
 }
 
-/// Whatever is small in one unit is large in another: extinctions per micron or so, lamps of next to no area. Walks end, so
-/// that batches hold paths of all lengths: what one has no vertices for must not matter however large it is.
-#[test]
-fn no_unit_of_length_matters() {
-    let in_unit = |unit: f64| {
-        let room = frames::lamps(unit, 0.6, Selection::IntensityDistance, SMALL);
-        let dense = |x: f64, radius: f64| ball(unit * DVec3::new(x, 0.9, 1.0), unit * radius, (3.0 / unit) as f32);
-        with_volumes(&room, vec![dense(-0.4, 0.4), dense(0.3, 0.3)], (0.3 / unit) as f32).with_walk(u32::MAX, 0.9)
-    };
-    let [metre, micron] = [1.0, (-20_f64).exp2()].map(in_unit);
-    for active in IN_FIELDS {
-        let [truth, found] = [&metre, &micron].map(|frame| means(&frames::with_techniques(frame, active, 4.0), 200));
-        for ((truth, _), (found, _)) in truth.into_iter().zip(found) {
-            assert!((found / truth - 1.0).abs() < 1e-3, "{active:?}: {found} in microns, {truth} in metres");
-        }
-    }
-}
-
 /// A grid of one density, so large that light from beyond it does not matter, is fog; and not noisier.
 #[test]
 fn a_constant_grid_is_fog() {

@@ -9,6 +9,9 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::mis_weight;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
+use fogbow_testing::agreement::means;
+use fogbow_testing::frames;
+use fogbow_testing::frames::clouds::{IN_FIELDS, ball, with_volumes};
 use fogbow_testing::weighing::{Made, Weigher};
 use glam::DVec3;
 
@@ -126,5 +129,23 @@ fn connections_to_a_vertex_made_from_the_light_are_weighed_however_far_away_that
         let [kernel, twin] = weights_of(&medium, [away * DVec3::Z, DVec3::NEG_Z], &techniques, &inserted);
         assert!(twin > 0.0 && twin < 0.5, "{away} m: {twin:e}");
         assert!((kernel / twin - 1.0).abs() < 1e-3, "{away} m: {kernel:e}, should be {twin:e}");
+    }
+}
+
+/// Whatever is small in one unit is large in another: extinctions per micron or so, lamps of next to no area. Walks end, so
+/// that batches hold paths of all lengths: what one has no vertices for must not matter however large it is.
+#[test]
+fn no_unit_of_length_matters_among_volumes() {
+    let in_unit = |unit: f64| {
+        let room = frames::lamps(unit, 0.6, Selection::IntensityDistance, [16, 16]);
+        let dense = |x: f64, radius: f64| ball(unit * DVec3::new(x, 0.9, 1.0), unit * radius, (3.0 / unit) as f32);
+        with_volumes(&room, vec![dense(-0.4, 0.4), dense(0.3, 0.3)], (0.3 / unit) as f32).with_walk(u32::MAX, 0.9)
+    };
+    let [metre, micron] = [1.0, (-20_f64).exp2()].map(in_unit);
+    for active in IN_FIELDS {
+        let [truth, found] = [&metre, &micron].map(|frame| means(&frames::with_techniques(frame, active, 4.0), 200));
+        for ((truth, _), (found, _)) in truth.into_iter().zip(found) {
+            assert!((found / truth - 1.0).abs() < 1e-3, "{active:?}: {found} in microns, {truth} in metres");
+        }
     }
 }

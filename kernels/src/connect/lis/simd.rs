@@ -9,7 +9,8 @@
 //!    of p_A, and 1 in that of cos_light.
 //! 2. p_dir / cos theta is one power, so that grazing light needs no division.
 //! 3. mu~(t) and tau~(t) are those of the ray from x_n through y, once per candidate: starts share them.
-//! 4. Rows without a start have no vertex before y: what stands in its place is anything, and their scale is 0.
+//! 4. Rows without a start have no vertex before y. What stands in its place, and with it the quotient of extinctions,
+//!    is anything, even beyond all numbers, so their scale is 0.
 
 use core::ops::RangeInclusive;
 
@@ -41,10 +42,9 @@ pub fn ratios<M: MediumX8>(
     let hues = arrival.hues.map(|hues| hues.after_flight(flight.depth));
     let mut scale = arrival.inverse_area * emission * vertex.inverse_density;
     if M::VARIES {
-        scale *= flight.quotient;
+        let has_start = suffix.vertices[starts.clone()].iter().fold(f32x8::ZERO, |any, start| any | start.eligible);
+        scale = has_start.select(scale * flight.quotient, f32x8::ZERO);
     }
-    let has_start = suffix.vertices[starts.clone()].iter().fold(f32x8::ZERO, |any, start| any | start.eligible);
-    let scale = has_start.select(scale, f32x8::ZERO);
     let arrival = &Arrival {
         medium: arrival.medium,
         hues: hues.as_ref(),
