@@ -198,7 +198,8 @@ impl<P: PhaseX8> Batch<'_, P> {
                 seen.tint(b, &mut worth.factor);
             }
         }
-        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO) & outside & dense;
+        // Of a sum that is no number, neither is the weight: it is dropped and counted where it would have been added.
+        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & !sum.simd_le(f32x8::ZERO) & outside & dense;
         let profile = lights.profile(&self.emitter_of, arrival.cos_light);
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }

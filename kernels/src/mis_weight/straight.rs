@@ -93,7 +93,8 @@ impl<L: LightsX8> Line<L> {
         let area = self.lights.density(&self.emitters) * attempt * (self.distance * self.distance);
         let connected = reach_start.simd_gt(f32x8::ZERO).select(area * inverse_density * exp(depth), f32x8::ZERO);
         let sum = reach_light.mul_add(self.cos_light, connected);
-        let weighs = self.cos_light.simd_gt(f32x8::ZERO) & sum.simd_gt(f32x8::ZERO);
+        // A sum that is no number makes a weight that is dropped and counted.
+        let weighs = self.cos_light.simd_gt(f32x8::ZERO) & !sum.simd_le(f32x8::ZERO);
         let profile = self.lights.profile(&self.emitters, self.cos_light);
         weighs.select(profile * self.cos_light / sum, f32x8::ZERO)
     }

@@ -15,7 +15,8 @@
 //! 4. `seeds` over the rest of path tracing's density is one exponential; in a homogeneous medium all mu_t^m cancel, and
 //!    `tau(Lambda_a) - tau(s)` is left. Detours that long edges make are as large as offsets that far out are rare, more
 //!    than f32 holds either way. So every edge gets its share of the exponential, the a-th root: a running product of
-//!    factors of order one neither overflows nor vanishes.
+//!    factors of order one neither overflows nor vanishes. Where detours are of thousands of mean free paths it overflows
+//!    all the same, and rightly: such paths have no weight.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
 //! 6. Starts that are near enough in no lane cost only the test; starts that every lane refuses, the projections up to
 //!    there.
@@ -113,6 +114,9 @@ fn sum<M: MediumX8>(
             product *= factor(width_squared, projection.offset_squared, vertex.spread, share);
             after += projection.segment_squared;
         }
+        // One that left the range of numbers before it met a segment without length.
+        let overflowed = product.is_nan() & log.is_finite();
+        product = overflowed.select(f32x8::splat(f32::MAX), product);
         let mut ratio = scale * start.attempt * product;
         if let Some(hues) = arrival.hues {
             ratio *= seeds(hues, suffix, a, depth);
