@@ -7,6 +7,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use fogbow::volume::{GridSummary, Leaf, VoxelGrid, list, list_bytes, read, read_bytes, read_listed};
+use fogbow_kernels::media::field::Bricks;
 use fogbow_testing::not_run::not_run;
 use fogbow_testing::volume_writer;
 use fogbow_testing::volumes::{FILES, Outcomes, assert_sound, bytes, damage, path};
@@ -239,6 +240,20 @@ fn volumes_of_scenes_are_what_their_script_writes() {
 }
 
 /// Files of tests that are too large to be kept.
+/// Four bytes each, in a file: flames, thin as they are, too.
+#[test]
+fn no_grid_of_a_scene_takes_much_more_than_its_active_voxels() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    for file in ["cloud-box/cloud.vdb", "cloud-sky/cumulus.vdb", "smoke-fire/fire.vdb"].map(|file| scenes.join(file)) {
+        for (index, summary) in list(&file).expect("a list").iter().enumerate() {
+            let grid = read_listed(&file, index, &|_, _| {}).expect("a grid");
+            let ratio =
+                Bricks::new(&grid.leaves).bytes() as f64 / (4.0 * summary.active_voxels.expect("voxels") as f64);
+            assert!((0.5..=1.3).contains(&ratio), "{}, {}: {ratio}", file.display(), summary.name);
+        }
+    }
+}
+
 #[test]
 fn what_tests_write_is_read() {
     let leaf = |origin: [i32; 3]| {

@@ -1,41 +1,23 @@
-//! Voxels in sparse bricks of 8^3, each with an apron.
+//! Voxels in sparse bricks of 8^3.
 //!
-//! A brick has 9^3 values, those of its own voxels and the first ones of its neighbours behind, so that all eight
-//! corners of an interpolation are in one brick: two loads from one cache line for each of four pairs. Constant bricks,
-//! empty ones among them, share one; of others, the least [box](Kept) that holds all values that are not 0 is kept.
-//!
-//! **Precision.** Values are 16-bit shares of the brick's own range: a brick takes 1458 bytes where its voxels would take
-//! 2048. Where one voxel is far denser than all others, the step from one share to the next would swallow its
-//! neighbours: where it is more than 1/512 of the grid's mean, over voxels that are not 0, values have 16 more bits.
-//!
-//! ```text
-//! density = least + step (coarse + fine / 2^16)
-//! ```
-//!
-//! So a value is off by at most a thousandth of that mean.
+//! Of a brick, a [box](Boxes) of values is kept; in grids where these would take more memory than voxels that are not 0, in
+//! thin shells, each such value [by itself](Masks).
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use wide::{f32x8, u32x8};
 
-use super::heads::{Head, HeadX8, Heads};
-use super::kept::{Kept, KeptX8};
-use crate::lanes::{self, per_lane};
+use super::apron::Leaves;
+use super::boxes::Boxes;
+use super::masks::Masks;
+use super::shares;
 use crate::vec3x8::Vec3x8;
 
 /// Voxels along the edge of a brick.
 pub const SIDE: u32 = 8;
-/// Values along it, with the apron.
-pub(super) const STRIDE: usize = SIDE as usize + 1;
-/// Values of a brick.
-pub(super) const VALUES: usize = STRIDE * STRIDE * STRIDE;
-/// Largest 16-bit share.
-const WHOLE: f32 = u16::MAX as f32;
-/// Fine shares of a coarse one.
-const FINE: f32 = 65_536.0;
-/// Largest step without fine shares, over the grid's mean.
-const LARGEST_STEP: f64 = 1.0 / 512.0;
+/// Most memory that boxes may take, over four bytes for each voxel that is not 0: with a quarter of it for the cells of a
+/// coarse field, 1.3.
+const MOST_OF_BOXES: f64 = 1.04;
 
 /// 8^3 voxels of a file or a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +35,23 @@ pub struct Bricks {
     pub origin: [i32; 3],
     /// Bricks along each axis.
     pub dims: [u32; 3],
-    heads: Heads,
-    pool: Vec<u16>,
+    form: Form,
+}
+
+/// How densities are kept.
+#[derive(Clone, Debug, PartialEq)]
+enum Form {
+    Boxes(Boxes),
+    Masks(Masks),
+}
+
+/// Where bricks are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The first one.
+    first: [i32; 3],
+    /// Bricks along each axis.
+    pub dims: [u32; 3],
 }
 
 /// The extrema and the mean of some densities.
@@ -75,30 +72,23 @@ impl Bricks {
     /// # Panics
     /// If there are more than 2^31 bricks from one end to the other.
     pub fn new(leaves: &[Leaf]) -> Self {
-        let brick_of = |leaf: &Leaf| leaf.origin.map(|component| component.div_euclid(SIDE as i32));
-        let by_brick: HashMap<[i32; 3], &Leaf> = leaves.iter().map(|leaf| (brick_of(leaf), leaf)).collect();
-        // The apron of the brick before a leaf reaches into it.
-        let touched = by_brick
-            .keys()
-            .flat_map(|brick| (0..8).map(|corner: i32| [0, 1, 2].map(|axis| brick[axis] - (corner >> axis & 1))));
-        let mut touched: Vec<[i32; 3]> = touched.collect();
-        touched.sort_unstable_by_key(|[x, y, z]| [*z, *y, *x]);
-        touched.dedup();
-        let largest_step = (LARGEST_STEP * mean(leaves)) as f32;
-        let mut pool = vec![0; VALUES];
-        let store = |brick: [i32; 3]| (brick, store(&mut pool, &gather(&by_brick, brick), largest_step));
-        let stored = touched.into_iter().map(store);
-        let filled: Vec<([i32; 3], Head)> = stored.filter(|(_, head)| *head != Head::constant(0.0)).collect();
-        pool.shrink_to_fit();
-        let bound = |pick: fn(i32, i32) -> i32| {
-            let ends = filled.iter().map(|(brick, _)| *brick);
-            ends.reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis]))).unwrap_or_default()
-        };
-        let (first, last) = (bound(i32::min), bound(i32::max));
-        let dims = [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32);
-        let place = |brick: [i32; 3]| [0, 1, 2].map(|axis| (brick[axis] - first[axis]) as u32);
-        let filled: Vec<([u32; 3], Head)> = filled.into_iter().map(|(brick, head)| (place(brick), head)).collect();
-        Self { origin: first.map(|component| component * SIDE as i32), dims, heads: Heads::new(dims, &filled), pool }
+        let maker = Maker::new(leaves);
+        let voxels = values(leaves).filter(|value| *value != 0.0).count();
+        let boxes = maker.boxes();
+        if boxes.bytes() as f64 <= MOST_OF_BOXES * (voxels * size_of::<f32>()) as f64 {
+            return boxes;
+        }
+        let masks = maker.masks(&boxes);
+        if masks.bytes() < boxes.bytes() { masks } else { boxes }
+    }
+
+    /// In boxes, and by masks.
+    #[cfg(test)]
+    pub(super) fn both(leaves: &[Leaf]) -> [Self; 2] {
+        let maker = Maker::new(leaves);
+        let boxes = maker.boxes();
+        let masks = maker.masks(&boxes);
+        [boxes, masks]
     }
 
     /// What densities range over in the cube of `side` <= 8 voxels from `first` on, which is within one brick; with the
@@ -109,27 +99,19 @@ impl Bricks {
 
     /// The same of so many voxels along each axis.
     fn extent_of(&self, first: [u32; 3], sides: [u32; 3], smooth: bool) -> Extent {
-        let (head, first) = self.find(first);
-        if head.is_constant() {
-            return Extent { least: head.least, most: head.least, mean: head.least };
+        let layers = sides.map(|side| side + u32::from(smooth));
+        match &self.form {
+            Form::Boxes(boxes) => boxes.extent(first, layers),
+            Form::Masks(masks) => masks.extent(first, layers),
         }
-        let layers = sides.map(|side| side as usize + usize::from(smooth));
-        let (mut least, mut most, mut sum) = (f64::INFINITY, 0.0_f64, 0.0);
-        for (z, y) in (0..layers[2]).flat_map(|z| (0..layers[1]).map(move |y| (z, y))) {
-            for x in 0..layers[0] {
-                let share = self.share(head, [first[0] + x, first[1] + y, first[2] + z]);
-                (least, most, sum) = (least.min(share), most.max(share), sum + share);
-            }
-        }
-        let mean = sum / layers.into_iter().product::<usize>() as f64;
-        let [least, most, mean] = [least, most, mean].map(|share| head.density(share as f32));
-        // Two shares that were mixed apart may round to more than either of them.
-        Extent { least, most: if head.kept.has_fine() { most.next_up() } else { most }, mean }
     }
 
     /// The largest density.
     pub fn most(&self) -> f32 {
-        self.heads.all().iter().map(|head| head.density(WHOLE)).fold(0.0, f32::max)
+        match &self.form {
+            Form::Boxes(boxes) => boxes.most(),
+            Form::Masks(masks) => masks.most(),
+        }
     }
 
     /// What densities range over at points of which the voxels are `low` to `high`, counted from the first one on;
@@ -160,13 +142,18 @@ impl Bricks {
     pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
         digest(bytemuck::cast_slice(&self.origin));
         digest(bytemuck::cast_slice(&self.dims));
-        self.heads.digest(digest);
-        digest(bytemuck::cast_slice(&self.pool));
+        match &self.form {
+            Form::Boxes(boxes) => boxes.digest(digest),
+            Form::Masks(masks) => masks.digest(digest),
+        }
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.heads.bytes() + size_of_val(self.pool.as_slice())
+        match &self.form {
+            Form::Boxes(boxes) => boxes.bytes(),
+            Form::Masks(masks) => masks.bytes(),
+        }
     }
 
     /// Voxels along each axis.
@@ -190,61 +177,13 @@ impl Bricks {
             share[axis] = clamped - f32x8::from_i32x8(whole);
             place[axis] = bytemuck::cast(whole);
         }
-        let value = if smooth { self.corners(place, share) } else { self.voxel(place) };
+        let value = match &self.form {
+            Form::Boxes(boxes) if smooth => boxes.corners(place, share),
+            Form::Boxes(boxes) => boxes.voxel(place),
+            Form::Masks(masks) if smooth => masks.corners(place, share),
+            Form::Masks(masks) => masks.voxel(place),
+        };
         inside.select(value, zero)
-    }
-
-    /// The head of the brick that a voxel is in, and its place there.
-    fn find(&self, [x, y, z]: [u32; 3]) -> (&Head, [usize; 3]) {
-        let head = self.heads.at([x, y, z].map(|voxel| voxel / SIDE));
-        (head, [x % SIDE, y % SIDE, z % SIDE].map(|local| local as usize))
-    }
-
-    /// The share of a value of a brick, in steps.
-    fn share(&self, head: &Head, at: [usize; 3]) -> f64 {
-        let Some(index) = head.kept.index(at) else { return 0.0 };
-        let coarse = head.first as usize + index;
-        let fine = if head.kept.has_fine() { self.pool[coarse + head.kept.len()] } else { 0 };
-        f64::from(self.pool[coarse]) + f64::from(fine) / f64::from(FINE)
-    }
-
-    #[inline(always)]
-    fn corners(&self, place: [u32x8; 3], share: [f32x8; 3]) -> f32x8 {
-        let head = self.heads.at_lanes(place.map(|voxel| voxel >> SIDE.ilog2()));
-        let kept = kept(&head, place, share);
-        let (KeptX8 { at: [x, y, z], share: [fx, fy, fz], left, .. }, [row, layer]) = (&kept, kept.steps);
-        let pair = |first: u32x8| {
-            let first = first.to_array();
-            let of = |lane: usize| {
-                let pair = &self.pool[first[lane] as usize..][..2];
-                u32::from(pair[0]) | u32::from(pair[1]) << 16
-            };
-            let pair = u32x8::new(per_lane(of));
-            mix(lanes::to_f32(pair & u32x8::splat(0xffff)), lanes::to_f32(pair >> 16_u32), *fx)
-        };
-        let shares = |first: u32x8| {
-            let behind = first + layer;
-            let [low, after_low, high, after_high] = [first, first + row, behind, behind + row].map(pair);
-            mix(mix(low, after_low, *fy), mix(high, after_high, *fy), *fz)
-        };
-        let first = head.first + *z * layer + *y * row + *x;
-        // Where something is not kept, the least density is 0.
-        with_fine(&kept, first, shares).mul_add(*left * head.step, head.least)
-    }
-
-    #[inline(always)]
-    fn voxel(&self, place: [u32x8; 3]) -> f32x8 {
-        let head = self.heads.at_lanes(place.map(|voxel| voxel >> SIDE.ilog2()));
-        let kept = kept(&head, place, [f32x8::ZERO; 3]);
-        let [row, layer] = kept.steps;
-        let [x, y, z] =
-            [0, 1, 2].map(|axis| kept.at[axis] + bytemuck::cast::<_, u32x8>(kept.share[axis].fast_trunc_int()));
-        let shares = |index: u32x8| {
-            let index = index.to_array();
-            f32x8::new(per_lane(|lane| f32::from(self.pool[index[lane] as usize])))
-        };
-        let index = head.first + z * layer + y * row + x;
-        with_fine(&kept, index, shares).mul_add(kept.left * head.step, head.least)
     }
 
     /// Density of the voxel at `place`, counted from the first one; 0 outside. For twins.
@@ -253,77 +192,86 @@ impl Bricks {
         if (0..3).any(|axis| place[axis] < 0 || place[axis] >= voxels[axis]) {
             return 0.0;
         }
-        let (head, at) = self.find(place.map(|component| component as u32));
-        f64::from(head.step) * self.share(head, at) + f64::from(head.least)
+        let place = place.map(|component| component as u32);
+        match &self.form {
+            Form::Boxes(boxes) => boxes.value(place),
+            Form::Masks(masks) => masks.value(place),
+        }
     }
 }
 
-/// Where points between voxels and the next ones are in what is kept of their bricks.
-#[inline(always)]
-fn kept(head: &HeadX8, place: [u32x8; 3], share: [f32x8; 3]) -> KeptX8 {
-    KeptX8::new(head.kept, place.map(|voxel| voxel & u32x8::splat(SIDE - 1)), share)
+/// What makes bricks of leaves.
+struct Maker<'a> {
+    leaves: Leaves<'a>,
+    /// Steps larger than this get fine shares.
+    largest_step: f32,
 }
 
-/// The shares at these places of the pool, and the fine ones with them where there are any.
-#[inline(always)]
-fn with_fine(kept: &KeptX8, at: u32x8, shares: impl Fn(u32x8) -> f32x8) -> f32x8 {
-    let coarse = shares(at);
-    let Some((fine, behind)) = kept.fine() else { return coarse };
-    fine.select(shares(at + behind).mul_add(f32x8::splat(1.0 / FINE), coarse), coarse)
+impl<'a> Maker<'a> {
+    fn new(leaves: &'a [Leaf]) -> Self {
+        Self { leaves: Leaves::new(leaves), largest_step: shares::largest_step(values(leaves)) }
+    }
+
+    fn boxes(&self) -> Bricks {
+        let (Span { first, dims }, boxes) = Boxes::new(&self.leaves, self.largest_step);
+        Bricks { origin: first.map(|component| component * SIDE as i32), dims, form: Form::Boxes(boxes) }
+    }
+
+    /// What `boxes` hold.
+    fn masks(&self, boxes: &Bricks) -> Bricks {
+        let Bricks { origin, dims, .. } = *boxes;
+        let span = Span { first: origin.map(|component| component / SIDE as i32), dims };
+        Bricks { origin, dims, form: Form::Masks(Masks::new(&self.leaves, &span, self.largest_step)) }
+    }
 }
 
+impl Span {
+    /// Of these bricks; of one if there is none.
+    pub fn around(bricks: impl Iterator<Item = [i32; 3]> + Clone) -> Self {
+        let bound = |pick: fn(i32, i32) -> i32| {
+            bricks.clone().reduce(|a, b| [0, 1, 2].map(|axis| pick(a[axis], b[axis]))).unwrap_or_default()
+        };
+        let (first, last) = (bound(i32::min), bound(i32::max));
+        Self { first, dims: [0, 1, 2].map(|axis| (last[axis] - first[axis] + 1) as u32) }
+    }
+
+    /// The place of one of them, counted from the first.
+    pub fn place(&self, brick: [i32; 3]) -> [u32; 3] {
+        [0, 1, 2].map(|axis| (brick[axis] - self.first[axis]) as u32)
+    }
+}
+
+/// The brick of a voxel, and where it is in there.
 #[inline(always)]
-fn mix(a: f32x8, b: f32x8, share: f32x8) -> f32x8 {
+pub(super) fn split(voxel: [u32; 3]) -> ([u32; 3], [u32; 3]) {
+    (voxel.map(|along| along / SIDE), voxel.map(|along| along % SIDE))
+}
+
+/// All places of so many `layers` along each axis from `first` on.
+pub(super) fn places(first: [u32; 3], layers: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
+    let along = move |axis: usize| first[axis]..first[axis] + layers[axis];
+    let rows = along(2).flat_map(move |z| along(1).map(move |y| [y, z]));
+    rows.flat_map(move |[y, z]| along(0).map(move |x| [x, y, z]))
+}
+
+/// The least, the most and the mean of some values, >= 0.
+pub(super) fn ranged(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let (mut least, mut most, mut sum, mut count) = (f64::INFINITY, 0.0_f64, 0.0, 0_u32);
+    for value in values {
+        (least, most, sum, count) = (least.min(value), most.max(value), sum + value, count + 1);
+    }
+    [least, most, sum / f64::from(count)]
+}
+
+/// What is between `a` and `b`, so far on the way.
+#[inline(always)]
+pub(super) fn mix(a: f32x8, b: f32x8, share: f32x8) -> f32x8 {
     (b - a).mul_add(share, a)
 }
 
-/// Mean of all densities that are not 0.
-fn mean(leaves: &[Leaf]) -> f64 {
-    let filled = leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value != 0.0);
-    let (sum, count) = filled.fold((0.0, 0_u64), |(sum, count), value| (sum + f64::from(*value), count + 1));
-    sum / count.max(1) as f64
-}
-
-/// Adds the values of a brick to the pool, with fine shares if the step from one to the next would be larger than this.
-fn store(pool: &mut Vec<u16>, values: &[f32; VALUES], largest_step: f32) -> Head {
-    let least = values.iter().copied().fold(f32::INFINITY, f32::min);
-    let most = values.iter().copied().fold(0.0, f32::max);
-    let step = (most - least) / WHOLE;
-    if step == 0.0 {
-        return Head::constant(least);
-    }
-    let first = u32::try_from(pool.len()).expect("fewer than 2^32 values");
-    let kept = Kept::around(values);
-    if step <= largest_step {
-        pool.extend(kept.of(values).map(|value| ((value - least) / step).round() as u16));
-        return Head { first, kept, least, step };
-    }
-    let share = |value: f32| (f64::from(value) - f64::from(least)) / f64::from(step);
-    let coarse = |value: f32| share(value) as u16;
-    pool.extend(kept.of(values).map(coarse));
-    let fine = |value: f32| ((share(value) - f64::from(coarse(value))) * f64::from(FINE)).round() as u16;
-    pool.extend(kept.of(values).map(fine));
-    Head { first, kept: kept.with_fine(), least, step }
-}
-
-/// The values of a brick and its apron.
-fn gather(leaves: &HashMap<[i32; 3], &Leaf>, brick: [i32; 3]) -> [f32; VALUES] {
-    let mut values = [0.0; VALUES];
-    for corner in 0..8 {
-        let offset = [0, 1, 2].map(|axis| corner >> axis & 1);
-        let Some(leaf) = leaves.get(&[0, 1, 2].map(|axis| brick[axis] + offset[axis])) else {
-            continue;
-        };
-        // Of a neighbour behind, the first layer alone.
-        let side = SIDE as usize;
-        let layers = offset.map(|behind| if behind == 1 { side..side + 1 } else { 0..side });
-        for (z, y) in layers[2].clone().flat_map(|z| layers[1].clone().map(move |y| (z, y))) {
-            for x in layers[0].clone() {
-                values[(z * STRIDE + y) * STRIDE + x] = leaf.values[(z % side * side + y % side) * side + x % side];
-            }
-        }
-    }
-    values
+/// All densities of leaves.
+fn values(leaves: &[Leaf]) -> impl Iterator<Item = f32> {
+    leaves.iter().flat_map(|leaf| leaf.values.iter().copied())
 }
 
 #[cfg(test)]
@@ -342,9 +290,10 @@ mod tests {
     fn what_is_next_to_something_far_denser_keeps_its_density() {
         for most in [2.0, 90.0, 1e3, 1e4, 1e6, 1e8] {
             let leaves = spiky(most);
-            let bricks = Bricks::new(&leaves);
             let tolerance = 1e-3 * (1.0 + f64::from(most) / 512.0);
-            for voxel in 0..512_usize {
+            for (bricks, voxel) in
+                Bricks::both(&leaves).iter().flat_map(|form| (0..512).map(move |voxel| (form, voxel)))
+            {
                 // The first brick is the one before, with the leaf's first layers in its apron.
                 let place = [voxel % 8, voxel / 8 % 8, voxel / 64].map(|component| component + 8);
                 let expected = f64::from(leaves[0].values[voxel]);
@@ -362,19 +311,23 @@ mod tests {
 
     #[test]
     fn only_bricks_with_something_far_denser_take_more_memory() {
-        let [even, dense, spiky] = [2.0, 90.0, 1e3].map(|most| Bricks::new(&spiky(most)).bytes());
-        assert_eq!(even, dense);
-        assert!(spiky > even, "{spiky} bytes, {even} of the others");
-        let far = Leaf { origin: [80, 0, 0], ..self::spiky(2.0)[0].clone() };
-        let both = Bricks::new(&[self::spiky(1e4)[0].clone(), far.clone()]).pool.len();
-        let alone = Bricks::new(&[far]).pool.len();
-        assert_eq!(both - alone, alone - VALUES + 512, "the 512 values of one brick of sixteen have fine shares");
+        let bytes = |leaves: &[Leaf]| Bricks::both(leaves).map(|form| form.bytes());
+        let [even, dense, most] = [2.0, 90.0, 1e3].map(|most| bytes(&spiky(most)));
+        let far = Leaf { origin: [80, 0, 0], ..spiky(2.0)[0].clone() };
+        let [both, alone] = [bytes(&[spiky(1e4)[0].clone(), far.clone()]), bytes(&[spiky(2.0)[0].clone(), far])];
+        for form in 0..2 {
+            assert_eq!(even[form], dense[form]);
+            assert!(most[form] > even[form], "{} bytes, {} of the others", most[form], even[form]);
+        }
+        for form in 0..2 {
+            assert_eq!(both[form] - alone[form], 1024, "the 512 values of one brick of sixteen have fine shares");
+        }
     }
 
     #[test]
     fn extents_hold_all_densities_between_voxels() {
-        for most in [2.0, 1e4, 1e7] {
-            let bricks = Bricks::new(&spiky(most));
+        for (most, form) in [2.0, 1e4, 1e7].into_iter().flat_map(|most| [(most, 0), (most, 1)]) {
+            let bricks = &Bricks::both(&spiky(most))[form];
             for seed in 0..2000 {
                 let words = random::words(seed, 5, 6, 7);
                 let first = [0, 1, 2].map(|axis| words[axis] % 16);
@@ -385,5 +338,66 @@ mod tests {
                 assert!((least..=most).contains(&mean), "{mean}, {least} to {most}");
             }
         }
+    }
+
+    /// Leaves of a shell of this thickness, in voxels, of densities about 1; every fourth of its leaves has one density.
+    fn shell(thickness: f64) -> Vec<Leaf> {
+        let leaf = |number: u32| {
+            let origin = [number % 7, number / 7 % 7, number / 49].map(|along| 8 * along as i32 - 24);
+            let value = |voxel: usize| {
+                let at = [voxel % 8, voxel / 8 % 8, voxel / 64];
+                let from_centre = (0..3).map(|axis| f64::from(origin[axis]) + at[axis] as f64 - 3.7).map(|d| d * d);
+                let inside = (from_centre.sum::<f64>().sqrt() - 21.0).abs() < thickness / 2.0;
+                let varied = random::uniform(random::words(number, voxel as u32, 8, 9)[0]) as f32;
+                if inside { 0.5 + if number.is_multiple_of(4) { 0.0 } else { varied } } else { 0.0 }
+            };
+            Leaf { origin, values: Arc::new(core::array::from_fn(value)) }
+        };
+        (0..343).map(leaf).filter(|leaf| leaf.values.iter().any(|value| *value != 0.0)).collect()
+    }
+
+    #[test]
+    fn thin_shells_take_little_more_than_their_voxels() {
+        for (thickness, thin) in [(2.0, true), (4.0, true), (42.0, false)] {
+            let leaves = shell(thickness);
+            let bricks = Bricks::new(&leaves);
+            assert_eq!(matches!(bricks.form, Form::Masks(_)), thin, "a shell of {thickness} voxels");
+            let voxels = 4 * values(&leaves).filter(|value| *value != 0.0).count();
+            let share = bricks.bytes() as f64 / voxels as f64;
+            assert!(share <= 1.3, "a shell of {thickness} voxels: {share}");
+        }
+    }
+
+    #[test]
+    fn densities_of_thin_shells_are_those_of_boxes() {
+        let leaves = shell(2.0);
+        let [boxes, masks] = Bricks::both(&leaves);
+        let mut filled = 0;
+        for seed in 0..20_000 {
+            let words = random::words(seed, 1, 4, 9);
+            // Over the borders, too.
+            let at = words.map(|word| 66.0 * random::uniform(word) as f32 - 1.0);
+            let at = Vec3x8::splat([at[0], at[1], at[2]]);
+            for smooth in [true, false] {
+                let [expected, found] = [&boxes, &masks].map(|form| form.density(at, smooth).to_array()[0]);
+                assert!((found - expected).abs() < 4e-5, "{found} instead of {expected} at {at:?}");
+                filled += u32::from(found > 0.0);
+            }
+            let (place, side) = (words.map(|word| word % 50), 1 << (words[3] % 4));
+            let first = [place[0], place[1], place[2]].map(|along| along / side * side);
+            for smooth in [true, false] {
+                let [expected, found] = [&boxes, &masks].map(|form| form.extent(first, side, smooth));
+                for (expected, found) in [expected.least, expected.most, expected.mean].into_iter().zip([
+                    found.least,
+                    found.most,
+                    found.mean,
+                ]) {
+                    assert!((found - expected).abs() < 4e-5, "{found} instead of {expected} from {first:?} on");
+                }
+            }
+            let voxel = [place[0], place[1], place[2]].map(i64::from);
+            assert!((boxes.value(voxel) - masks.value(voxel)).abs() < 4e-5, "at {voxel:?}");
+        }
+        assert!(filled > 2000, "{filled} points in the shell");
     }
 }

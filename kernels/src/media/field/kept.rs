@@ -13,7 +13,7 @@
 
 use wide::{f32x8, i32x8, u32x8};
 
-use super::bricks::{STRIDE, VALUES};
+use super::apron::{STRIDE, VALUES};
 
 /// Bits of a coordinate.
 const BITS: u32 = 4;
@@ -108,7 +108,7 @@ impl Kept {
     }
 
     /// The kept values of a brick, in their sequence.
-    pub fn of(self, values: &[f32; VALUES]) -> impl Iterator<Item = f32> {
+    pub fn of(self, values: &[f32; VALUES]) -> impl Iterator<Item = f32> + Clone {
         let [x, y, z] = self.bounds().map(|[low, high]| low..=high);
         let rows = z.flat_map(move |z| y.clone().map(move |y| (z * STRIDE + y) * STRIDE));
         rows.flat_map(move |row| values[row + x.start()..=row + x.end()].iter().copied())
@@ -185,8 +185,8 @@ mod tests {
     fn what_is_kept_has_the_densities_of_all() {
         for seed in 0..200 {
             let leaves = sparse(seed, 1 + seed % 9);
-            let bricks = Bricks::new(&leaves);
-            for round in 0..40 {
+            let forms = Bricks::both(&leaves);
+            for (round, bricks) in (0..40).flat_map(|round| forms.iter().map(move |bricks| (round, bricks))) {
                 let points: [[f32; 3]; 8] = core::array::from_fn(|lane| {
                     let words = random::words(seed, round, lane as u32, 5);
                     [0, 1, 2].map(|axis| (random::uniform(words[axis]) * [18.0, 10.0, 10.0][axis]) as f32 - 1.0)
@@ -217,10 +217,11 @@ mod tests {
         for density in [0.0, f32::from_bits(1)] {
             let mut leaves = sparse(0, 0);
             Arc::make_mut(&mut leaves[1].values)[77] = density;
-            let bricks = Bricks::new(&leaves);
-            assert_eq!(bricks.dims, [1; 3]);
-            for at in [[0.0; 3], [13.0, 1.0, 1.0], [-3.0, 4.5, 7.5]] {
-                assert_eq!(bricks.density(Vec3x8::splat(at), true), f32x8::ZERO);
+            for bricks in Bricks::both(&leaves) {
+                assert_eq!(bricks.dims, [1; 3]);
+                for at in [[0.0; 3], [13.0, 1.0, 1.0], [-3.0, 4.5, 7.5]] {
+                    assert_eq!(bricks.density(Vec3x8::splat(at), true), f32x8::ZERO);
+                }
             }
         }
     }

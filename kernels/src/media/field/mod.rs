@@ -41,20 +41,24 @@
 //! **Colour.** Extinctions in the three channels are multiples of each other, or fields of their own ([`Apart`]).
 
 mod apart;
+mod apron;
 mod axis;
 mod blocks;
+mod boxes;
 mod bricks;
 mod cells;
 mod cores;
 mod even;
-mod heads;
 mod kept;
 mod known;
 mod lattice;
 mod map;
+mod masks;
 pub mod reference;
 mod shape;
+mod shares;
 mod simd;
+mod table;
 pub mod tracking;
 mod volume;
 mod voxels;
