@@ -211,7 +211,7 @@ mod on_signals {
     #[test]
     fn a_render_until_a_noise_is_resumed_to_the_same_bits() {
         let folder = Folder::with_scene();
-        for more in [&["--noise", "0.05"][..], &["--noise", "0.05", "--adaptive", "--samples", "100000"]] {
+        for more in [&["--noise", "0.08"][..], &["--noise", "0.08", "--adaptive", "--samples", "100000"]] {
             whole(&folder, more);
             let resumed = [more, &["--checkpoint", "5ms", "--resume"]].concat();
             for wait in [0, 90, 40] {
