@@ -114,8 +114,9 @@ fn sum<M: MediumX8>(
             product *= factor(width_squared, projection.offset_squared, vertex.spread, share);
             after += projection.segment_squared;
         }
-        // One that left the range of numbers before it met a segment without length.
-        let overflowed = product.is_nan() & log.is_finite();
+        // Beyond all numbers, and perhaps none at all since it met a segment without length. It stands for something huge:
+        // on such a detour little else could have been made up for.
+        let overflowed = !product.is_finite() & log.is_finite();
         product = overflowed.select(f32x8::splat(f32::MAX), product);
         let mut ratio = scale * start.attempt * product;
         if let Some(hues) = arrival.hues {
