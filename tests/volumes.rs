@@ -239,7 +239,6 @@ fn volumes_of_scenes_are_what_their_script_writes() {
     }
 }
 
-/// Files of tests that are too large to be kept.
 /// Four bytes each, in a file: flames, thin as they are, too.
 #[test]
 fn no_grid_of_a_scene_takes_much_more_than_its_active_voxels() {
@@ -254,6 +253,7 @@ fn no_grid_of_a_scene_takes_much_more_than_its_active_voxels() {
     }
 }
 
+/// Files of tests that are too large to be kept.
 #[test]
 fn what_tests_write_is_read() {
     let leaf = |origin: [i32; 3]| {

@@ -22,7 +22,7 @@ impl<'a> Leaves<'a> {
         Self(leaves.iter().map(|leaf| (brick_of(leaf), leaf)).collect())
     }
 
-    /// The bricks that leaves reach into, x first: the apron of a brick before reaches into them.
+    /// The bricks that leaves reach into, x first: theirs, and those before, whose aprons have first layers of leaves.
     pub fn bricks(&self) -> Vec<[i32; 3]> {
         let before = |brick: [i32; 3], corner: i32| [0, 1, 2].map(|axis| brick[axis] - (corner >> axis & 1));
         let mut touched: Vec<_> =

@@ -56,7 +56,7 @@ impl Head {
         Self { first: 0, kept: Kept::ALL, least: density, step: 0.0 }
     }
 
-    /// Whether it is one of them.
+    /// Whether it is that of a brick of one density.
     pub const fn is_constant(&self) -> bool {
         self.step == 0.0
     }

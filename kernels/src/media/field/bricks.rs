@@ -18,6 +18,8 @@ pub const SIDE: u32 = 8;
 /// Most memory that boxes may take, over four bytes for each voxel that is not 0: with a quarter of it for the cells of a
 /// coarse field, 1.3.
 const MOST_OF_BOXES: f64 = 1.04;
+/// How much less masks have to take where boxes take more than that: what is found in them is found later.
+const WORTH_IT: f64 = 0.8;
 
 /// 8^3 voxels of a file or a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +81,7 @@ impl Bricks {
             return boxes;
         }
         let masks = maker.masks(&boxes);
-        if masks.bytes() < boxes.bytes() { masks } else { boxes }
+        if masks.bytes() as f64 <= WORTH_IT * boxes.bytes() as f64 { masks } else { boxes }
     }
 
     /// In boxes, and by masks.
@@ -349,7 +351,8 @@ mod tests {
                 let from_centre = (0..3).map(|axis| f64::from(origin[axis]) + at[axis] as f64 - 3.7).map(|d| d * d);
                 let inside = (from_centre.sum::<f64>().sqrt() - 21.0).abs() < thickness / 2.0;
                 let varied = random::uniform(random::words(number, voxel as u32, 8, 9)[0]) as f32;
-                if inside { 0.5 + if number.is_multiple_of(4) { 0.0 } else { varied } } else { 0.0 }
+                let density = if number.is_multiple_of(4) { 0.5 } else { 0.5 + varied };
+                if inside { density } else { 0.0 }
             };
             Leaf { origin, values: Arc::new(core::array::from_fn(value)) }
         };
@@ -370,18 +373,28 @@ mod tests {
 
     #[test]
     fn densities_of_thin_shells_are_those_of_boxes() {
-        let leaves = shell(2.0);
+        let mut leaves = shell(2.0);
+        // Every fifth leaf has something far denser, and fine shares.
+        for leaf in leaves.iter_mut().step_by(5) {
+            let value = Arc::make_mut(&mut leaf.values).iter_mut().rfind(|value| **value != 0.0);
+            *value.expect("a voxel of the shell") = 300.0;
+        }
         let [boxes, masks] = Bricks::both(&leaves);
         let mut filled = 0;
         for seed in 0..20_000 {
-            let words = random::words(seed, 1, 4, 9);
             // Over the borders, too.
-            let at = words.map(|word| 66.0 * random::uniform(word) as f32 - 1.0);
-            let at = Vec3x8::splat([at[0], at[1], at[2]]);
+            let words = random::words(seed, 1, 4, 9);
+            let along = |axis: u32| {
+                let word = |lane: usize| random::words(seed, axis, lane as u32, 8)[0];
+                f32x8::new(crate::lanes::per_lane(|lane| 66.0 * random::uniform(word(lane)) as f32 - 1.0))
+            };
+            let at = Vec3x8::new(along(0), along(1), along(2));
             for smooth in [true, false] {
-                let [expected, found] = [&boxes, &masks].map(|form| form.density(at, smooth).to_array()[0]);
-                assert!((found - expected).abs() < 4e-5, "{found} instead of {expected} at {at:?}");
-                filled += u32::from(found > 0.0);
+                let [expected, found] = [&boxes, &masks].map(|form| form.density(at, smooth).to_array());
+                for (expected, found) in expected.into_iter().zip(found) {
+                    assert!((found - expected).abs() < 1e-4, "{found} instead of {expected} at {at:?}");
+                    filled += u32::from(found > 0.0);
+                }
             }
             let (place, side) = (words.map(|word| word % 50), 1 << (words[3] % 4));
             let first = [place[0], place[1], place[2]].map(|along| along / side * side);
@@ -392,12 +405,12 @@ mod tests {
                     found.most,
                     found.mean,
                 ]) {
-                    assert!((found - expected).abs() < 4e-5, "{found} instead of {expected} from {first:?} on");
+                    assert!((found - expected).abs() < 1e-4, "{found} instead of {expected} from {first:?} on");
                 }
             }
             let voxel = [place[0], place[1], place[2]].map(i64::from);
-            assert!((boxes.value(voxel) - masks.value(voxel)).abs() < 4e-5, "at {voxel:?}");
+            assert!((boxes.value(voxel) - masks.value(voxel)).abs() < 1e-4, "at {voxel:?}");
         }
-        assert!(filled > 2000, "{filled} points in the shell");
+        assert!(filled > 16_000, "{filled} points in the shell");
     }
 }

@@ -9,6 +9,8 @@
 //! density = step share
 //! ```
 //!
+//! Fine shares of a brick follow its coarse ones.
+//!
 //! What an interpolation needs of a layer, two values of a row and two of the next one, is found at once: their bits are
 //! within 64 others, and values of a row follow each other.
 
@@ -80,6 +82,9 @@ impl Masks {
     /// its apron.
     pub fn extent(&self, first: [u32; 3], layers: [u32; 3]) -> Extent {
         let (brick, first) = self.find(first);
+        if brick.step == 0.0 {
+            return Extent { least: 0.0, most: 0.0, mean: 0.0 };
+        }
         let shares = places(first, layers).map(|at| self.share(brick, at));
         let [least, most, mean] = ranged(shares).map(|share| brick.step * share as f32);
         // Two shares that were mixed apart may round to more than either of them.
@@ -276,7 +281,7 @@ impl Brick {
         self.words[bit as usize / 64] >> (bit % 64) & 1 != 0
     }
 
-    /// The bits from this one on, at least those of two rows, if the second of them has one.
+    /// The bits from this one on: those of two rows, at least, are right.
     #[inline(always)]
     fn window(&self, bit: u32) -> u64 {
         let (word, shift) = (bit as usize / 64, bit % 64);
