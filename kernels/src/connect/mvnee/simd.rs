@@ -15,8 +15,8 @@
 //! 4. `seeds` over the rest of path tracing's density is one exponential; in a homogeneous medium all mu_t^m cancel, and
 //!    `tau(Lambda_a) - tau(s)` is left. Detours that long edges make are as large as offsets that far out are rare, more
 //!    than f32 holds either way. So every edge gets its share of the exponential, the a-th root: a running product of
-//!    factors of order one neither overflows nor vanishes. Where detours are of thousands of mean free paths it overflows
-//!    all the same, and rightly: such paths have no weight.
+//!    factors of order one neither overflows nor vanishes. Where detours are of more than 88 mean free paths per edge it
+//!    overflows all the same, and rightly: such paths have no weight.
 //! 5. Areas are divided by areas before they are multiplied: a scene in kilometres must not overflow.
 //! 6. Starts that are near enough in no lane cost only the test; starts that every lane refuses, the projections up to
 //!    there.

@@ -9,9 +9,10 @@
 use wide::{f32x8, u32x8};
 
 use super::apron::{Leaves, VALUES};
-use super::bricks::{Extent, SIDE, Span, mix, places, ranged, split};
+use super::bricks::{Extent, SIDE, mix, ranged};
 use super::kept::{Kept, KeptX8};
 use super::shares::{self, WHOLE};
+use super::span::{Span, places, split};
 use super::table::Table;
 use crate::lanes::{self, LANES, per_lane};
 

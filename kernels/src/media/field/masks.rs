@@ -17,8 +17,9 @@
 use wide::{f32x8, u32x8};
 
 use super::apron::{Leaves, STRIDE, VALUES};
-use super::bricks::{Extent, SIDE, Span, mix, places, ranged, split};
+use super::bricks::{Extent, SIDE, mix, ranged};
 use super::shares::{self, FINE, WHOLE};
+use super::span::{Span, places, split};
 use super::table::Table;
 use crate::lanes::{self, LANES, per_lane};
 

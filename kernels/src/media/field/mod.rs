@@ -58,6 +58,7 @@ pub mod reference;
 mod shape;
 mod shares;
 mod simd;
+mod span;
 mod table;
 pub mod tracking;
 mod volume;
