@@ -108,7 +108,7 @@ fn compare(seeds: u32, limits: Limits) {
 
 #[test]
 fn few_samples_have_the_mean_of_all() {
-    compare(if IS_LONG { 4000 } else { 300 }, Target::Samples(24).into());
+    compare(if IS_LONG { 4000 } else { 200 }, Target::Samples(24).into());
 }
 
 #[cfg(feature = "long")]

@@ -14,7 +14,7 @@ use fogbow_testing::agreement::{assert_same, assert_same_of, means};
 use fogbow_testing::frames::clouds::{IN_FIELDS, colours, solid};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, render, render_with};
-use fogbow_testing::suite::some;
+use fogbow_testing::suite::{half, some};
 use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
@@ -37,10 +37,10 @@ fn grey_means(grey: impl Fn(usize) -> Frame, active: Active, samples: u32) -> [(
 fn assert_that_of_grey_extinction(name: &str, base: &Frame, turn: usize, samples: u32) {
     for segments in some(1..=5, turn, 2) {
         let frame = frames::with_length(base, segments);
-        let truth = grey_means(|channel| grey(&frame, channel), Active::Every, 2 * samples);
+        let truth = grey_means(|channel| grey(&frame, channel), Active::Every, half(2 * samples));
         for active in Active::ALL {
             let seed = 100 * active as u32 + segments;
-            let found = means(&Frame { seed, ..frames::with_techniques(&frame, active, 4.0) }, samples);
+            let found = means(&Frame { seed, ..frames::with_techniques(&frame, active, 4.0) }, half(samples));
             assert_same_of(active, &format!("{name}, {segments} segments"), found, truth);
         }
     }
@@ -64,10 +64,10 @@ fn volumes_of_several_colours_have_the_means_of_grey_ones_in_every_channel() {
     for (turn, colours) in colours(SMALL).iter().enumerate() {
         for segments in some(1..=4, turn, 2) {
             let of_length = |frame: &Frame| frames::with_length(frame, segments);
-            let truth = grey_means(|channel| of_length(&colours.grey(channel)), Active::Nee, 2000);
+            let truth = grey_means(|channel| of_length(&colours.grey(channel)), Active::Nee, half(2000));
             for active in IN_FIELDS {
                 let frame = frames::with_techniques(&of_length(&colours.frame), active, 4.0);
-                let found = means(&Frame { seed: 100 * active as u32 + segments, ..frame }, 1000);
+                let found = means(&Frame { seed: 100 * active as u32 + segments, ..frame }, half(1000));
                 assert_same_of(active, &format!("{}, {segments} segments", colours.name), found, truth);
             }
         }
@@ -78,7 +78,7 @@ fn volumes_of_several_colours_have_the_means_of_grey_ones_in_every_channel() {
 fn few_starts_survival_aimed_flights_and_roulette_keep_the_means() {
     for (turn, (name, base)) in frames::coloured(SMALL).into_iter().enumerate() {
         let base = Frame { aimed: 0.0, ..base };
-        let truth = grey_means(|channel| grey(&base, channel), Active::Every, 3000);
+        let truth = grey_means(|channel| grey(&base, channel), Active::Every, half(3000));
         let few = frames::with_techniques(&base, Active::Bridge, 4.0).with_walk(2, 0.8);
         let kinds = [
             ("few starts", few.clone()),
@@ -86,7 +86,7 @@ fn few_starts_survival_aimed_flights_and_roulette_keep_the_means() {
             ("roulette", Frame { roulette: 0.2, ..few }),
         ];
         for (kind, frame) in some(kinds, turn + 1, 2) {
-            assert_same(&format!("{name}, {kind}"), means(&frame, 4000), truth);
+            assert_same(&format!("{name}, {kind}"), means(&frame, half(4000)), truth);
         }
     }
 }
@@ -152,10 +152,10 @@ fn a_clear_channel_stays_clear() {
     let medium = Medium::coloured([0.0, 0.8, 1.6], [0.0, 0.9, 0.5], PhaseFunction::henyey_greenstein(0.6));
     let clear = frames::with_medium(&base, medium);
     let vacuum = Frame { techniques: Default::default(), ..frames::with_medium(&base, Medium::vacuum()) };
-    let grey = grey_means(|channel| grey(&clear, channel), Active::Every, 3000);
-    let truth = [means(&vacuum, 3000)[0], grey[1], grey[2]];
+    let grey = grey_means(|channel| grey(&clear, channel), Active::Every, half(3000));
+    let truth = [means(&vacuum, half(3000))[0], grey[1], grey[2]];
     for active in Active::ALL {
-        let found = means(&Frame { seed: 7, ..frames::with_techniques(&clear, active, 4.0) }, 800);
+        let found = means(&Frame { seed: 7, ..frames::with_techniques(&clear, active, 4.0) }, half(800));
         assert_same(&format!("{active:?}"), found, truth);
     }
 }

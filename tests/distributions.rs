@@ -21,6 +21,7 @@ use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts};
 use fogbow_testing::walks::{LANES, after_walks, start, vector, walk};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Samples that a distribution is tested with.
 const SAMPLES: usize = 1 << 18;
@@ -259,11 +260,11 @@ fn triangles_of_a_mesh_are_chosen_by_area() {
 
 #[test]
 fn lights_of_groups_are_chosen_by_their_density() {
-    for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
+    [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance].into_par_iter().for_each(|selection| {
         let frame = frames::swarm(60, selection, [64, 64]);
         assert!(frame.lights.lights().len() < frame.lights.emitters().len(), "groups");
         assert_emitters_are_chosen_by_density(&format!("{selection:?}"), &frame);
-    }
+    });
 }
 
 #[test]

@@ -19,6 +19,7 @@ use fogbow_testing::frames::clouds::{ball, centred, cloud, leaves, lumps, solid,
 use fogbow_testing::frames::{self, Active, with_all_layers};
 use fogbow_testing::render::{WORKERS, render, render_with};
 use fogbow_testing::statistics::z_of_means;
+use fogbow_testing::suite::half;
 use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
@@ -317,11 +318,11 @@ fn coloured_media_are_as_bright_as_grey_ones_in_every_channel() {
     for (name, frame) in variety().into_iter().filter(|(_, frame)| frame.medium.is_coloured()) {
         let truth = [0, 1, 2].map(|c| {
             let grey = Frame { seed: 77 + c as u32, ..with(&grey(&frame, c), Active::Nee) };
-            let (mean, error) = per_channel(&grey, 2000);
+            let (mean, error) = per_channel(&grey, half(2000));
             (mean[c], error[c])
         });
         for active in TECHNIQUES {
-            let (mean, error) = per_channel(&with(&frame, active).with_walk(u32::MAX, 0.9), 1000);
+            let (mean, error) = per_channel(&with(&frame, active).with_walk(u32::MAX, 0.9), half(1000));
             for c in 0..3 {
                 let z = z_of_means((mean[c], error[c]), truth[c]);
                 let found = (mean[c], error[c]);

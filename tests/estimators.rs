@@ -9,7 +9,7 @@ use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::statistics::{p_of_chi_square, p_of_uniformity, z_of_means};
-use fogbow_testing::suite::some;
+use fogbow_testing::suite::{half, some};
 use fogbow_testing::truths;
 use glam::DVec3;
 
@@ -75,6 +75,7 @@ fn means(base: &Frame, mesc: f64, segments: u32, samples: u32) -> Renders {
 }
 
 fn assert_equal_means(name: &str, base: &Frame, mesc: f64, lengths: impl Iterator<Item = u32>, samples: u32) {
+    let samples = half(samples);
     let p_value =
         |segments: u32| means(base, mesc, segments, samples).assert_equal(&format!("{name}, {segments} segments"));
     assert_uniform(name, &lengths.map(p_value).collect::<Vec<_>>());
@@ -261,7 +262,7 @@ fn many_lights_have_equal_means_under_every_selection_rule() {
     let with = |selection: Selection, active: Active| {
         let base = frames::three_lights(0.7, selection, SMALL);
         let frame = Frame { seed: 31 * selection as u32 + active as u32, ..base };
-        render(&frames::with_techniques(&frame, active, 3.0), SMALL, 0..4000).0.mean()
+        render(&frames::with_techniques(&frame, active, 3.0), SMALL, 0..half(4000)).0.mean()
     };
     let truth = with(Selection::Uniform, Active::Path);
     for selection in [Selection::Uniform, Selection::Intensity, Selection::IntensityDistance] {
@@ -301,7 +302,7 @@ fn where_walks_end_and_what_roulette_drops_change_no_mean() {
             for starts in [1, 2, 4, u32::MAX] {
                 for (survival, roulette) in [(1.0, 0.0), (0.6, 0.0), (1.0, threshold), (0.6, threshold)] {
                     let frame = Frame { lengths, ..walk(&base, starts, survival, roulette) };
-                    let mean = render(&frame, SMALL, 0..500).0.mean();
+                    let mean = render(&frame, SMALL, 0..half(500)).0.mean();
                     means.push((format!("{starts} starts, survival {survival}, roulette {roulette}"), mean));
                 }
             }

@@ -31,7 +31,7 @@ use fogbow_testing::quadrature::henyey_greenstein;
 use fogbow_testing::recorded::wavefront;
 use fogbow_testing::render::{WORKERS, render_here, render_with};
 use fogbow_testing::statistics::z_of_means;
-use fogbow_testing::suite::{IS_LONG, some};
+use fogbow_testing::suite::{IS_LONG, half, some};
 use glam::DVec3;
 
 /// All that varies, and a block of equal voxels, in which most of what paths come to is even.
@@ -140,7 +140,7 @@ fn the_coarse_field_changes_no_mean() {
         let max = base.lengths.max.min(longest);
         let base = Frame { lengths: PathLengths { max, ..base.lengths }, ..base };
         let grid = base.medium.field().expect("a cloud").clone();
-        let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, 3200);
+        let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Nee, 4.0) }, half(3200));
         let changes = [
             ("majorants doubled", (3, 2.0, 1.0)),
             ("means halved", (2, 1.0, 0.5)),
@@ -151,7 +151,7 @@ fn the_coarse_field_changes_no_mean() {
             let other = grid.clone().with_cells(log_side, factor, mean);
             for active in techniques.iter().copied() {
                 let frame = frames::with_techniques(&with_field(&base, other.clone()), active, 4.0);
-                assert_same_of(active, &format!("{name}, {change}"), means(&frame, 1000), truth);
+                assert_same_of(active, &format!("{name}, {change}"), means(&frame, half(1000)), truth);
             }
         }
     }
@@ -162,14 +162,14 @@ fn the_coarse_field_changes_no_mean() {
 fn the_stand_in_of_phase_functions_changes_no_mean() {
     let (name, base) =
         volumes(SMALL).into_iter().find(|(_, frame)| frame.medium.phases.is_some()).expect("one of them");
-    let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Path, 4.0) }, 6000);
+    let truth = means(&Frame { seed: 77, ..frames::with_techniques(&base, Active::Path, 4.0) }, half(6000));
     let one_of_them = base.medium.all_phases()[1].clone();
     let stand_ins = [base.medium.phase.clone(), one_of_them, PhaseFunction::henyey_greenstein(-0.2)];
     for (turn, stand_in) in stand_ins.into_iter().enumerate() {
         let changed = frames::with_medium(&base, Medium { phase: stand_in.clone(), ..base.medium.clone() });
         for active in some([Active::Nee, Active::Mvnee, Active::Omnee, Active::Bridge], turn, 2) {
             let frame = frames::with_techniques(&changed, active, 4.0);
-            assert_same(&format!("{name}, {stand_in:?}, {active:?}"), means(&frame, 1500), truth);
+            assert_same(&format!("{name}, {stand_in:?}, {active:?}"), means(&frame, half(1500)), truth);
         }
     }
 }

@@ -8,6 +8,7 @@ use fogbow_kernels::tables::lights::{Lights, Selection};
 use fogbow_kernels::tables::surfaces::Material;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
+use fogbow_testing::suite::half;
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [8, 8];
@@ -43,7 +44,7 @@ fn assert_even(name: &str, groups: &[(Material, Vec<Face>)], first_shining: u32,
             if medium.never_scatters() {
                 frame.techniques = frame.techniques.without_vertices();
             }
-            let (mean, error) = green(&render(&frame, SIZE, 0..64).0);
+            let (mean, error) = green(&render(&frame, SIZE, 0..half(64)).0);
             let name = format!("{name}, extinction {}, {active:?}", medium.largest_extinction());
             assert!((mean - 1.0).abs() < 1e-6 + 4.2 * error && error < 0.02, "{name}: {mean} +- {error}");
         }

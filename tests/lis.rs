@@ -21,6 +21,7 @@ use fogbow_testing::recorded;
 use fogbow_testing::statistics::{Moments, p_of_counts, p_of_uniformity, p_of_z};
 use fogbow_testing::walks::{after_walks, vector};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Samples that a distribution is tested with.
 const SAMPLES: usize = 1 << 18;
@@ -160,34 +161,36 @@ fn any_density_over_that_of_the_connections_has_mean_one() {
         Connector::Bridge(Bridge { defensive: 1.0, max_inserted: 5, ..bridge })
     };
     let mvnee = |frame: &Frame| Connector::Mvnee(Mvnee::new(&frame.medium, f64::INFINITY, Offset::Ggx));
-    let mut p_values = Vec::new();
-    for frame in [
+    let frames = [
         frame(0.5, None, bridge),
         frame(0.4, Some(20.0), bridge),
         in_volumes(&frame(0.4, Some(5.0), bridge), bridge),
         frame(0.6, None, mvnee),
         frame(0.6, Some(20.0), mvnee),
-    ] {
+    ];
+    let p_values_of = |frame: &Frame| {
         let (disk, medium) = (&frame.lights.emitters()[0], frame.medium.twin(0));
         let mut quotients = [Moments::default(); 8];
-        connections(&frame, 16 * SAMPLES, |arriving, chain| {
+        connections(frame, 16 * SAMPLES, |arriving, chain| {
             let (to_vertex, edges) = (&chain[..chain.len() - 1], chain.len() - 1);
             let from = Start { depth: 2, position: chain[0], arriving, on_surface: false };
-            let made = density(&settings(&frame), &medium, disk, frame.lengths.max, &from, chain, 1.0).value();
+            let made = density(&settings(frame), &medium, disk, frame.lengths.max, &from, chain, 1.0).value();
             let other = other_vertex_density(disk, chain[edges], chain[edges - 1]);
             for (count, quotient) in quotients.iter_mut().enumerate() {
                 // Very short edges may be rounded to nothing.
                 let counts = count == edges && made > 0.0;
-                quotient.add(if counts { other * other_connector_density(&frame, to_vertex) / made } else { 0.0 });
+                quotient.add(if counts { other * other_connector_density(frame, to_vertex) / made } else { 0.0 });
             }
         });
-        for (edges, quotient) in quotients.iter().enumerate().skip(2) {
+        let connector = settings(frame).connector;
+        let p_value = |(edges, quotient): (usize, &Moments)| {
             let (mean, error) = (quotient.mean(), quotient.standard_error());
             let z = (mean - 1.0) / error;
-            let connector = settings(&frame).connector;
-            assert!(z.abs() < 4.0 && error < 0.05, "{connector:?}, {} edges: {mean} +- {error}", edges);
-            p_values.push(p_of_z(z));
-        }
-    }
+            assert!(z.abs() < 4.0 && error < 0.05, "{connector:?}, {edges} edges: {mean} +- {error}");
+            p_of_z(z)
+        };
+        quotients.iter().enumerate().skip(2).map(p_value).collect::<Vec<_>>()
+    };
+    let p_values: Vec<_> = frames.par_iter().flat_map_iter(p_values_of).collect();
     assert!(p_values.len() == 30 && p_of_uniformity(&p_values) > SUSPICIOUS, "{p_values:?}");
 }

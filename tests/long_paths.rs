@@ -17,7 +17,7 @@ use fogbow_testing::frames::clouds::IN_FIELDS;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{WORKERS, green, render, render_here};
 use fogbow_testing::statistics::z_of_means;
-use fogbow_testing::suite::some;
+use fogbow_testing::suite::{half, some};
 use fogbow_testing::truths::{sheet, slabs};
 
 fn scene(folder: &str, settings: &[String]) -> LoadedScene {
@@ -122,10 +122,10 @@ fn every_technique_has_the_mean_of_all_lengths() {
     let size = [12, 12];
     let stated = frames::with_techniques(&absorbing(size), Active::Bridge, 4.0);
     let stated = Frame { lengths: PathLengths { min: 1, max: 60 }, seed: 77, ..stated };
-    let truth = green(&render(&stated, size, 0..4000).0);
+    let truth = green(&render(&stated, size, 0..half(4000)).0);
     for (turn, active) in Active::ALL.into_iter().enumerate() {
         for fall in some([0.4, 0.5], turn, 2) {
-            let found = green(&render(&endless(&absorbing(size), active, fall), size, 0..1500).0);
+            let found = green(&render(&endless(&absorbing(size), active, fall), size, 0..half(1500)).0);
             let z = z_of_means(found, truth);
             assert!(z.abs() < 4.2, "{active:?}, {fall}: {found:?} instead of {truth:?}, z = {z}");
         }

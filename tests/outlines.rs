@@ -9,7 +9,7 @@ use fogbow_testing::agreement::{
 };
 use fogbow_testing::frames::{self, Active, clouds};
 use fogbow_testing::render::render;
-use fogbow_testing::suite::some;
+use fogbow_testing::suite::{half, some};
 use glam::DVec3;
 
 const SMALL: [u32; 2] = [16, 16];
@@ -52,7 +52,7 @@ fn more_rays_change_no_mean() {
             let lengths = fogbow_kernels::PathLengths { min: *lengths.start(), max: *lengths.end() };
             let many = Frame { lengths, ..frames::with_techniques(&frame, Active::Nee, 4.0) };
             let one = Frame { outlines: None, seed: 5, ..many.clone() };
-            assert_same(&format!("{name}, {what}"), means(&many, 2000), means(&one, 6000));
+            assert_same(&format!("{name}, {what}"), means(&many, half(2000)), means(&one, half(6000)));
         }
     }
 }

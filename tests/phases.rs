@@ -7,7 +7,7 @@ use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::render::{green, render};
 use fogbow_testing::statistics::{p_of_chi_square, z_of_means};
-use fogbow_testing::suite::{IS_LONG, some};
+use fogbow_testing::suite::{half, some};
 
 const SIZE: [u32; 2] = [16, 16];
 
@@ -21,7 +21,7 @@ fn mean(frame: &Frame, active: Active, samples: u32) -> (f64, f64) {
 fn all_techniques_have_the_same_mean_whatever_the_phase_function() {
     for (name, phase) in frames::phase_functions() {
         let frame = frames::with_phase(&frames::two_lights(0.0, Selection::IntensityDistance, SIZE), phase);
-        let means = Active::ALL.map(|active| mean(&frame, active, 600));
+        let means = Active::ALL.map(|active| mean(&frame, active, half(600)));
         let certainty: f64 = means.iter().map(|(_, error)| error.powi(-2)).sum();
         let common = means.iter().map(|(mean, error)| mean * error.powi(-2)).sum::<f64>() / certainty;
         let chi_square = means.iter().map(|(mean, error)| ((mean - common) / error).powi(2)).sum();
@@ -32,7 +32,7 @@ fn all_techniques_have_the_same_mean_whatever_the_phase_function() {
 
 /// Checks that both phase functions make the same image, to a hundredth.
 fn assert_alike(name: &str, phase: PhaseFunction, other: PhaseFunction) {
-    let (frame, samples) = (frames::fog_facing(1.0, 0.0, SIZE), if IS_LONG { 4000 } else { 2000 });
+    let (frame, samples) = (frames::fog_facing(1.0, 0.0, SIZE), half(4000));
     let [a, b] = [(phase, Active::Every), (other, Active::Bridge)]
         .map(|(phase, active)| mean(&frames::with_phase(&frame, phase), active, samples));
     assert!(z_of_means(a, b).abs() < 3.5 && a.1 < 0.01 * a.0 && b.1 < 0.01 * b.0, "{name}: {a:?} and {b:?}");

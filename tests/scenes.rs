@@ -69,7 +69,7 @@ fn every_scene_has_the_mean_that_its_readme_promises() {
         let scene = small(&folder);
         // Bridges need fewer samples where there is less fog, and take longer where there is more to hit.
         let samples = if scene.frame.surfaces.is_empty() { 6000 } else { 600 };
-        let samples = if IS_LONG { samples } else { samples / 3 };
+        let samples = if IS_LONG { samples } else { samples / 4 };
         let (means, errors) = render(&scene.frame, scene.scene.film.size, 0..samples).0.mean();
         for (channel, expected, known) in promised(&folder) {
             let (name, mean, error) = (&scene.name, means[channel], errors[channel]);

@@ -240,7 +240,7 @@ mod on_signals {
             (&["--time", "1h", "--adaptive"], 75),
             (&["--samples", "1000000000"], 75),
             (&["--noise", "1e-9"], 75),
-            (&["--samples", "8000"], 143),
+            (&["--samples", "2000"], 143),
             (&["--time", "100s", "--noise", "1e-9", "--samples", "1000000000"], 143),
         ] {
             let folder = Folder::with_scene();

@@ -19,8 +19,9 @@ pub fn flags<'a>(output: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&base[..], more].concat()
 }
 
+/// On one thread, which leaves others to the tests beside this one.
 pub fn spawn(folder: &Folder, output: &str, more: &[&str]) -> Child {
-    program(folder).args(flags(output, more)).spawn().expect("the program starts")
+    program(folder).args(flags(output, more)).args(["--threads", "1"]).spawn().expect("the program starts")
 }
 
 #[track_caller]

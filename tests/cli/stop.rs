@@ -15,7 +15,8 @@ const SLOWNESS: u32 = if cfg!(debug_assertions) { 20 } else { 1 };
 /// Starts a render that would take hours, without checkpoints, and returns once it has begun.
 fn started(folder: &Folder, flags: &[&str]) -> Child {
     let mut command = program(folder);
-    command.args(["render", "scene.toml", "-o", "a.exr", "-o", "a.png", "--checkpoint", "off"]).args(flags);
+    let base = ["render", "scene.toml", "-o", "a.exr", "-o", "a.png", "--checkpoint", "off", "--threads", "1"];
+    command.args(base).args(flags);
     let child = command.spawn().expect("the program starts");
     wait_for_handlers(&child);
     // Tests that run beside this one may delay its first samples.

@@ -42,7 +42,7 @@ impl Served {
 
     /// One that listens at `place`, and what it says of that.
     pub fn start_at(folder: &Folder, place: &str, flags: &[&str]) -> (Self, Value) {
-        let base = ["render", "scene.toml", "--serve", place, "--progress", "json"];
+        let base = ["render", "scene.toml", "--serve", place, "--progress", "json", "--threads", "1"];
         let mut child = program(folder).args(base).args(flags).spawn().expect("the program starts");
         let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
         let mut line = String::new();

@@ -12,6 +12,7 @@ use crate::frames::clouds::IN_FIELDS;
 use crate::frames::{self, Active};
 use crate::render::{WORKERS, render, render_here, render_with};
 use crate::statistics::z_of_means;
+use crate::suite::half;
 
 const SMALL: [u32; 2] = [16, 16];
 
@@ -101,7 +102,7 @@ fn means_until(is_known: impl Fn(&[(f64, f64); 3]) -> bool, frame: &Frame, sampl
 /// Means to compare others with: known to half of what the difference to them has to be.
 fn known_means(frame: &Frame) -> [(f64, f64); 3] {
     let is_known = |found: &[(f64, f64); 3]| found.iter().all(|(mean, error)| *error <= 0.5 * KNOWN * mean);
-    means_until(is_known, frame, 2800)
+    means_until(is_known, frame, half(2800))
 }
 
 /// The standard error of a difference, over the truth.
@@ -150,7 +151,7 @@ pub fn assert_equal_means_of(case: &str, base: &Frame, other: &Frame) {
         let seed = 100 * active as u32 + base.lengths.max;
         let frame = Frame { seed, ..frames::with_techniques(base, active, 4.0) };
         let is_known = |found: &[(f64, f64); 3]| (0..3).all(|c| settles(found[c], truth[c], known_of(active)));
-        let found = means_until(is_known, &frame, 700);
+        let found = means_until(is_known, &frame, half(700));
         assert_same_of(active, case, found, truth);
     }
 }

@@ -3,6 +3,11 @@
 /// Whether all of them: `--features long`.
 pub const IS_LONG: bool = cfg!(feature = "long");
 
+/// Half of `samples`, which tells the same to 1.4 times the error; all of them in the long suite.
+pub const fn half(samples: u32) -> u32 {
+    if IS_LONG { samples } else { samples / 2 }
+}
+
 /// Of the points of a proof every `stride`th from number `first` on, so that proofs of a kind can take turns; all of
 /// them in the long suite.
 pub fn some<T>(points: impl IntoIterator<Item = T>, first: usize, stride: usize) -> impl Iterator<Item = T> {
