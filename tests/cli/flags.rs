@@ -48,6 +48,18 @@ fn an_override_is_checked_like_the_scene() {
         let finding = "is out of range\n  help: give a whole number from 0 to 4294967295\n";
         refused(&["--seed", seed], &format!("--seed {seed}: {finding}"));
     }
+    for written in ["medium.scattering=.3", "medium.scattering=3.", "light[0].radiance=[1, .5, 1]"] {
+        refused(
+            &["--set", written],
+            &format!("--set {written}: digits of a number are missing here\n  help: give a number"),
+        );
+    }
+    for value in ["0xFFFFFFFFFFFFFFFFFF", "{ radius = 99999999999999999999 }"] {
+        let set = format!("light[0]={value}");
+        let finding = format!("--set {set}: ");
+        let run = Folder::with_scene().run(&["render", "scene.toml", "-o", "a.exr", "--set", &set]);
+        assert!(run.stderr.starts_with(&format!("error: {finding}")) && run.stderr.contains("out of range"), "{run}");
+    }
     refused(&["--size", "0x0"], "--size 0x0: film.size[0]: 0 is out of range\n  help: give a whole number from 1 to");
     refused(&["--size", "4000000000x4"], "--size 4000000000x4: film.size[0]: 4000000000 is out of range\n");
     refused(&["--size", "20000x20000"], "--size 20000x20000: film.size is [20000, 20000]\n");

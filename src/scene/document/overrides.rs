@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use super::parser_messages::{Words, words};
+use super::parser_messages::{DIGITS_MISSING, Words, words};
 use crate::error::{Error, Result};
 
 /// Steps of the longest key that an override may have: some more than any key of a scene has.
@@ -25,7 +25,7 @@ impl Override {
     /// From `key=value`, where the value is TOML; what is not a TOML value is a string.
     ///
     /// # Errors
-    /// If there is no `=`, or the value is a number that is too large.
+    /// If there is no `=`, or the value is a number that TOML cannot hold or writes otherwise.
     pub fn parse(text: &str) -> Result<Self> {
         let flag = format!("--set {text}");
         let Some((key, value)) = text.split_once('=') else {
@@ -33,14 +33,20 @@ impl Override {
         };
         let parsed = format!("value = {value}").parse::<Table>();
         let words = parsed.as_ref().err().map(|error| words(error.message()));
-        // A number that TOML cannot hold is meant as one all the same.
-        if let Some(Words { finding, remedy: Some(remedy) }) = words {
+        // A number that TOML cannot hold is meant as one all the same; what begins like one, as ../sky.exr, may be text.
+        let may_be_text = |words: &Words| words.finding == DIGITS_MISSING && !looks_like_numbers(value);
+        if let Some(Words { finding, remedy: Some(remedy) }) = words.filter(|words| !may_be_text(words)) {
             return Err(Error::usage(flag, finding, remedy));
         }
         let parsed = parsed.ok().filter(|table| table.len() == 1);
         let value = parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| Value::String(value.into()));
         Ok(Self { key: key.trim().into(), value, flag, is_dedicated: false })
     }
+}
+
+/// Whether there is nothing in it but numbers and lists of them.
+fn looks_like_numbers(value: &str) -> bool {
+    value.chars().all(|c| c.is_ascii_digit() || "+-.eE_[], ".contains(c))
 }
 
 /// One step down the tree.

@@ -1,5 +1,8 @@
 //! What the parsers say, in words of someone who writes a scene rather than Rust.
 
+/// What is found where a number has no digit before or after its point, or after its e.
+pub const DIGITS_MISSING: &str = "digits of a number are missing here";
+
 /// What is wrong with a value, and what would be right where that is short.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Words {
@@ -26,6 +29,11 @@ pub fn words(message: &str) -> Words {
     let Some((found, expected)) = message.rsplit_once(", expected ") else {
         return Words { finding: message.replacen("missing field", "missing key", 1), remedy: None };
     };
+    if expected == "digits" {
+        let remedy = "give a number digits before and after its point, and after its e, as 0.3, 3.0 and 1e5; put text, \
+                      such as a path, in quotes";
+        return Words { finding: DIGITS_MISSING.into(), remedy: Some(remedy.into()) };
+    }
     let expected = plain_expected(expected);
     match out_of_range(found) {
         Some(number) => {
@@ -108,6 +116,16 @@ mod tests {
         ] {
             let Words { finding, remedy } = words(theirs);
             assert_eq!((finding, remedy), (format!("{number} is out of range"), Some(format!("give {range}"))));
+        }
+    }
+
+    #[test]
+    fn numbers_that_lack_digits_are_told_so() {
+        for text in ["a = .3", "a = 3.", "a = -.3", "a = 1e", "a = [1, 1.e5]", "a = ../b.vdb"] {
+            let error = text.parse::<toml::Table>().expect_err("no TOML");
+            let Words { finding, remedy } = words(error.message());
+            assert_eq!(finding, DIGITS_MISSING, "{text}: {error}");
+            assert!(remedy.is_some_and(|remedy| remedy.contains("0.3, 3.0 and 1e5; put text")), "{text}");
         }
     }
 

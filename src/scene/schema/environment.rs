@@ -13,7 +13,8 @@ pub struct Environment {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radiance: Option<Spectrum>,
     /// An OpenEXR image with channels R, G and B or a Radiance (.hdr) image, relative to this file, whose pixels are
-    /// radiances [W/(m^2 sr)] by longitude and latitude: +y at the top, -z in the middle, +x to the right of it.
+    /// radiances [W/(m^2 sr)] by longitude and latitude: +y at the top, -z in the middle, +x to the right of it. All
+    /// directions in a pixel have its radiance: nothing is interpolated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-format" = "file"))]
     pub image: Option<String>,
