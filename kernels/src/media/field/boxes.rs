@@ -131,6 +131,11 @@ impl Boxes {
         digest(bytemuck::cast_slice(&self.pool));
     }
 
+    /// Entries of the pool, fine shares and padding included; beyond 2^32 of them, values are not told apart.
+    pub fn pool_len(&self) -> usize {
+        self.pool.len()
+    }
+
     /// Bytes that they take.
     pub fn bytes(&self) -> usize {
         self.heads.bytes() + size_of_val(self.pool.as_slice())
@@ -214,7 +219,7 @@ fn store(pool: &mut Vec<u16>, values: &[f32; VALUES], largest_step: f32) -> Head
     if step == 0.0 {
         return Head::constant(least);
     }
-    let first = u32::try_from(pool.len()).expect("fewer than 2^32 values");
+    let first = pool.len() as u32;
     let kept = Kept::around(values);
     let fine = shares::store(pool, kept.of(values), [least, step], largest_step);
     Head { first, kept: if fine { kept.with_fine() } else { kept }, least, step }

@@ -21,6 +21,8 @@ pub const SIDE: u32 = 8;
 const MOST_OF_BOXES: f64 = 1.04;
 /// How much less masks have to take where boxes take more than that: what is found in them is found later.
 const WORTH_IT: f64 = 0.8;
+/// Most values, fine shares included, that can be told apart.
+const MOST_VALUES: usize = 1 << 32;
 
 /// 8^3 voxels of a file or a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +36,8 @@ pub struct Leaf {
 /// Densities on a lattice, 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bricks {
-    /// Index coordinates of the first voxel of the first brick.
-    pub origin: [i32; 3],
+    /// Index coordinates of the first voxel of the first brick: 8 less than the least i32, at the least.
+    pub origin: [i64; 3],
     /// Bricks along each axis.
     pub dims: [u32; 3],
     form: Form,
@@ -64,16 +66,33 @@ impl Bricks {
     /// if there is no other.
     ///
     /// # Panics
-    /// If there are more than 2^31 bricks from one end to the other.
+    /// If there are more than 2^31 bricks from one end to the other, or more values than bricks can hold.
     pub fn new(leaves: &[Leaf]) -> Self {
+        Self::try_new(leaves).expect("no more values than bricks hold")
+    }
+
+    /// The same; none if there are more values than bricks can hold, 2^32 with those in aprons.
+    ///
+    /// # Panics
+    /// If there are more than 2^31 bricks from one end to the other.
+    pub fn try_new(leaves: &[Leaf]) -> Option<Self> {
+        Self::of_at_most(leaves, MOST_VALUES)
+    }
+
+    /// The same, with `most` in place of 2^32.
+    fn of_at_most(leaves: &[Leaf], most: usize) -> Option<Self> {
         let maker = Maker::new(leaves);
         let voxels = values(leaves).filter(|value| *value != 0.0).count();
         let boxes = maker.boxes();
+        if boxes.pool_len() > most {
+            return None;
+        }
         if boxes.bytes() as f64 <= MOST_OF_BOXES * (voxels * size_of::<f32>()) as f64 {
-            return boxes;
+            return Some(boxes);
         }
         let masks = maker.masks(&boxes);
-        if masks.bytes() as f64 <= WORTH_IT * boxes.bytes() as f64 { masks } else { boxes }
+        let are_worth_it = masks.pool_len() <= most && masks.bytes() as f64 <= WORTH_IT * boxes.bytes() as f64;
+        Some(if are_worth_it { masks } else { boxes })
     }
 
     /// In boxes, and by masks.
@@ -111,8 +130,8 @@ impl Bricks {
     /// What densities range over at points of which the voxels are `low` to `high`, counted from the first one on;
     /// outside of all bricks they are 0. The mean is not asked for, and 0.
     pub fn extent_between(&self, low: [i64; 3], high: [i64; 3], smooth: bool) -> Extent {
-        let voxels = self.dims.map(|dim| i64::from(dim * SIDE));
-        let within = |axis: usize| low[axis].max(0)..(high[axis] + 1).min(voxels[axis]);
+        let voxels = self.dims.map(|dim| i64::from(dim) * i64::from(SIDE));
+        let within = |axis: usize| low[axis].max(0)..high[axis].saturating_add(1).min(voxels[axis]);
         let outside = (0..3).any(|axis| low[axis] < 0 || high[axis] >= voxels[axis]);
         let mut found = Extent { least: if outside { 0.0 } else { f32::INFINITY }, most: 0.0, mean: 0.0 };
         if (0..3).any(|axis| within(axis).is_empty()) {
@@ -134,11 +153,20 @@ impl Bricks {
 
     /// Hands all densities, and where they are, to `digest`.
     pub fn digest(&self, digest: &mut dyn FnMut(&[u8])) {
-        digest(bytemuck::cast_slice(&self.origin));
+        // As i32, which tells all of them apart that are not 2^32 from each other.
+        digest(bytemuck::cast_slice(&self.origin.map(|along| along as i32)));
         digest(bytemuck::cast_slice(&self.dims));
         match &self.form {
             Form::Boxes(boxes) => boxes.digest(digest),
             Form::Masks(masks) => masks.digest(digest),
+        }
+    }
+
+    /// Entries of the pool of values.
+    fn pool_len(&self) -> usize {
+        match &self.form {
+            Form::Boxes(boxes) => boxes.pool_len(),
+            Form::Masks(masks) => masks.pool_len(),
         }
     }
 
@@ -182,7 +210,7 @@ impl Bricks {
 
     /// Density of the voxel at `place`, counted from the first one; 0 outside. For twins.
     pub fn value(&self, place: [i64; 3]) -> f64 {
-        let voxels = self.dims.map(|dim| i64::from(dim * SIDE));
+        let voxels = self.dims.map(|dim| i64::from(dim) * i64::from(SIDE));
         if (0..3).any(|axis| place[axis] < 0 || place[axis] >= voxels[axis]) {
             return 0.0;
         }
@@ -209,7 +237,7 @@ impl<'a> Maker<'a> {
     fn boxes(&self) -> Bricks {
         let (span, boxes) = Boxes::new(&self.leaves, self.largest_step);
         Bricks {
-            origin: span.first.map(|component| component * SIDE as i32),
+            origin: span.first.map(|component| i64::from(component) * i64::from(SIDE)),
             dims: span.dims,
             form: Form::Boxes(boxes),
         }
@@ -218,7 +246,7 @@ impl<'a> Maker<'a> {
     /// What `boxes` hold.
     fn masks(&self, boxes: &Bricks) -> Bricks {
         let Bricks { origin, dims, .. } = *boxes;
-        let span = Span { first: origin.map(|component| component / SIDE as i32), dims };
+        let span = Span { first: origin.map(|component| (component / i64::from(SIDE)) as i32), dims };
         Bricks { origin, dims, form: Form::Masks(Masks::new(&self.leaves, &span, self.largest_step)) }
     }
 }
@@ -306,6 +334,29 @@ mod tests {
                 assert!((least..=most).contains(&density), "{density} at {at:?}, {least} to {most}");
                 assert!((least..=most).contains(&mean), "{mean}, {least} to {most}");
             }
+        }
+    }
+
+    #[test]
+    fn more_values_than_can_be_told_apart_are_too_many() {
+        for leaves in [shell(2.0), shell(42.0)] {
+            let kept = Maker::new(&leaves).boxes().pool_len();
+            let at_most = |most: usize| Bricks::of_at_most(&leaves, most);
+            assert_eq!(at_most(kept), Some(Bricks::new(&leaves)));
+            assert_eq!(at_most(kept - 1), None);
+            assert!(Bricks::new(&leaves).pool_len() <= kept);
+        }
+    }
+
+    #[test]
+    fn leaves_may_be_where_the_first_numbers_are() {
+        let far = Leaf { origin: [i32::MIN, 0, i32::MIN + 8], ..spiky(2.0)[0].clone() };
+        for bricks in Bricks::both(&[far]) {
+            let before = [i64::from(i32::MIN) - 8, -8, i64::from(i32::MIN)];
+            assert_eq!((bricks.origin, bricks.dims), (before, [2; 3]));
+            assert!(bricks.value([8; 3]) > 0.4 && bricks.value([16, 8, 8]) == 0.0);
+            let beyond = bricks.extent_between([i64::MIN; 3], [i64::MAX; 3], true);
+            assert!(beyond.least == 0.0 && beyond.most > 1.9, "{beyond:?}");
         }
     }
 

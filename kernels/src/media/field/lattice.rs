@@ -50,7 +50,7 @@ impl Lattice {
         if let Some((voxels, unit)) = lone_grid(volumes, around) {
             return Self::of_voxels(voxels, Cells::best_log_side(voxels, unit));
         }
-        let bounds = bounds(volumes);
+        let bounds = bounds_of(volumes);
         if OneShape::of(volumes).is_some() {
             return Self::along_axes(bounds, [1; 3]);
         }
@@ -69,7 +69,7 @@ impl Lattice {
         if let Some((voxels, _)) = lone_grid(volumes, around) {
             return Self::of_voxels(voxels, log_side);
         }
-        let bounds = bounds(volumes);
+        let bounds = bounds_of(volumes);
         Self::of_edge(bounds, (bounds[1] - bounds[0]).max_element() / f64::from(1 << log_side))
     }
 
@@ -114,10 +114,10 @@ impl Lattice {
     }
 }
 
-/// Corners of the box around all volumes `[m]`.
-fn bounds(volumes: &[Volume]) -> [DVec3; 2] {
+/// Corners of the box around all of these `[m]`.
+pub fn bounds_of<'a>(volumes: impl IntoIterator<Item = &'a Volume>) -> [DVec3; 2] {
     let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    volumes.iter().map(Volume::bounds).fold(none, |[low, high], [a, b]| [low.min(a), high.max(b)])
+    volumes.into_iter().map(Volume::bounds).fold(none, |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
 /// What is in the cell at `place`, and the volumes that may be there.

@@ -109,6 +109,11 @@ impl Masks {
         digest(bytemuck::cast_slice(&self.pool));
     }
 
+    /// Entries of the pool, fine shares and padding included; beyond 2^32 of them, values are not told apart.
+    pub fn pool_len(&self) -> usize {
+        self.pool.len()
+    }
+
     /// Bytes that they take.
     pub fn bytes(&self) -> usize {
         self.places.bytes() + size_of_val(self.bricks.as_slice()) + size_of_val(self.pool.as_slice())
@@ -255,7 +260,7 @@ impl Brick {
         if step == 0.0 {
             return None;
         }
-        let first = u32::try_from(pool.len()).expect("fewer than 2^32 values");
+        let first = pool.len() as u32;
         let mut brick = Self { first, step, ..Self::default() };
         let mut count = 0;
         for (word, values) in values.chunks(64).enumerate() {

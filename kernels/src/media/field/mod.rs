@@ -77,6 +77,7 @@ pub use blocks::Blocks;
 pub use bricks::{Bricks, Leaf};
 pub use cells::Cells;
 pub use even::{EvenX8, Reach};
+pub use lattice::bounds_of;
 pub use map::Map;
 pub use shape::Shape;
 pub use simd::{ColouredFieldLanes, FieldLanes, FieldX8};
@@ -189,9 +190,9 @@ impl Field {
         Self { cells, blocks, even, apart, one: None, ..field }
     }
 
-    /// The same with an extinction of `hues` in the three channels where it has been 1: each in [0, 1], and one of them 1.
+    /// The same with an extinction of `hues` in the three channels where it has been 1: each in (0, 1], and one of them 1.
     pub fn coloured(self, hues: [f32; CHANNELS]) -> Self {
-        debug_assert!(hues.contains(&1.0) && hues.iter().all(|hue| (0.0..=1.0).contains(hue)), "{hues:?}");
+        debug_assert!(hues.contains(&1.0) && hues.iter().all(|hue| *hue > 0.0 && *hue <= 1.0), "{hues:?}");
         debug_assert!(self.apart.is_none(), "it has colours already");
         Self { hues, ..self }
     }

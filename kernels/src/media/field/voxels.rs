@@ -48,7 +48,7 @@ impl Voxels {
     pub fn of(bricks: Arc<Bricks>, to_index: &ToIndex, interpolation: Interpolation) -> Self {
         // A voxel is half an index coordinate to either side of its centre.
         let half = if interpolation == Interpolation::Trilinear { 0.0 } else { 0.5 };
-        let first = DVec3::from(bricks.origin.map(f64::from));
+        let first = DVec3::from(bricks.origin.map(|along| along as f64));
         let to_own = DAffine3::from_translation(DVec3::splat(half) - first) * map::from_rows(to_index);
         assert!(to_own.matrix3.determinant() != 0.0, "voxels have an inside");
         Self { bricks, interpolation, to_own }
