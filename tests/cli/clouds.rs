@@ -61,6 +61,10 @@ fn a_grid_that_is_named_several_times_is_held_once() {
     let grid = "grid = { file = \"cloud.vdb\" }";
     folder.write("scene.toml", scene.replace(grid, &format!("{grid}\nemission = [3, 2, 1]\nemission_{grid}")));
     assert_eq!([", 9544 active voxels of emission, ", " cells, "].map(|line| taken(&folder, line)), [once, all]);
+    // By another name it is the same.
+    let again = "grid = { file = \"./cloud.vdb\", name = \"density\" }";
+    folder.write("scene.toml", scene.replace(grid, &format!("{grid}\nemission = [3, 2, 1]\nemission_{again}")));
+    assert_eq!([", 9544 active voxels of emission, ", " cells, "].map(|line| taken(&folder, line)), [once, all]);
     // A copy of the file is a grid of its own.
     std::fs::copy(folder.path("cloud.vdb"), folder.path("copy.vdb")).expect("a file");
     let [same, copy] = ["cloud", "copy"].map(|name| {

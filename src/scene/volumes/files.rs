@@ -1,4 +1,5 @@
-//! Grids of files, each of which is read once, however many volumes have it for their densities or their emission.
+//! Grids of files, each of which is held once, however many volumes have it for their densities or their emission, and
+//! whatever they call it; and read once, if all call it the same.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -9,11 +10,13 @@ use std::sync::Arc;
 use fogbow_kernels::media::field::{Bricks, Leaf};
 use glam::DAffine3;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::gltf::quoted;
 use crate::scene::filling::Densities;
 use crate::volume::{self, VoxelGrid};
 
-/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their pages take 8 MiB.
+/// Most bricks of 8^3 voxels, empty ones included, between voxels that are far apart: their pages take 8 MiB as a cube,
+/// and 32 as a pole.
 pub(super) const MOST_BRICKS: u64 = 1 << 27;
 
 /// A grid of a file, before it is placed.
@@ -28,10 +31,10 @@ pub struct GridOfFile {
     pub bricks: Option<Arc<Bricks>>,
 }
 
-/// A file, and the name of the grid that was asked for.
+/// A file, and the name of a grid in it, if one was asked for.
 type Source = (PathBuf, Option<String>);
 
-/// The grids that have been read.
+/// The grids that have been read, by what they were asked for and by what they are called.
 #[derive(Default)]
 pub struct GridFiles {
     read: RefCell<BTreeMap<Source, Rc<GridOfFile>>>,
@@ -41,19 +44,39 @@ impl GridFiles {
     /// The grid called `name` of the file at `path`, or the only one there; `look` is told how far it has been read.
     ///
     /// # Errors
-    /// As [`volume::read`].
+    /// As [`volume::read`]; and if there are more voxels than can be rendered.
     pub fn read(&self, path: &Path, name: Option<&str>, look: &dyn Fn(u64, u64)) -> Result<Rc<GridOfFile>> {
-        let key = (path.to_path_buf(), name.map(str::to_string));
-        if let Some(grid) = self.read.borrow().get(&key) {
-            return Ok(Rc::clone(grid));
+        // Whatever its path is, the file is one.
+        let file = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        let asked = (file.clone(), name.map(str::to_string));
+        if let Some(grid) = self.held(&asked) {
+            return Ok(grid);
         }
         let voxels = volume::read(path, name, look)?;
-        let (densities, bricks_spanned) = (Densities::of(&voxels), bricks_spanned(&voxels.leaves));
-        let holds = densities.nothing().is_none() && bricks_spanned <= MOST_BRICKS;
-        let bricks = holds.then(|| Arc::new(Bricks::new(&voxels.leaves)));
-        let grid = Rc::new(GridOfFile { index_to_world: voxels.index_to_world, densities, bricks_spanned, bricks });
-        self.read.borrow_mut().insert(key, Rc::clone(&grid));
+        let called = (file, Some(voxels.name.clone()));
+        let grid = match self.held(&called) {
+            Some(grid) => grid,
+            None => Rc::new(GridOfFile::of(&voxels).ok_or_else(|| {
+                let finding = format!("grid {} has more voxels than can be rendered", quoted(&voxels.name));
+                Error::failure(path.display(), finding, "resample the grid to larger voxels")
+            })?),
+        };
+        self.read.borrow_mut().extend([(asked, Rc::clone(&grid)), (called, Rc::clone(&grid))]);
         Ok(grid)
+    }
+
+    fn held(&self, source: &Source) -> Option<Rc<GridOfFile>> {
+        self.read.borrow().get(source).cloned()
+    }
+}
+
+impl GridOfFile {
+    /// That of these voxels; none if there are too many.
+    fn of(voxels: &VoxelGrid) -> Option<Self> {
+        let (densities, bricks_spanned) = (Densities::of(voxels), bricks_spanned(&voxels.leaves));
+        let holds = densities.nothing().is_none() && bricks_spanned <= MOST_BRICKS;
+        let bricks = if holds { Some(Arc::new(Bricks::try_new(&voxels.leaves)?)) } else { None };
+        Some(Self { index_to_world: voxels.index_to_world, densities, bricks_spanned, bricks })
     }
 }
 
