@@ -4,12 +4,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::WalkLimits;
-use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::pipeline::SIMD;
 
 use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
-use super::{InfoArgs, checkpoint_info, loading, say, volume, warning_text};
+use super::{InfoArgs, checkpoint_info, depth, loading, say, volume, warning_text};
 use crate::error::{Error, Result};
 use crate::figures::{duration, extent, number, rate, starts, survival_in_words};
 use crate::film::{self, Film, Region};
@@ -113,13 +112,13 @@ fn title(grid: &Grid, densities: Option<&Densities>) -> String {
     name + &quoted(&grid.file)
 }
 
-/// What a medium emits, as the end of a line about it; `grid` is what multiplies it.
-fn glow(medium: &Medium, grid: Option<String>) -> String {
+/// What a medium emits times `scale`, as the end of a line about it; `grid` is what multiplies it.
+fn glow(medium: &Medium, scale: f64, grid: Option<String>) -> String {
     if medium.emission.is_black() {
         return String::new();
     }
     let of = grid.map_or_else(String::new, |grid| format!(" times {grid}"));
-    format!(", emission {} W/(m^3 sr){of}", spectrum(medium.emission.0.map(|channel| channel as f32)))
+    format!(", emission {} W/(m^3 sr){of}", spectrum(medium.emission.0.map(|channel| (scale * channel) as f32)))
 }
 
 fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
@@ -131,7 +130,9 @@ fn describe_volumes(loaded: &LoadedScene) -> Result<()> {
         let what = [shape, grid].into_iter().flatten().collect::<Vec<_>>().join(" with ");
         let what = if what.is_empty() { "a flame".into() } else { what };
         let glowing = filling.as_ref().and_then(|filling| filling.glowing.as_ref());
-        let glow = glow(&volume.medium(), volume.emission_grid.as_ref().map(|grid| title(grid, glowing)));
+        let emission = volume.emission_grid.as_ref();
+        let title_of_glow = emission.map(|grid| title(grid, glowing));
+        let glow = glow(&volume.medium(), emission.map_or(1.0, |grid| grid.scale), title_of_glow);
         let of = if volume.grid.is_some() { " at density 1" } else { "" };
         let scale = volume.grid.as_ref().map_or(1.0, |grid| grid.scale);
         let inside = coefficients(&volume.medium(), scale).map_or_else(
@@ -190,7 +191,7 @@ fn describe_scene(loaded: &LoadedScene, verbose: bool) -> Result<()> {
         Some(medium) if coefficients(medium, 1.0).is_some() => {
             let (free_path, albedo) = coefficients(medium, 1.0).expect("there is something");
             let (phase, g) = (medium.phase.kind.name(), number(frame.medium.phase_around().mean_cosine(), 4));
-            let glow = glow(medium, None);
+            let glow = glow(medium, 1.0, None);
             say(format!("fog: mean free path {free_path} m, albedo {albedo}, {phase} of mean cosine {g}{glow}"))?;
         }
         _ if frame.varies() => {}
@@ -322,8 +323,7 @@ fn describe_light(light: &Light, loaded: &LoadedScene) -> Result<()> {
     };
     let [camera, light] = [loaded.camera.position, center].map(glam::DVec3::from);
     let (distance, origin) = (camera.distance(light), glam::DVec3::from(loaded.origin));
-    let depth = |channel| loaded.frame.medium.twin(channel).optical_depth(camera - origin, light - origin) as f32;
-    let depth = match [0, 1, 2].map(depth) {
+    let depth = match depth::between(&loaded.frame.medium, camera - origin, light - origin).map(|depth| depth as f32) {
         depths if depths.iter().all(|depth| *depth <= NO_DEPTH) => "no medium in between".into(),
         depths => format!("{} mean free paths", spectrum(depths)),
     };

@@ -5,6 +5,7 @@ mod checkpoint_info;
 mod checkpoints;
 mod compare;
 mod denoising;
+mod depth;
 mod destinations;
 mod done;
 mod finish;

@@ -47,6 +47,21 @@ fn a_cloud_is_described() {
     assert!(run.stdout.contains("\n  mean free path 0.05120 m where it is densest, 0."), "{run}");
 }
 
+/// However dense it is, and though connections through it count less.
+#[test]
+fn the_depth_of_what_is_before_a_light_is_told() {
+    let depth = |scale: f64| {
+        let grid = format!("grid = {{ file = \"cloud.vdb\", scale = {scale:?}, translate = [-3.1, -4.9, -14.4] }}");
+        let folder = with_volumes("", &[&format!("{grid}\nabsorption = 10")]);
+        std::fs::copy(with_cloud("").path("cloud.vdb"), folder.path("cloud.vdb")).expect("a file");
+        let run = folder.done(&["info", "scene.toml"]);
+        let told = run.stdout.split_once("at 3 m from the camera (").and_then(|(_, rest)| rest.split(' ').next());
+        told.and_then(|told| told.parse::<f64>().ok()).unwrap_or_else(|| panic!("{run}"))
+    };
+    let [thin, dense] = [0.1, 20.0].map(depth);
+    assert!(dense > 400.0 && (dense / thin / 200.0 - 1.0).abs() < 1e-3, "{thin} and {dense} mean free paths");
+}
+
 #[test]
 fn a_grid_that_is_named_several_times_is_held_once() {
     let taken = |folder: &Folder, start: &str| {

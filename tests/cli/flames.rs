@@ -36,6 +36,9 @@ fn flames_are_all_the_light_that_a_scene_needs() {
 fn what_emits_is_described() {
     let run = with(FLAME, true).done(&["info", "scene.toml"]);
     assert!(run.stdout.contains("emission 3 | 2 | 1 W/(m^3 sr) times grid \"density\" of \"blob.vdb\""), "{run}");
+    let brighter = FLAME.replace("\"blob.vdb\"", "\"blob.vdb\", scale = 10");
+    let run = with(&brighter, true).done(&["info", "scene.toml"]);
+    assert!(run.stdout.contains("emission 30 | 20 | 10 W/(m^3 sr) times grid \"density\" of \"blob.vdb\""), "{run}");
     let run = with(&format!("{MEDIUM}\nemission = 2"), true).done(&["info", "scene.toml"]);
     assert!(run.stdout.contains(", emission 2 W/(m^3 sr)"), "{run}");
 }
