@@ -292,6 +292,8 @@ fn values_that_are_no_densities_are_refused_with_their_voxel() {
     let message = |what: &str| format!(r#"x.vdb: grid "density", voxel [-5, 3, 6]: has the value {what}"#);
     refused(&value(f32::NAN), None, &message("NaN"));
     refused(&value(f32::INFINITY), None, &message("inf"));
+    read_bytes("x", &value(1e36), None).expect("the largest density");
+    refused(&value(f32::MAX), None, &message("3.4028235e38, more than 1e36"));
     refused(&value(-0.25), None, &message("-0.25, which is negative"));
     let background = 15 * 8 + 4;
     refused(&edited(background, &1.5_f32.to_le_bytes()), None, "has the background 1.5 instead of 0");

@@ -126,7 +126,7 @@ fn header(input: &mut Input) -> Checked<()> {
     require(
         (OLDEST..=NEWEST).contains(&version),
         finding,
-        "save it again with OpenVDB 5 to 10 or a program based on it",
+        "save it again with a program that writes version 224, as those based on OpenVDB 5 to 10 do",
     )?;
     let _library = [input.u32()?, input.u32()?];
     let finding = || "was written as a stream, which does not say where its grids are";

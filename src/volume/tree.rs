@@ -8,6 +8,9 @@ use super::nodes::{Cube, LEAF, LOWER, UPPER};
 use super::values::{Values, bit};
 use crate::gltf::fault::{Checked, Fault, require};
 
+/// Largest density: sums and products of larger ones may overflow single precision.
+const LARGEST: f32 = 1e36;
+
 /// A mask of the voxels of a leaf.
 pub type Mask = [u64; 8];
 
@@ -108,13 +111,15 @@ fn root_entry(input: &mut Input, origins: &mut BTreeSet<[i32; 3]>) -> Checked<Cu
 
 /// Whether `value` is a density, or 0 if it is not active.
 pub fn check(value: f32, is_active: bool, place: impl FnOnce() -> Cube) -> Checked<()> {
-    if value == 0.0 || (is_active && value > 0.0 && value < f32::INFINITY) {
+    if value == 0.0 || (is_active && value > 0.0 && value <= LARGEST) {
         return Ok(());
     }
     let (finding, remedy) = if !value.is_finite() {
         (format!("has the value {value}"), "save the grid with finite values")
     } else if value < 0.0 {
         (format!("has the value {value:?}, which is negative"), "save the grid with densities of 0 or more")
+    } else if value > LARGEST {
+        (format!("has the value {value:?}, more than {LARGEST:e}"), "save the grid with densities of at most 1e36")
     } else {
         (format!("is not active, but has the value {value:?}"), "activate it, or set inactive voxels to 0")
     };
