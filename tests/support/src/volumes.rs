@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use fogbow::volume::{VoxelGrid, list_bytes, read_bytes};
+use fogbow_kernels::media::field::Bricks;
 
 use crate::random::Random;
 
@@ -71,6 +72,7 @@ impl Outcomes {
                     assert_sound(&grid);
                     self.read += 1;
                     assert!(has_densities(&grid), "damage has left nothing");
+                    assert_rendered_in_place(&grid);
                 }
                 Err(error) => {
                     assert!(!error.finding.is_empty() && !error.remedy.is_empty(), "{error:?}");
@@ -98,6 +100,36 @@ pub fn assert_sound(grid: &VoxelGrid) {
     assert!(origins.windows(2).all(|two| two[0] != two[1]), "two leaves at the same place");
     let is_density = |value: &f32| *value >= 0.0 && value.is_finite();
     assert!(grid.leaves.iter().all(|leaf| leaf.values.iter().all(is_density)));
+}
+
+/// Most bricks, empty ones included, of a grid that is looked at as it is rendered.
+const MOST_BRICKS: u64 = 1 << 16;
+
+/// What is rendered has the densities of every leaf at its place, to a thousandth of their mean.
+///
+/// # Panics
+/// If it has not.
+fn assert_rendered_in_place(grid: &VoxelGrid) {
+    let along = |axis: usize| {
+        let origins = grid.leaves.iter().map(|leaf| i64::from(leaf.origin[axis]));
+        let ends = origins.clone().min().zip(origins.max()).expect("a leaf");
+        ((ends.1 - ends.0) / 8 + 2) as u64
+    };
+    if (0..3).map(along).fold(1, u64::saturating_mul) > MOST_BRICKS {
+        return;
+    }
+    let bricks = Bricks::new(&grid.leaves);
+    let filled = || grid.leaves.iter().flat_map(|leaf| leaf.values.iter()).filter(|value| **value != 0.0);
+    let mean = filled().map(|value| f64::from(*value)).sum::<f64>() / filled().count() as f64;
+    for leaf in &grid.leaves {
+        for (index, value) in leaf.values.iter().enumerate().step_by(37) {
+            let local = [index % 8, index / 8 % 8, index / 64];
+            let place = [0, 1, 2].map(|axis| i64::from(leaf.origin[axis]) + local[axis] as i64 - bricks.origin[axis]);
+            let (found, expected) = (bricks.value(place), f64::from(*value));
+            let off = (found - expected).abs();
+            assert!(off <= 1e-3 * mean + 1e-6 * expected + 1e-40, "{found} instead of {expected} at {place:?}, {mean}");
+        }
+    }
 }
 
 /// Changes one thing.
