@@ -2,14 +2,16 @@
 
 mod files;
 mod grids;
+mod precision;
 mod shapes;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
-use fogbow_kernels::media::field::{Field, MOST_VOLUMES, Shape, Volume as Placed, bytes_of};
+use fogbow_kernels::media::field::{Field, MOST_VOLUMES, Shape, Volume as Placed, bounds_of, bytes_of};
 use fogbow_kernels::media::glow::Source;
+use fogbow_kernels::media::homogeneous::CLEAREST;
 use fogbow_kernels::media::{Glow, Medium};
 use fogbow_kernels::phase::PhaseFunction;
 use glam::DVec3;
@@ -21,18 +23,15 @@ use super::loading::Look;
 use super::model::Loaded;
 use super::schema::{self, ShapeKind};
 use crate::error::Result;
-use crate::figures::extent;
+use crate::figures::number;
 use crate::warning::Warning;
 pub use files::{GridFiles, too_far_apart};
 use grids::Quantity;
 
 /// Optical depth from one end of a volume to the other, below which it is as good as vacuum.
 const THINNEST: f64 = 1e-6;
-/// Places that single precision must tell along every edge, as seen from the camera: with 16, what it absorbs is right to
-/// a hundredth or two; with two, wrong by a sixth.
-const FEWEST_PLACES: f64 = 16.0;
-/// The same along a mean free path: with 42 of them MVNEE was .6 % too bright in a block of ten, with 8 of them 5 %.
-const FEWEST_PLACES_OF_A_FLIGHT: f64 = 32.0;
+/// Optical depth of a channel that is meant to be clear above which it is told: light loses a thousandth.
+const DIMMED: f64 = 1e-3;
 /// By how much quotients of extinctions between channels may differ from volume to volume, for rounding.
 const SAME_HUE: f32 = 1e-5;
 
@@ -118,6 +117,11 @@ pub fn medium(
     }
     if placed.is_empty() {
         return Ok((around, fillings));
+    }
+    if placed.len() > 1 {
+        let all = bounds_of(placed.iter().map(|(.., (volume, _))| volume));
+        let check = |index: usize, volume: &Placed| volumes[index].must_be_resolved_within(all, volume, origin);
+        placed.iter().try_for_each(|(_, index, (volume, _))| check(*index, volume))?;
     }
     // The highest priority first, and of equal ones the last.
     placed.sort_by_key(|(priority, index, _)| core::cmp::Reverse((*priority, *index)));
@@ -229,6 +233,7 @@ impl Volume<'_> {
         let most = f64::from(placed.extinction) * densities.as_ref().map_or(1.0, |found| f64::from(found.most));
         self.warn_if_coarse(&placed, most);
         self.warn_if_thin(&placed, &source, most);
+        self.warn_if_dimmed(&placed, most);
         let bounds = own.unwrap_or_else(|| placed.bounds()).map(|corner| (corner + origin).to_array());
         let bytes = bytes_of(placed.all_voxels().chain(&source.voxels)) + placed.bytes_besides_voxels();
         Ok(Some((
@@ -236,48 +241,6 @@ impl Volume<'_> {
             source,
             Filling { bounds, mean_cosine: self.medium.phase.mean_cosine(), densities, glowing, bytes },
         )))
-    }
-
-    /// An error if single precision does not tell where it begins and ends, and a warning if it hardly does: positions are
-    /// counted from the camera.
-    fn must_have_an_inside(&self, placed: &Placed, origin: DVec3) -> Result<()> {
-        let [low, high] = placed.bounds();
-        let bounds = placed.bounds().map(|corner| (corner + origin).to_array());
-        let path = &self.table;
-        let finding = |what: &str| {
-            let extent = extent(bounds);
-            format!(
-                "{path} is from {extent} m, too far from the camera for its size: single precision, in which positions \
-                 are counted from there, knows {what}"
-            )
-        };
-        let remedy = "move it nearer to the camera, or make it larger";
-        if !low.as_vec3().cmplt(high.as_vec3()).all() {
-            return Err(self.document.error(path, finding("no difference"), remedy));
-        }
-        let away = DVec3::ZERO.clamp(low, high).length();
-        if (high - low).min_element() < FEWEST_PLACES * f64::from(f32::EPSILON) * away {
-            let few = format!("fewer than {FEWEST_PLACES} places along it, so that its image may be wrong; {remedy}");
-            (self.warn)(Warning::new(self.document.place(path), finding(&few)));
-        }
-        Ok(())
-    }
-
-    /// Warns of a volume that scatters light after distances which single precision hardly tells: positions are counted
-    /// from the camera.
-    fn warn_if_coarse(&self, placed: &Placed, most: f64) {
-        let [low, high] = placed.bounds();
-        let away = DVec3::ZERO.clamp(low, high).length();
-        let coarse = FEWEST_PLACES_OF_A_FLIGHT * f64::from(f32::EPSILON) * away;
-        if most * coarse > 1.0 && !self.medium.never_scatters() {
-            let path = &self.table;
-            let flight = 1.0 / most;
-            let finding = format!(
-                "{path} is {away:.3e} m away from the camera, with mean free paths of {flight:.3e} m where it is densest: \
-                 single precision hardly tells them there, so that its image may be wrong; move it nearer to the camera"
-            );
-            (self.warn)(Warning::new(self.document.place(path), finding));
-        }
     }
 
     /// Warns of a volume that emits nothing and is as good as vacuum, though it has an extinction of at `most` so much.
@@ -288,6 +251,26 @@ impl Volume<'_> {
             let path = &self.table;
             let finding =
                 format!("{path} has an optical depth of {depth:.1e} at most, so that it is as good as vacuum");
+            (self.warn)(Warning::new(self.document.place(path), finding));
+        }
+    }
+
+    /// Warns of a volume, of an extinction of at `most` so much, that dims light of a channel in which it is meant to be
+    /// clear: it is given [`CLEAREST`] of the densest one.
+    fn warn_if_dimmed(&self, placed: &Placed, most: f64) {
+        let [low, high] = placed.bounds();
+        let depth = f64::from(CLEAREST) * most * low.distance(high);
+        let (given, least) = (self.medium.extinctions(), CLEAREST * self.medium.largest_extinction());
+        let asked = |c: usize| self.keys.scattering.0[c] + self.keys.absorption.0[c];
+        // By less than a half, nobody has meant to say that it is clear.
+        let is_clearer = |c: &usize| given[*c] == least && asked(*c) < 0.5 * f64::from(least);
+        let clearer: Vec<_> = (0..3).filter(is_clearer).map(|c| ["red", "green", "blue"][c]).collect();
+        if depth > DIMMED && !clearer.is_empty() {
+            let (path, colours, depth) = (&self.table, clearer.join(" and "), number(depth, 2));
+            let finding = format!(
+                "{path} is clearer in {colours} than a millionth of its densest channel, and is given a millionth: up to \
+                 {depth} mean free paths across; make its densest channel less dense"
+            );
             (self.warn)(Warning::new(self.document.place(path), finding));
         }
     }

@@ -9,7 +9,7 @@ use super::{Medium, Phase, Spectrum, phase, values};
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Volume {
-    /// What messages call it.
+    /// What fogbow info calls it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// A medium by name, as for medium.
@@ -18,7 +18,7 @@ pub struct Volume {
     pub preset: Option<String>,
     /// Scattering coefficient where the density is 1 [1/m], >= 0. Extinction (scattering + absorption) may differ between
     /// channels, in every medium in another way; rendering is fastest where the media of a scene have their factors in
-    /// common.
+    /// common. A channel that is clearer than a millionth of the densest is given that much.
     #[serde(default)]
     pub scattering: Spectrum,
     /// Absorption coefficient where the density is 1 [1/m], >= 0.

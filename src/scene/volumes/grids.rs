@@ -20,8 +20,6 @@ const LARGEST_SCALE: f64 = 1e9;
 const MOST_PER_VOXEL: f64 = 1e4;
 /// As many of which nothing is said: with more, next to no light gets beyond the outermost voxels.
 const MANY_PER_VOXEL: f64 = 30.0;
-/// Places that single precision must tell from a voxel to the next, as seen from the camera.
-const FEWEST_PLACES: f64 = 2.0;
 
 /// What the densities of a grid multiply.
 pub(super) struct Quantity {
@@ -220,23 +218,6 @@ impl Volume<'_> {
         let finding = format!("{is}, which puts {file} at {} m", extent([low, high].map(|corner| corner.to_array())));
         let remedy = format!("{remedy}: coordinates go from -1e9 to 1e9 m");
         self.require(reach(DVec3::ZERO) <= LARGEST, &format!("{table}.{key}"), finding, &remedy)
-    }
-
-    /// Warns of voxels, `edge` from one to the next, which single precision hardly tells apart somewhere within bounds:
-    /// positions are counted from the camera.
-    fn warn_if_blurred(&self, table: &str, grid: &schema::Grid, [low, high]: [DVec3; 2], edge: f64) {
-        let away = low.abs().max(high.abs()).length();
-        if edge < FEWEST_PLACES * f64::from(f32::EPSILON) * away {
-            let file = quoted(&grid.file);
-            self.warn(
-                &format!("{table}.file"),
-                format!(
-                    "{file}, a grid whose voxels are {edge:.3e} m apart and up to {away:.3e} m from the camera: single \
-                     precision hardly tells one from the next there, so that its image may be wrong; move it nearer to \
-                     the camera, or make it larger"
-                ),
-            );
-        }
     }
 
     /// To index coordinates, which lead `to_world`.

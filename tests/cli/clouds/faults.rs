@@ -161,6 +161,50 @@ fn volumes_too_far_away_to_have_a_size_are_told() {
 }
 
 #[test]
+fn volumes_that_are_small_next_to_others_are_told() {
+    let said = |radius: f64| {
+        let haze = "shape = { type = \"box\", min = [-5e4, -5e4, -5e4], max = [5e4, 5e4, 5e4] }\nabsorption = 1e-9";
+        let ball =
+            format!("shape = {{ type = \"sphere\", center = [0, 0, 0], radius = {radius:?} }}\nabsorption = 1e-3");
+        with_volumes("", &[haze, &ball]).run(&["info", "scene.toml"])
+    };
+    let small = "too small next to all volumes, which are from [-50000, -50000, -50000] to [50000, 50000, 50000] m: single \
+                 precision, in which positions are counted in parts of the box around them, knows ";
+    let run = said(0.001);
+    let finding =
+        format!("volume[1] is from [-0.001, -0.001, -0.001] to [0.001, 0.001, 0.001] m, {small}no difference\n");
+    assert!(run.code == Some(1) && run.stderr.contains(&finding), "{run}");
+    let run = said(0.05);
+    let few = format!("{small}fewer than 16 places along it, so that its image may be wrong; make it larger");
+    assert!(run.code == Some(0) && run.stdout.contains(&few), "{run}");
+    let run = said(0.5);
+    assert!(run.code == Some(0) && !run.stdout.contains("too small next to"), "{run}");
+    // Voxels that are 1/40 m apart.
+    let haze = "shape = { type = \"box\", min = [-9e4, -9e4, -9e4], max = [9e4, 9e4, 9e4] }\nabsorption = 1e-9";
+    let folder = with_volumes("", &[haze, "grid = { file = \"cloud.vdb\", scale_by = 0.1 }\nabsorption = 1e-3"]);
+    std::fs::copy(with_cloud("").path("cloud.vdb"), folder.path("cloud.vdb")).expect("a file");
+    let run = folder.run(&["info", "scene.toml"]);
+    let few = "knows fewer than 2 places from a voxel to the next";
+    assert!(run.code == Some(0) && run.stdout.contains(few), "{run}");
+}
+
+#[test]
+fn channels_that_are_meant_to_be_clear_and_are_not_are_told() {
+    let said = |absorption: &str| {
+        let ball =
+            format!("shape = {{ type = \"sphere\", center = [0, 0, 30], radius = 10 }}\nabsorption = {absorption}");
+        with_volumes("", &[&ball]).done(&["info", "scene.toml"]).stdout
+    };
+    let told = "volume[0] is clearer in green and blue than a millionth of its densest channel, and is given a millionth: up to \
+                3.5 mean free paths across; make its densest channel less dense";
+    let text = said("[1e5, 0, 0]");
+    assert!(text.contains(told), "{text}");
+    for absorption in ["[10, 0, 0]", "[1e5, 0.2, 0.3]", "1e5"] {
+        assert!(!said(absorption).contains("is clearer in"), "{absorption}: {}", said(absorption));
+    }
+}
+
+#[test]
 fn flights_too_short_to_be_known_from_afar_are_told() {
     let said = |away: f64, keys: &str| {
         let shape = format!("shape = {{ type = \"box\", min = [{away:?}, 0, 0], max = [{:?}, 1, 1] }}", away + 2.0);
