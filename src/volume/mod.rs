@@ -1,8 +1,8 @@
 //! Volumes from OpenVDB files: voxels of clouds and smoke, as leaves of 8^3 voxels.
 //!
 //! [`list`] says what is in a file, [`read`] reads one grid of single-precision numbers, saved as such or as half
-//! floats, uncompressed or compressed with zlib or Blosc (LZ4). A grid holds densities: from 0 to 1e36, and 0
-//! wherever it says nothing. What is malformed or holds something else is an error, and never a panic, whatever the bytes are:
+//! floats, uncompressed or compressed with zlib or Blosc (LZ4). A grid holds densities: from 0 to 1e36, and 0 wherever
+//! it says nothing. What is malformed or holds something else is an error, and never a panic, whatever the bytes are:
 //! memory is taken only for what is in the file, and for constant regions within a limit.
 //!
 //! This is our own reader, because no library would do. vdb-rs 0.6 takes as much memory as a damaged file asks for and

@@ -41,7 +41,8 @@ pub struct GridFiles {
 }
 
 impl GridFiles {
-    /// The grid called `name` of the file at `path`, or the only one there; `look` is told how far it has been read.
+    /// The grid called `name` of the file at `path`, or without a name the only one there or that called `density`; `look` is
+    /// told how far it has been read.
     ///
     /// # Errors
     /// As [`volume::read`]; and if there are more voxels than can be rendered.

@@ -168,8 +168,8 @@ fn volumes_that_are_small_next_to_others_are_told() {
             format!("shape = {{ type = \"sphere\", center = [0, 0, 0], radius = {radius:?} }}\nabsorption = 1e-3");
         with_volumes("", &[haze, &ball]).run(&["info", "scene.toml"])
     };
-    let small = "too small next to all volumes, which are from [-50000, -50000, -50000] to [50000, 50000, 50000] m: single \
-                 precision, in which positions are counted in parts of the box around them, knows ";
+    let small = "too small next to all volumes, which are from [-50000, -50000, -50000] to [50000, 50000, 50000] m: \
+                 single precision, in which positions are counted in parts of the box around them, knows ";
     let run = said(0.001);
     let finding =
         format!("volume[1] is from [-0.001, -0.001, -0.001] to [0.001, 0.001, 0.001] m, {small}no difference\n");
@@ -195,8 +195,8 @@ fn channels_that_are_meant_to_be_clear_and_are_not_are_told() {
             format!("shape = {{ type = \"sphere\", center = [0, 0, 30], radius = 10 }}\nabsorption = {absorption}");
         with_volumes("", &[&ball]).done(&["info", "scene.toml"]).stdout
     };
-    let told = "volume[0] is clearer in green and blue than a millionth of its densest channel, and is given a millionth: up to \
-                3.5 mean free paths across; make its densest channel less dense";
+    let told = "volume[0] is clearer in green and blue than a millionth of its densest channel, and is given a \
+                millionth: up to 3.5 mean free paths across; make its densest channel less dense";
     let text = said("[1e5, 0, 0]");
     assert!(text.contains(told), "{text}");
     for absorption in ["[10, 0, 0]", "[1e5, 0.2, 0.3]", "1e5"] {

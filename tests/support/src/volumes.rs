@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use fogbow::scene::too_far_apart;
 use fogbow::volume::{VoxelGrid, list_bytes, read_bytes};
 use fogbow_kernels::media::field::Bricks;
 
@@ -102,20 +103,12 @@ pub fn assert_sound(grid: &VoxelGrid) {
     assert!(grid.leaves.iter().all(|leaf| leaf.values.iter().all(is_density)));
 }
 
-/// Most bricks, empty ones included, of a grid that is looked at as it is rendered.
-const MOST_BRICKS: u64 = 1 << 16;
-
 /// What is rendered has the densities of every leaf at its place, to a thousandth of their mean.
 ///
 /// # Panics
 /// If it has not.
 fn assert_rendered_in_place(grid: &VoxelGrid) {
-    let along = |axis: usize| {
-        let origins = grid.leaves.iter().map(|leaf| i64::from(leaf.origin[axis]));
-        let ends = origins.clone().min().zip(origins.max()).expect("a leaf");
-        ((ends.1 - ends.0) / 8 + 2) as u64
-    };
-    if (0..3).map(along).fold(1, u64::saturating_mul) > MOST_BRICKS {
+    if too_far_apart(grid).is_some() {
         return;
     }
     let bricks = Bricks::new(&grid.leaves);
