@@ -11,9 +11,12 @@
 //! 1. Edge functions are differences of two rounded products, not fused. Rounding is monotonic, so that their sign is
 //!    right or they are 0; and the neighbour across the edge, which goes along it the other way, gets the same number
 //!    with the other sign. At 0 the lane is settled in f64, where products of f32 are exact, and so is the sign.
-//! 2. U, V and W have one sign, so t is a mean of the corners' t. Its sign is certain where these are all positive. A
-//!    triangle with corners before and behind the origin is settled in f64, with t from its plane: this tells a ray
-//!    that leaves a surface from one that meets it.
+//! 2. U, V and W have one sign, so t is a mean of the corners' t. Its sign is certain where these are all positive, and
+//!    where t is more than rounding makes of it. With R the largest coordinate across the ray, and M the largest of all,
+//!    coordinates are off by 7 u M, and the three edge functions by 17 u M R each, of which t makes that times the spread
+//!    of the corners' t over U + V + W; together 51 u, and we allow 64. What is left, a triangle with corners before and
+//!    behind an origin that is next to it, is settled in f64, with t from its plane: this tells a ray that leaves a
+//!    surface from one that meets it.
 //! 3. The nearest plane of the triangle's own box bounds t from below, in the arithmetic of boxes. A mean of rounded
 //!    numbers may be less; then t is that bound, so that no box around the triangle is ever beyond its t.
 //! 4. Few rays get past the signs, so that everything after is done for those alone.
@@ -23,6 +26,9 @@ use wide::f32x8;
 
 use super::Ray;
 use crate::lanes;
+
+/// Rounding that t may suffer from, in units of what [`doubt`] makes of it.
+const DOUBT: f32 = 32.0 * f32::EPSILON;
 
 /// Eight pairs of a ray and a triangle.
 pub(super) trait Pairs {
@@ -93,11 +99,13 @@ fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
     let last = t[0].fast_max(t[1]).fast_max(t[2]);
     let zero = f32x8::ZERO;
     let tie = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
-    let mut met = seen.inside & last.simd_gt(zero);
-    let unclear = met & (tie | first.simd_le(zero));
+    let entry = pairs.entry();
+    let mut met = seen.inside & last.simd_gt(zero) & entry.simd_le(max);
     let inverse = f32x8::ONE / (u + v + w);
     let [a, b, c] = [u * inverse, v * inverse, w * inverse];
     let mut distance = a.mul_add(t[0], b.mul_add(t[1], c * t[2]));
+    let is_sure = first.simd_gt(zero) | distance.simd_gt(doubt(&seen, last - first, inverse));
+    let unclear = met & (tie | !is_sure);
     let mut weights = [b, c];
     if unclear.any() {
         let [second, third] = &mut weights;
@@ -112,9 +120,19 @@ fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
         }
         met &= !lanes::mask(missed);
     }
-    let distance = distance.fast_max(pairs.entry());
+    let distance = distance.fast_max(entry);
     let met = met & distance.simd_gt(zero) & distance.simd_le(max);
     met.any().then(|| Crossings { met, distance, second: weights[0], third: weights[1] })
+}
+
+/// Bound of what rounding may make of t, where corners are `apart` in t: edge functions are off by what their terms are
+/// off by, products of coordinates across the ray, which are rounded from those of corners less the origin.
+#[inline(always)]
+fn doubt(seen: &Seen, apart: f32x8, inverse: f32x8) -> f32x8 {
+    let largest = |of: &[f32x8; 3]| of[0].abs().fast_max(of[1].abs()).fast_max(of[2].abs());
+    let across = largest(&seen.x).fast_max(largest(&seen.y));
+    let far = across.fast_max(largest(&seen.z));
+    f32x8::splat(DOUBT) * across * far * apart * inverse.abs()
 }
 
 /// Distance and barycentrics of one lane in f64, from the same view along the ray.
