@@ -45,6 +45,12 @@ const SAMPLES: u32 = 32;
 const MOST_WORK_OF_TRIAL: f64 = 2e10;
 /// Parts whose spread tells how well a variance is known.
 const PARTS: u32 = 4;
+/// Samples per pixel in a part.
+const SHARE: u32 = SAMPLES / PARTS;
+/// Parts after which a trial that is far from the best ends.
+const FIRST_PARTS: u32 = 2;
+/// How far that is: the share of the best efficiency that it has not even without its error.
+const FAR: f64 = 0.7;
 /// Standard errors by which the means of two settings may differ.
 const AGREEMENT: f64 = 5.0;
 /// Contribution below which connections play roulette, over the mean of the image.
@@ -118,6 +124,8 @@ impl Setting {
 pub struct Trial {
     /// What was tried.
     pub setting: Setting,
+    /// Samples of every pixel that were taken for it.
+    pub samples: u32,
     /// Variance of a sample, mean over pixels, sum over channels.
     pub variance: f64,
     /// Standard error of that variance.
@@ -131,11 +139,33 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// What the looks at parts of its samples say, two or more.
+    fn of(setting: Setting, looks: &[Look]) -> Self {
+        let parts = looks.len() as f64;
+        let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / parts;
+        let variance = mean_of(&|look| look.variance);
+        let spread = mean_of(&|look| (look.variance - variance).powi(2));
+        Self {
+            setting,
+            samples: looks.len() as u32 * SHARE,
+            variance,
+            variance_error: (spread / (parts - 1.0)).sqrt(),
+            cost: mean_of(&|look| look.cost),
+            mean: mean_of(&|look| look.mean),
+            mean_error: (mean_of(&|look| look.mean_error.powi(2)) / parts).sqrt(),
+        }
+    }
+
     /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has
     /// none.
     pub fn efficiency(&self) -> f64 {
         let work = (self.variance + 2.0 * self.variance_error) * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
+    }
+
+    /// Whether it has less than so much efficiency, even if its variance is no more than it seems.
+    fn is_below(&self, efficiency: f64) -> bool {
+        self.variance * self.cost * efficiency > 1.0
     }
 
     /// Whether both may have the same mean.
@@ -159,7 +189,8 @@ impl Trial {
 ///
 /// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
 /// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
-/// starts with that. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
+/// starts with that. What is far from the best ends early, and between a number of starts that is worse and the largest
+/// none is tried. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
 /// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
 /// did not.
 ///
@@ -241,12 +272,21 @@ impl Search<'_> {
         self.attempt(Setting { roulette: (FAINT * mean) as f32, ..self.setting });
     }
 
-    /// Tries the other numbers of starts, for paths of up to `longest` segments.
+    /// Tries the other numbers of starts, for paths of up to `longest` segments. Once more of them are less efficient,
+    /// only the largest number is still tried, for what it says of the mean.
     fn try_starts(&mut self, longest: u32) {
         let base = self.setting;
-        let affordable = |starts: &&u32| **starts < u32::MAX || longest <= LONGEST_FOR_ALL;
-        let others = STARTS[1..].iter().filter(affordable);
-        others.for_each(|starts| self.attempt(Setting { starts: *starts, ..base }));
+        let affordable = |starts: &u32| *starts < u32::MAX || longest <= LONGEST_FOR_ALL;
+        let others: Vec<_> = STARTS[1..].iter().copied().filter(affordable).collect();
+        let [fewer @ .., most] = &others[..] else { return };
+        for starts in fewer {
+            self.attempt(Setting { starts: *starts, ..base });
+            let (last, best) = (self.trials.last(), best(&self.trials));
+            if last.zip(best).is_some_and(|(last, best)| last.is_below(NEARLY * best.efficiency())) {
+                break;
+            }
+        }
+        self.attempt(Setting { starts: *most, ..base });
     }
 
     /// Tries shorter walks.
@@ -267,7 +307,8 @@ impl Search<'_> {
     /// Tries a setting, and keeps the best so far.
     fn attempt(&mut self, setting: Setting) {
         if !self.pilot.monitor.stops() {
-            let trial = self.pilot.attempt(setting);
+            let efficiency = best(&self.trials).map_or(0.0, |best| best.efficiency());
+            let trial = self.pilot.attempt(setting, FAR * efficiency);
             self.trials.extend((!self.pilot.monitor.stops()).then_some(trial));
         }
         self.setting = best(&self.trials).map_or(setting, |best| best.setting);
@@ -305,24 +346,24 @@ impl<'a> Pilot<'a> {
         cost * f64::from(SAMPLES) * self.region.pixels() as f64 <= MOST_WORK_OF_TRIAL
     }
 
-    fn attempt(&self, setting: Setting) -> Trial {
+    /// Tries a setting, with fewer samples if it turns out to have less than so much efficiency.
+    fn attempt(&self, setting: Setting, least: f64) -> Trial {
         let frame = setting.apply(&self.frame);
-        let looks: Vec<Look> = (0..PARTS).map(|part| self.look(&frame, part)).collect();
-        let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / f64::from(PARTS);
-        let variance = mean_of(&|look| look.variance);
-        let spread = mean_of(&|look| (look.variance - variance).powi(2));
-        Trial {
-            setting,
-            variance,
-            variance_error: (spread / f64::from(PARTS - 1)).sqrt(),
-            cost: mean_of(&|look| look.cost),
-            mean: mean_of(&|look| look.mean),
-            mean_error: (mean_of(&|look| look.mean_error.powi(2)) / f64::from(PARTS)).sqrt(),
+        let mut looks = Vec::new();
+        let mut trial = None;
+        for parts in [0..FIRST_PARTS, FIRST_PARTS..PARTS] {
+            looks.extend(parts.map(|part| self.look(&frame, part)));
+            let found = Trial::of(setting, &looks);
+            let is_far = found.is_below(least);
+            trial = Some(found);
+            if is_far {
+                break;
+            }
         }
+        trial.expect("parts were looked at")
     }
 
     fn look(&self, frame: &Frame, part: u32) -> Look {
-        const SHARE: u32 = SAMPLES / PARTS;
         let film = Film::new(frame, self.region, tile_size(self.region));
         let samples = part * SHARE..(part + 1) * SHARE;
         let empty = Stats::new(false).with_work();

@@ -164,6 +164,7 @@ fn trial(trial: &Trial) -> Value {
         "variance_error": trial.variance_error,
         "mean": trial.mean,
         "mean_error": trial.mean_error,
+        "samples": trial.samples,
         "cost": trial.cost,
         "efficiency": trial.efficiency(),
     })

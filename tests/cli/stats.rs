@@ -171,7 +171,7 @@ fn the_choice_of_the_pilot_is_told_with_what_it_tried() {
     };
     let (statistics, settings) = told(&[]);
     let trials = statistics["pilot"].as_array().expect("trials").clone();
-    assert!(trials.len() >= 5, "{statistics:#}");
+    assert!(trials.len() >= 3, "one start, two, and all: {statistics:#}");
     let efficiency = |trial: &Value| number(trial, "/efficiency");
     let most = trials.iter().map(efficiency).fold(0.0, f64::max);
     let is_chosen = |trial: &&Value| ["starts", "survival"].iter().all(|key| trial[key] == statistics[key]);
