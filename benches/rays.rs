@@ -61,11 +61,6 @@ fn search(c: &mut Criterion, group: &str, way: &str, triangles: usize, search: &
     group.bench_function(BenchmarkId::new(format!("closest, {way}"), triangles), |b| {
         b.iter(|| rays.iter().map(met).sum::<u32>());
     });
-    let none = u32x8::splat(u32::MAX);
-    let met = |(rays, live): &(Rays, u32)| search.any_but(black_box(rays), *live, none).count_ones();
-    group.bench_function(BenchmarkId::new(format!("any, {way}"), triangles), |b| {
-        b.iter(|| rays.iter().map(met).sum::<u32>());
-    });
 }
 
 fn few(c: &mut Criterion) {
@@ -78,6 +73,12 @@ fn few(c: &mut Criterion) {
             let (group, triangles) = (format!("few/{place}/{name}"), geometry.len());
             search(c, &group, "tree", triangles, &OneByOne(&geometry), &rays);
             search(c, &group, "no tree", triangles, &Few::new(geometry.tree()), &rays);
+            let hidden = |(rays, live): &(Rays, u32)| {
+                trace::hidden(&geometry, black_box(rays), *live, u32x8::splat(u32::MAX)).count_ones()
+            };
+            c.benchmark_group(group).bench_function(BenchmarkId::new("any", triangles), |b| {
+                b.iter(|| rays.iter().map(hidden).sum::<u32>());
+            });
         }
     }
 }

@@ -6,7 +6,7 @@ use fogbow_testing::both_ways::assert_same_both_ways;
 use fogbow_testing::meshes::{self, Mesh, Random, point, ray};
 use fogbow_testing::rays::{Departures, compare, depart, leaks, may_meet};
 use fogbow_testing::tolerances::DIFFERENT_HITS;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// Rays from around the cube from -1 to 1 in all directions, half of them bounded.
 fn random_rays(count: usize, seed: u32) -> Vec<Ray> {
@@ -114,6 +114,52 @@ fn with_and_without_a_tree_hits_are_the_same_bits() {
             ray(from, to - from, 1.0)
         }));
         assert_same_both_ways(&name, &geometry, &rays);
+    }
+}
+
+/// What lies in few planes, upright and not: name and triangles.
+fn flat() -> Vec<(String, Mesh)> {
+    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let plate = |side: u32| meshes::grid(side).map(|p| turn * p);
+    vec![
+        ("tilted grid".into(), plate(6)),
+        ("tilted and upright grids".into(), plate(4).and(&meshes::grid(4))),
+        ("room".into(), meshes::room(10)),
+        ("tilted room".into(), meshes::room(10).map(|p| turn * p)),
+        ("tilted grid far away".into(), plate(6).map(|p| 1e-2 * p + 30.0)),
+    ]
+}
+
+#[test]
+fn no_ray_that_crosses_a_plane_is_left_out() {
+    let mut random = Random::new(25);
+    for (name, mesh) in flat() {
+        let geometry = mesh.geometry();
+        assert!(!geometry.tree().facets.is_empty(), "{name} is not known to be flat");
+        let corners = |random: &mut Random| {
+            mesh.corners[random.index(mesh.corners.len())].map(|c| point(mesh.positions[c as usize]))
+        };
+        let mut rays = Vec::new();
+        for i in 0..60_000 {
+            // From next to a point of a triangle, on either side, to next to another, or on, or along the plane.
+            let [a, b, c] = corners(&mut random);
+            let [u, v, height, far] = random.uniforms();
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let (size, normal) = ((b - a).length(), (b - a).cross(c - a).normalize());
+            let above = |log: f64| size * 10_f64.powf(-8.0 * log) * normal;
+            let from = a + u * (b - a) + v * (c - a) + above(height);
+            let [other, ..] = corners(&mut random);
+            let to = match i % 4 {
+                0 => a - above(far),
+                1 => other + above(far),
+                2 => from + size * random.direction(),
+                _ => from + size * (b - a).normalize() - above(far),
+            };
+            rays.push(ray(from, to - from, if i % 8 == 0 { f64::INFINITY } else { 1.0 }));
+        }
+        assert_same_both_ways(&name, &geometry, &rays);
+        let hits = rays.iter().filter(|ray| trace::closest(&geometry, ray).is_some()).count();
+        assert!(hits > 10_000, "{name}: {hits} hits");
     }
 }
 

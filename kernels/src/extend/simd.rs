@@ -8,18 +8,19 @@
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
-//! 3. In fog most batches meet nothing, and have nothing to list.
-//! 4. Few rays go on to infinity, and each of them once: they are listed one by one.
+//! 3. Rays that are near one of few surfaces wait until they are eight ([`Waiting`]), unless they have met a light, too.
+//! 4. In fog most batches meet nothing, and have nothing to list.
+//! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::columns::View3;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
-use crate::lanes::LANES;
+use crate::lanes::{LANES, LaneSet};
 use crate::tables::lights::{FAR, Lights};
 use crate::trace::bodies::{self, Nearest};
-use crate::trace::{Hits, OneByOne, Rays, Search};
+use crate::trace::{Hits, OneByOne, Rays, Search, Waited, Waiting};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -27,21 +28,22 @@ use crate::{Step, lanes};
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let geometry = columns.surfaces.geometry();
     match (geometry.few(), columns.lights.tree().is_some()) {
-        (Some(few), false) => run_with::<false>(few, step, columns),
-        (Some(few), true) => run_with::<true>(few, step, columns),
-        (None, false) => run_with::<false>(&OneByOne(geometry), step, columns),
-        (None, true) => run_with::<true>(&OneByOne(geometry), step, columns),
+        (Some(few), false) => run_with::<false, _>(few, step, columns),
+        (Some(few), true) => run_with::<true, _>(few, step, columns),
+        (None, false) => run_with::<false, _>(&OneByOne(geometry), step, columns),
+        (None, true) => run_with::<true, _>(&OneByOne(geometry), step, columns),
     }
 }
 
 /// `MANY`: whether there is a tree over the disks and spheres.
 #[inline(always)]
-fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns<'_, '_>) {
+fn run_with<const MANY: bool, S: Search>(search: &S, step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, live, paths, vertex, ray, flight, on_surface, hits, surface_hits } = columns;
     on_surface.clear();
     let n = live.batches();
     let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
     let (birth, flight) = (paths.birth.view(n), flight.view(n));
+    let mut waiting = Waiting::new();
     for (b, live) in live.each_batch() {
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
@@ -62,8 +64,21 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
             distance: any.select(nearest, f32x8::splat(f32::INFINITY)).to_array(),
         };
         if !surfaces.is_empty() {
+            let mut listed = Listed { on_surface, surface_hits };
             let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
-            on_surface.insert_batch(b, beams.trace(search, lights, live, &mut found, surface_hits));
+            if S::WAITS && (found.bits | found.open) == 0 && !lights.has_meshes() {
+                // Nothing but surfaces ends these flights.
+                let rays = Rays { origin, direction, max: flight[b] };
+                waiting.add(&rays, lanes::indices(b), search.near(&rays, live));
+                if let Some(waited) = waiting.full() {
+                    listed.settle(search, &waited);
+                }
+                continue;
+            }
+            if let Some(waited) = waiting.rest() {
+                listed.settle(search, &waited);
+            }
+            beams.trace(search, lights, live, &mut found, &mut listed);
         }
         if found.open != 0 {
             found.list(b, lights, directions, hits);
@@ -71,6 +86,9 @@ fn run_with<const MANY: bool>(search: &impl Search, step: Step, columns: Columns
         }
         let (emitter, distance) = (u32x8::new(found.emitter), f32x8::new(found.distance));
         hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });
+    }
+    if let Some(waited) = waiting.rest() {
+        Listed { on_surface, surface_hits }.settle(search, &waited);
     }
 }
 
@@ -143,30 +161,46 @@ struct Beams {
 }
 
 impl Beams {
-    /// Lists the surfaces at which flights end, and gives their rays. What is `found` behind a surface is forgotten,
-    /// and replaced by the surface itself if that shines.
+    /// Lists the surfaces at which flights end. What is `found` behind a surface is forgotten, and replaced by the surface
+    /// itself if that shines.
     #[inline(always)]
-    fn trace(
-        &self,
-        search: &impl Search,
-        lights: &Lights,
-        live: u32,
-        found: &mut Found,
-        surface_hits: &mut SurfaceHitQueue<'_>,
-    ) -> u32 {
+    fn trace(&self, search: &impl Search, lights: &Lights, live: u32, found: &mut Found, listed: &mut Listed<'_, '_>) {
         // The camera sees a light at any distance, so what may hide it, or shine itself, counts as far.
         let distance = f32x8::new(found.distance);
         let sees = if lights.has_meshes() { lanes::ALL } else { found.bits | found.open };
         let max = lanes::mask(self.at_camera & sees).select(distance, self.flight.fast_min(distance));
         let rays = Rays { origin: self.origin, direction: self.direction, max };
-        let Hits { met, triangle, distance, second, third } = search.closest(&rays, live);
-        found.forget(lanes::bits(met));
+        let hits = search.closest(&rays, live);
+        found.forget(lanes::bits(hits.met));
         if lights.has_meshes() {
-            found.shine(lights, lanes::bits(met), triangle, distance);
+            found.shine(lights, lanes::bits(hits.met), hits.triangle, hits.distance);
         }
-        let on_surface = lanes::bits(met & distance.simd_lt(self.flight));
-        let lane = lanes::indices(self.b);
-        surface_hits.push_batch(on_surface, SurfaceHitBatch { lane, triangle, distance, second, third });
-        on_surface
+        let on_surface = lanes::bits(hits.met & hits.distance.simd_lt(self.flight));
+        listed.on_surface.insert_batch(self.b, on_surface);
+        listed.push(lanes::indices(self.b), on_surface, &hits);
+    }
+}
+
+/// Flights that end on surfaces.
+struct Listed<'a, 'q> {
+    on_surface: &'a mut LaneSet<'q>,
+    surface_hits: &'a mut SurfaceHitQueue<'q>,
+}
+
+impl Listed<'_, '_> {
+    /// Lists those of rays that have waited.
+    #[inline(always)]
+    fn settle(&mut self, search: &impl Search, waited: &Waited) {
+        let hits = search.closest(&waited.rays, waited.live);
+        let met = lanes::bits(hits.met);
+        let lane = waited.lane.to_array();
+        lanes::each(met).for_each(|i| self.on_surface.insert(lane[i] as usize));
+        self.push(waited.lane, met, &hits);
+    }
+
+    #[inline(always)]
+    fn push(&mut self, lane: u32x8, bits: u32, hits: &Hits) {
+        let Hits { triangle, distance, second, third, .. } = *hits;
+        self.surface_hits.push_batch(bits, SurfaceHitBatch { lane, triangle, distance, second, third });
     }
 }

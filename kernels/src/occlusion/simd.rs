@@ -7,33 +7,30 @@
 //!    a tree over them one by one.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
 //! 3. Triangles are traced for what no disk or sphere blocks; a row is done with at the first segment that is blocked.
-//!    How eight segments look for triangles is chosen once, outside the loop ([`Search`]).
 
 use wide::{f32x8, u32x8};
 
 use super::Columns;
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::lanes::LANES;
+use crate::tables::geometry::Geometry;
 use crate::tables::lights::{Emitter, Lights};
 use crate::trace::bodies::{self, Bodies};
-use crate::trace::{OneByOne, Rays, Search};
+use crate::trace::{self, Rays};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
-    let geometry = columns.surfaces.geometry();
-    match (geometry.few(), columns.lights.tree().is_some()) {
-        (Some(few), false) => run_with::<false>(few, columns),
-        (Some(few), true) => run_with::<true>(few, columns),
-        (None, false) => run_with::<false>(&OneByOne(geometry), columns),
-        (None, true) => run_with::<true>(&OneByOne(geometry), columns),
+    match columns.lights.tree().is_some() {
+        false => run_with::<false>(columns),
+        true => run_with::<true>(columns),
     }
 }
 
 /// `MANY`: whether there is a tree over the disks and spheres.
 #[inline(always)]
-fn run_with<const MANY: bool>(search: &impl Search, columns: Columns<'_, '_>) {
+fn run_with<const MANY: bool>(columns: Columns<'_, '_>) {
     let Columns { lights, surfaces, bucket, candidates, chains, worth } = columns;
     for (b, rows) in bucket.batches() {
         let weight = worth.weight.batch(b);
@@ -50,7 +47,8 @@ fn run_with<const MANY: bool>(search: &impl Search, columns: Columns<'_, '_>) {
             from = to;
         }
         if !surfaces.is_empty() {
-            free &= lanes::mask(unhidden(search, lights, bucket.inserted, b, lanes::bits(free), candidates, chains));
+            let geometry = surfaces.geometry();
+            free &= lanes::mask(unhidden(geometry, lights, bucket.inserted, b, lanes::bits(free), candidates, chains));
         }
         let blocked = !free & !weight.simd_eq(f32x8::ZERO);
         for factor in worth.factor.channels_mut() {
@@ -81,7 +79,7 @@ fn passes(body: &Emitter, index: usize, from: Vec3x8, to: Vec3x8, own: u32x8) ->
 /// Which of the rows `free` of batch `b` no triangle hides.
 #[inline(always)]
 fn unhidden(
-    search: &impl Search,
+    geometry: &Geometry,
     lights: &Lights,
     inserted: usize,
     b: usize,
@@ -99,7 +97,7 @@ fn unhidden(
         let spared =
             if last { own_triangles(lights, free, candidates.emitter.batch(b)) } else { u32x8::splat(u32::MAX) };
         let rays = Rays { origin: from, direction: to - from, max: f32x8::ONE };
-        free &= !search.any_but(&rays, free, spared);
+        free &= !trace::hidden(geometry, &rays, free, spared);
         from = to;
     }
     free

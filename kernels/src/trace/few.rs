@@ -1,17 +1,19 @@
 //! ```text
-//! for each cluster whose box any of eight rays enters no later than its best hit:
-//!     for each of its triangles whose box any of them enters no later than that:
+//! for each cluster whose box any of eight rays reaches:
+//!     for each of its triangles whose box any of them reaches, and enters no later than its best hit:
 //!         for those that cross the triangle before the best hit: it is the best hit
 //! ```
 //!
 //! 1. Eight rays and one triangle at a time, in the same arithmetic as one ray and eight triangles
 //!    ([`triangles`](super::triangles)).
-//! 2. A triangle's own box costs half of what the triangle does, and says where rays enter it, which bounds t anyway.
-//! 3. Every ray sees the triangle along its own axes: a corner is a row of numbers, in which lanes look up theirs.
+//! 2. What rays do not reach is left out by comparisons ([`reach`](super::reach)).
+//! 3. A triangle's own box costs half of what the triangle does, and says where rays enter it, which bounds t anyway.
+//! 4. Every ray sees the triangle along its own axes: a corner is a row of numbers, in which lanes look up theirs.
 
 use wide::{f32x8, u32x8};
 
-use super::rays::{Slabs, Views};
+use super::rays::{Sights, Slabs};
+use super::reach::Reach;
 use super::search::{Hits, Search};
 use super::triangles::{Crossings, Pairs, cross};
 use super::{Ray, Rays};
@@ -19,94 +21,114 @@ use crate::lanes;
 use crate::tables::geometry::{Cluster, Few, Triangle};
 
 impl Search for Few {
+    const WAITS: bool = true;
+
+    #[inline(always)]
+    fn near(&self, rays: &Rays, live: u32) -> u32 {
+        let reach = Reach::new(rays, self.extent);
+        if !self.facets.is_empty() {
+            return live & reach.crosses_any(rays, &self.facets);
+        }
+        let of = |planes: &[f32; 6]| lanes::bits(reach.overlaps(planes)) & live;
+        let near = self.clusters.iter().filter(|cluster| cluster.triangles.len() == 1 || of(&cluster.planes) != 0);
+        near.flat_map(|cluster| &cluster.triangles).fold(0, |all, triangle| all | of(&triangle.planes))
+    }
+
     #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {
-        let ready = Ready::new(rays, self.extent);
-        let live = lanes::mask(live) & ready.views.directed;
+        let sights = Sights::new(rays, Slabs::new(rays, self.extent));
+        let near = Near::new(self, &sights, live);
         let mut best = Hits::none(rays.max);
         for cluster in &self.clusters {
-            if !ready.enter(cluster, live, best.distance) {
+            if !near.reaches(cluster) {
                 continue;
             }
             for triangle in &cluster.triangles {
-                if let Some(crossings) = ready.cross(triangle, live, best.distance) {
+                if let Some(crossings) = near.cross(triangle, best.distance) {
                     best.take_nearer(&crossings, triangle.index);
                 }
             }
         }
         best
     }
+}
 
+impl Few {
+    /// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none.
     #[inline(always)]
-    fn any_but(&self, rays: &Rays, live: u32, spared: u32x8) -> u32 {
-        let ready = Ready::new(rays, self.extent);
-        let live = lanes::mask(live) & ready.views.directed;
-        let mut free = live;
+    pub(super) fn hidden(&self, sights: &Sights<'_>, live: u32, spared: u32x8) -> u32 {
+        let mut near = Near::new(self, sights, live);
+        let mut hidden = f32x8::ZERO;
         for cluster in &self.clusters {
-            if !ready.enter(cluster, free, rays.max) {
+            if !near.reaches(cluster) {
                 continue;
             }
             for triangle in &cluster.triangles {
-                if let Some(crossings) = ready.cross(triangle, free, rays.max) {
+                if let Some(crossings) = near.cross(triangle, sights.rays.max) {
                     let own = lanes::as_mask(spared.simd_eq(u32x8::splat(triangle.index)));
-                    free &= own | !(crossings.met & crossings.distance.simd_lt(rays.max));
+                    hidden |= !own & crossings.met & crossings.distance.simd_lt(sights.rays.max);
+                    near.live &= !hidden;
                 }
             }
         }
-        lanes::bits(live & !free)
+        lanes::bits(hidden)
     }
 }
 
-/// What the tests need of eight rays.
-struct Ready<'a> {
-    rays: &'a Rays,
-    slabs: Slabs,
-    views: Views,
+/// Eight rays among few triangles.
+struct Near<'a> {
+    sights: &'a Sights<'a>,
+    /// Those that look for anything, as a mask.
+    live: f32x8,
+    reach: Reach,
 }
 
-impl<'a> Ready<'a> {
+impl<'a> Near<'a> {
     #[inline(always)]
-    fn new(rays: &'a Rays, extent: f32) -> Self {
-        let slabs = Slabs::new(rays, extent);
-        let views = Views::new(rays, slabs.inverse);
-        Self { rays, slabs, views }
+    fn new(few: &Few, sights: &'a Sights<'a>, live: u32) -> Self {
+        let live = lanes::mask(live) & sights.views.directed;
+        Self { sights, live, reach: Reach::new(sights.rays, few.extent) }
     }
 
-    /// Whether any of the `live` rays enters the box around neighbours. One triangle is no neighbour.
+    /// Whether any ray reaches the box around neighbours. One triangle is no neighbour.
     #[inline(always)]
-    fn enter(&self, cluster: &Cluster, live: f32x8, max: f32x8) -> bool {
-        cluster.triangles.len() == 1 || (live & self.slabs.enter(&cluster.planes, max).1).any()
+    fn reaches(&self, cluster: &Cluster) -> bool {
+        cluster.triangles.len() == 1 || (self.live & self.reach.overlaps(&cluster.planes)).any()
     }
 
-    /// Where the `live` rays cross a triangle with t in `(0, max]`; `None` where none does.
+    /// Where rays cross a triangle with t in `(0, max]`; `None` where none does.
     #[inline(always)]
-    fn cross(&self, triangle: &Triangle, live: f32x8, max: f32x8) -> Option<Crossings> {
-        let (entry, entered) = self.slabs.enter(&triangle.planes, max);
-        let live = live & entered;
+    fn cross(&self, triangle: &Triangle, max: f32x8) -> Option<Crossings> {
+        let reached = self.live & self.reach.overlaps(&triangle.planes);
+        if !reached.any() {
+            return None;
+        }
+        let (entry, entered) = self.sights.slabs.enter(&triangle.planes, max);
+        let live = reached & entered;
         if !live.any() {
             return None;
         }
-        cross(&Fan { triangle, ready: self, entry }, max, live)
+        cross(&Fan { triangle, sights: self.sights, entry }, max, live)
     }
 }
 
 /// Eight rays and one triangle.
 struct Fan<'a> {
     triangle: &'a Triangle,
-    ready: &'a Ready<'a>,
+    sights: &'a Sights<'a>,
     entry: f32x8,
 }
 
 impl Pairs for Fan<'_> {
     #[inline(always)]
     fn relative(&self, corner: usize, axis: usize) -> f32x8 {
-        let views = &self.ready.views;
+        let views = &self.sights.views;
         lanes::reorder_f32(self.triangle.corners[corner], views.axes[axis]) - views.origin[axis]
     }
 
     #[inline(always)]
     fn shear(&self) -> [f32x8; 3] {
-        self.ready.views.shear
+        self.sights.views.shear
     }
 
     #[inline(always)]
@@ -116,6 +138,6 @@ impl Pairs for Fan<'_> {
 
     #[inline(always)]
     fn pair(&self, lane: usize) -> ([[f32; 3]; 3], Ray) {
-        ([0, 1, 2].map(|i| self.triangle.corner(i)), self.ready.rays.at(lane))
+        ([0, 1, 2].map(|i| self.triangle.corner(i)), self.sights.rays.at(lane))
     }
 }

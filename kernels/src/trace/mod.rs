@@ -1,11 +1,18 @@
 //! Rays against triangles: the closest hit, and whether there is any.
 //!
-//! Stages ask for eight rays at once ([`Search`]), in one of two ways, which is chosen once, outside their loops:
+//! Stages ask for eight rays at once. Most flights and shadow segments in fog are near nothing, which comparisons tell of
+//! all eight ([`reach`]): of the planes in which everything lies, where these are few
+//! ([`Facet`](crate::tables::geometry::Facet)), otherwise of boxes, which they then have to enter, too ([`cull`]). The
+//! closest hits of those that are left are looked for in one of two ways, which is chosen once, outside the loop
+//! ([`Search`]):
 //!
-//! - **Few triangles** meet eight rays each ([`few`]): lanes are full, and nothing has to be found.
+//! - **Few triangles** meet eight rays each ([`few`]), which wait until they are eight ([`waiting`]): lanes are full, and
+//!   nothing has to be found.
 //! - **Many triangles** are in a tree. Rays of a scattering medium are short and point everywhere, so neighbours in a
-//!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time. They
-//!   share the root: eight rays at a time meet its boxes first ([`cull`]), and those that enter none are done.
+//!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time.
+//!
+//! Shadow segments have done with the first hit, and go through the tree unless many of eight are near few triangles
+//! ([`hidden`]).
 //!
 //! What is promised:
 //!
@@ -24,17 +31,21 @@ pub mod cull;
 pub mod few;
 pub mod ray;
 pub mod rays;
+pub mod reach;
 pub mod reference;
 pub mod search;
 pub mod simd;
 pub mod surface;
 pub mod triangles;
+pub mod waiting;
 pub mod walk;
 
 pub use cull::may_meet;
 pub use rays::{Rays, Slabs};
-pub use search::{Hits, OneByOne, Search};
+pub use reach::Reach;
+pub use search::{Hits, OneByOne, Search, hidden};
 pub use simd::{any, any_but, closest};
+pub use waiting::{Waited, Waiting};
 
 /// A ray: the points `origin + t direction` for t in `(0, max)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Ray;
-use super::ray::{LEAST, Line, VIEWS, WIDENING};
+use super::ray::{LEAST, Line, Ready, VIEWS, WIDENING};
 use crate::vec3x8::Vec3x8;
 
 /// Eight rays: the points `origin + t direction` for t in `(0, max)`.
@@ -115,13 +115,42 @@ impl Views {
     }
 }
 
+/// Eight rays made ready.
+pub(super) struct Sights<'a> {
+    pub rays: &'a Rays,
+    pub slabs: Slabs,
+    pub views: Views,
+}
+
+impl<'a> Sights<'a> {
+    #[inline(always)]
+    pub fn new(rays: &'a Rays, slabs: Slabs) -> Self {
+        let views = Views::new(rays, slabs.inverse);
+        Self { rays, slabs, views }
+    }
+
+    /// One of the rays, which has a direction.
+    #[inline(always)]
+    pub fn at(&self, lane: usize) -> Ready {
+        let Views { axes, shear, .. } = &self.views;
+        let row = |v: &[f32x8; 3]| [0, 1, 2].map(|i: usize| f32x8::splat(v[i].as_array()[lane]));
+        Ready {
+            line: self.slabs.line(lane),
+            origin: row(&by_axis(self.rays.origin)),
+            ray: self.rays.at(lane),
+            axes: [0, 1, 2].map(|i: usize| axes[i].as_array()[lane] as usize),
+            shear: row(shear),
+        }
+    }
+}
+
 /// Size of the largest component.
 #[inline(always)]
-fn largest(v: Vec3x8) -> f32x8 {
+pub(super) fn largest(v: Vec3x8) -> f32x8 {
     v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs())
 }
 
 #[inline(always)]
-fn by_axis(v: Vec3x8) -> [f32x8; 3] {
+pub(super) fn by_axis(v: Vec3x8) -> [f32x8; 3] {
     [v.x, v.y, v.z]
 }

@@ -3,20 +3,24 @@
 use wide::{f32x8, u32x8};
 
 use super::Rays;
-use super::cull::may_meet;
-use super::simd::{any_but, closest};
+use super::cull::{may_meet, near};
+use super::rays::Sights;
+use super::simd::{any_but_along, closest_along};
 use super::triangles::Crossings;
 use crate::lanes;
 use crate::tables::geometry::Geometry;
 
-/// A way to look for triangles. Both ways find the same bits; stages match on [`Geometry::few`] once, outside their
-/// loops, and run a kernel that is generic over this.
+/// A way to look for the closest triangle. Both ways find the same bits; stages match on [`Geometry::few`] once, outside
+/// their loops, and run a kernel that is generic over this.
 pub trait Search {
+    /// Whether it is worth it that rays which are near something wait until they are eight ([`Waiting`](super::Waiting)).
+    const WAITS: bool;
+
+    /// The `live` rays that may meet a triangle, as bits. The others meet none.
+    fn near(&self, rays: &Rays, live: u32) -> u32;
+
     /// The closest hits of the `live` rays, with the smallest index among equals.
     fn closest(&self, rays: &Rays, live: u32) -> Hits;
-
-    /// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none.
-    fn any_but(&self, rays: &Rays, live: u32, spared: u32x8) -> u32;
 }
 
 /// What eight rays hit; as [`TriangleHit`](crate::tables::geometry::TriangleHit).
@@ -63,12 +67,21 @@ impl Hits {
 pub struct OneByOne<'a>(pub &'a Geometry);
 
 impl Search for OneByOne<'_> {
+    const WAITS: bool = false;
+
+    #[inline(always)]
+    fn near(&self, rays: &Rays, live: u32) -> u32 {
+        may_meet(self.0, rays, live)
+    }
+
     #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {
         let mut hits = Hits::none(rays.max);
+        let Some((near, slabs)) = near(self.0, rays, live) else { return hits };
+        let sights = Sights::new(rays, slabs);
         let mut met = 0;
-        for lane in lanes::each(may_meet(self.0, rays) & live) {
-            let Some(hit) = closest(self.0, &rays.at(lane)) else { continue };
+        for lane in lanes::each(near & lanes::bits(sights.views.directed)) {
+            let Some(hit) = closest_along(self.0.tree(), &sights.at(lane)) else { continue };
             met |= 1 << lane;
             hits.triangle.as_mut_array()[lane] = hit.triangle;
             hits.distance.as_mut_array()[lane] = hit.distance;
@@ -76,11 +89,26 @@ impl Search for OneByOne<'_> {
         }
         Hits { met: lanes::mask(met), ..hits }
     }
+}
 
-    #[inline(always)]
-    fn any_but(&self, rays: &Rays, live: u32, spared: u32x8) -> u32 {
-        let spared = spared.to_array();
-        let met = |lane: usize| any_but(self.0, &rays.at(lane), spared[lane]);
-        lanes::each(may_meet(self.0, rays) & live).fold(0, |all, lane| all | u32::from(met(lane)) << lane)
+/// Fewest of eight rays near anything with which few triangles are worth all lanes.
+const TOGETHER: u32 = 3;
+/// Most triangles to each of them.
+const TRIANGLES: usize = 16;
+
+/// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none. Where not most of
+/// them are near anything, those go through the tree, one after the other.
+#[inline(always)]
+pub fn hidden(geometry: &Geometry, rays: &Rays, live: u32, spared: u32x8) -> u32 {
+    let Some((near, slabs)) = near(geometry, rays, live) else { return 0 };
+    let sights = Sights::new(rays, slabs);
+    let count = near.count_ones();
+    let is_worth = count >= TOGETHER && geometry.len() <= TRIANGLES * count as usize;
+    if let Some(few) = geometry.few().filter(|_| is_worth) {
+        return few.hidden(&sights, near, spared);
     }
+    let spared = spared.to_array();
+    let met = |lane: usize| any_but_along(geometry.tree(), &sights.at(lane), spared[lane]);
+    let lanes = lanes::each(near & lanes::bits(sights.views.directed));
+    lanes.fold(0, |all, lane| all | u32::from(met(lane)) << lane)
 }

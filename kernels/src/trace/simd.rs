@@ -11,23 +11,27 @@ use super::ray::Ready;
 use super::triangles::{Crossings, Pairs, cross};
 use super::{Ray, walk};
 use crate::lanes;
-use crate::tables::geometry::TriangleHit;
-use crate::tables::geometry::{Geometry, Leaf};
+use crate::tables::geometry::{Geometry, Leaf, Tree, TriangleHit};
 
 /// The closest hit of the ray, with the smallest index among equals.
 #[inline]
 pub fn closest(geometry: &Geometry, ray: &Ray) -> Option<TriangleHit> {
     let tree = geometry.tree();
-    let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
-    if leaves.is_empty() {
+    if tree.leaves.rows().is_empty() {
         return None;
     }
-    let ready = Ready::new(ray, tree.extent)?;
-    let mut best = TriangleHit { triangle: 0, distance: ray.max, barycentric: [0.0; 2] };
+    closest_along(tree, &Ready::new(ray, tree.extent)?)
+}
+
+/// The closest hit of a ray among the triangles of a tree that has any.
+#[inline(always)]
+pub(super) fn closest_along(tree: &Tree, ray: &Ready) -> Option<TriangleHit> {
+    let (nodes, leaves, max) = (tree.nodes.rows(), tree.leaves.rows(), ray.ray.max);
+    let mut best = TriangleHit { triangle: 0, distance: max, barycentric: [0.0; 2] };
     let mut found = false;
-    walk::nearest(nodes, tree.root, &ready.line, ray.max, |leaf, bound| {
+    walk::nearest(nodes, tree.root, &ray.line, max, |leaf, bound| {
         let leaf = &leaves[leaf];
-        if let Some(Crossings { met, distance, second, third }) = cross_leaf(leaf, &ready, bound) {
+        if let Some(Crossings { met, distance, second, third }) = cross_leaf(leaf, ray, bound) {
             let triangles = leaf.triangles.to_array();
             let (distances, [u, v]) = (distance.to_array(), [second, third].map(f32x8::to_array));
             for lane in lanes::each(lanes::bits(met)) {
@@ -53,16 +57,19 @@ pub fn any(geometry: &Geometry, ray: &Ray) -> bool {
 #[inline]
 pub fn any_but(geometry: &Geometry, ray: &Ray, spared: u32) -> bool {
     let tree = geometry.tree();
-    let (nodes, leaves) = (tree.nodes.rows(), tree.leaves.rows());
-    if leaves.is_empty() {
-        return false;
-    }
-    let Some(ready) = Ready::new(ray, tree.extent) else { return false };
-    walk::any(nodes, tree.root, &ready.line, ray.max, |leaf| {
+    !tree.leaves.rows().is_empty()
+        && Ready::new(ray, tree.extent).is_some_and(|ready| any_but_along(tree, &ready, spared))
+}
+
+/// Whether a ray hits anything but the triangle `spared` in a tree that has any.
+#[inline(always)]
+pub(super) fn any_but_along(tree: &Tree, ray: &Ready, spared: u32) -> bool {
+    let (nodes, leaves, max) = (tree.nodes.rows(), tree.leaves.rows(), ray.ray.max);
+    walk::any(nodes, tree.root, &ray.line, max, |leaf| {
         let leaf = &leaves[leaf];
-        let Some(Crossings { met, distance, .. }) = cross_leaf(leaf, &ready, ray.max) else { return false };
+        let Some(Crossings { met, distance, .. }) = cross_leaf(leaf, ray, max) else { return false };
         let own = lanes::as_mask(leaf.triangles.simd_eq(u32x8::splat(spared)));
-        (!own & met & distance.simd_lt(f32x8::splat(ray.max))).any()
+        (!own & met & distance.simd_lt(f32x8::splat(max))).any()
     })
 }
 

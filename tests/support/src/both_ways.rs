@@ -6,6 +6,9 @@ use fogbow_kernels::trace::{self, Hits, OneByOne, Ray, Rays, Search};
 use fogbow_kernels::vec3x8::Vec3x8;
 use wide::{f32x8, u32x8};
 
+/// Lanes in which rays are, in turn.
+type Order = [usize; LANES];
+
 /// What is in dead lanes, in turn: nothing of it may show.
 const POISON: [f32; 3] = [f32::NAN, f32::INFINITY, -3e38];
 
@@ -15,7 +18,7 @@ pub fn batches(rays: &[Ray]) -> Vec<(Rays, u32)> {
 }
 
 /// Up to eight rays in the lanes `order[0]`, `order[1]` .., and poison in the others; and which lanes are live.
-fn batch(rays: &[Ray], order: [usize; LANES], poison: f32) -> (Rays, u32) {
+fn batch(rays: &[Ray], order: Order, poison: f32) -> (Rays, u32) {
     let dead = Ray { origin: [poison; 3], direction: [poison; 3], max: poison };
     let mut lane_rays = [dead; LANES];
     let places = order.iter().take(rays.len());
@@ -53,6 +56,7 @@ pub fn assert_same_both_ways(name: &str, geometry: &Geometry, rays: &[Ray]) {
         let (batch, live) = batch(rays, order, POISON[i % POISON.len()]);
         assert_same(&format!("{name}, without a tree"), geometry, &few, rays, (&batch, live, order));
         assert_same(&format!("{name}, one by one"), geometry, &OneByOne(geometry), rays, (&batch, live, order));
+        assert_same_hidden(name, geometry, rays, (&batch, live, order));
     }
 }
 
@@ -61,22 +65,30 @@ fn assert_same(
     geometry: &Geometry,
     search: &impl Search,
     rays: &[Ray],
-    (batch, live, order): (&Rays, u32, [usize; LANES]),
+    (batch, live, order): (&Rays, u32, Order),
 ) {
     let hits = search.closest(batch, live);
-    let closest = rays.iter().map(|ray| trace::closest(geometry, ray));
-    let closest: Vec<_> = closest.collect();
-    let mut spared = [u32::MAX; LANES];
+    let closest: Vec<_> = rays.iter().map(|ray| trace::closest(geometry, ray)).collect();
     for (place, expected) in closest.iter().enumerate() {
         let found = hit(&hits, order[place]);
         assert_eq!(bits(found), bits(*expected), "{name}: {found:?} for {expected:?} on {:?}", rays[place]);
-        spared[order[place]] = expected.map_or(u32::MAX, |hit| hit.triangle);
     }
     assert_eq!(lanes::bits(hits.met) & !live, 0, "{name}: dead lanes hit something");
-    for spared in [[u32::MAX; LANES], spared] {
-        let any = search.any_but(batch, live, u32x8::new(spared));
+    let near = search.near(batch, live);
+    assert_eq!(near & !live, 0, "{name}: dead lanes are near something");
+    assert_eq!(lanes::bits(hits.met) & !near, 0, "{name}: near {near:08b}, but {hits:?}, of {rays:?}");
+}
+
+/// Asserts that of eight rays those hit anything, and anything but the closest, that do so alone.
+fn assert_same_hidden(name: &str, geometry: &Geometry, rays: &[Ray], (batch, live, order): (&Rays, u32, Order)) {
+    let mut closest = [u32::MAX; LANES];
+    for (place, ray) in rays.iter().enumerate() {
+        closest[order[place]] = trace::closest(geometry, ray).map_or(u32::MAX, |hit| hit.triangle);
+    }
+    for spared in [[u32::MAX; LANES], closest] {
+        let hidden = trace::hidden(geometry, batch, live, u32x8::new(spared));
         let one = |place: usize| trace::any_but(geometry, &rays[place], spared[order[place]]);
         let expected = (0..rays.len()).fold(0, |all, place| all | u32::from(one(place)) << order[place]);
-        assert_eq!(any, expected, "{name}: {any:08b} for {expected:08b}, sparing {spared:?}, of {rays:?}");
+        assert_eq!(hidden, expected, "{name}: {hidden:08b} for {expected:08b}, sparing {spared:?}, of {rays:?}");
     }
 }

@@ -56,7 +56,7 @@ fn distance_tolerance(corners: [[f32; 3]; 3], ray: &Ray, reach: f64) -> f64 {
 /// Whether a ray, among eight alike, may meet something.
 pub fn may_meet(geometry: &Geometry, ray: &Ray) -> bool {
     let [origin, direction] = [ray.origin, ray.direction].map(Vec3x8::splat);
-    let bits = trace::may_meet(geometry, &Rays { origin, direction, max: f32x8::splat(ray.max) });
+    let bits = trace::may_meet(geometry, &Rays { origin, direction, max: f32x8::splat(ray.max) }, lanes::ALL);
     assert!(bits == 0 || bits == lanes::ALL, "{ray:?} is not itself in all lanes");
     bits != 0
 }

@@ -16,6 +16,7 @@ use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 
 use super::collapse::Collapse;
+use super::facets::Facet;
 use super::groups::Groups;
 use super::nodes::{Child, DEPTH, Leaf, Node, Tree};
 use super::pages::Pages;
@@ -104,7 +105,7 @@ struct Task {
 fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
     let Some(root) = binary.first() else {
         let (nodes, leaves) = (Pages::new(0, |_| Node::VACANT), Pages::new(0, |_| Leaf::VACANT));
-        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], extent: 0.0 };
+        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], extent: 0.0, facets: Vec::new() };
     };
     let collapse = Collapse::new(binary);
     let (nodes, leaves) = (Vec::with_capacity(binary.len() / 4), Vec::with_capacity(binary.len()));
@@ -115,7 +116,8 @@ fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 
     let nodes = Pages::new(nodes.len(), |i| nodes[i]);
     let bounds = corners_of(root.aabb());
     let extent = bounds.as_flattened().iter().fold(0.0, |extent: f32, coordinate| extent.max(coordinate.abs()));
-    Tree { nodes, leaves, root: root_child, bounds, extent }
+    let facets = Facet::all(leaves.rows(), extent);
+    Tree { nodes, leaves, root: root_child, bounds, extent, facets }
 }
 
 struct Widening<'a, F> {

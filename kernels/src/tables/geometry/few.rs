@@ -2,18 +2,20 @@
 
 use wide::f32x8;
 
+use super::facets::Facet;
 use super::nodes::{Leaf, Tree};
-use crate::lanes::LANES;
 
-/// Most triangles for which rays do without a tree. With more of them it is as fast where rays are near nothing
-/// (BENCHMARKS.md, *Few triangles*).
-pub const FEW: usize = 32;
+/// Most triangles for which full lanes do without a tree. With more of them it is as fast (BENCHMARKS.md, *Few
+/// triangles*).
+pub const FEW: usize = 96;
 
 /// The triangles of a tree without its inner nodes.
 #[derive(Clone, Debug)]
 pub struct Few {
     /// Neighbours: what was a leaf.
     pub clusters: Vec<Cluster>,
+    /// The planes in which they lie, if these are fewer.
+    pub facets: Vec<Facet>,
     /// Size of the largest coordinate `[m]`.
     pub extent: f32,
 }
@@ -41,27 +43,28 @@ pub struct Triangle {
 impl Few {
     /// The triangles of a tree, however many.
     pub fn new(tree: &Tree) -> Self {
-        Self { clusters: tree.leaves.rows().iter().map(Cluster::new).collect(), extent: tree.extent }
+        let clusters = tree.leaves.rows().iter().map(Cluster::new).collect();
+        Self { clusters, facets: tree.facets.clone(), extent: tree.extent }
     }
 
     /// The triangles of a tree if they are few.
     pub(super) fn of(tree: &Tree) -> Option<Self> {
-        let taken = |leaf: &Leaf| leaf.triangles.to_array().iter().filter(|index| **index != u32::MAX).count();
         let is_small = tree.leaves.rows().len() <= FEW;
-        (is_small && tree.leaves.rows().iter().map(taken).sum::<usize>() <= FEW).then(|| Self::new(tree))
+        (is_small && tree.leaves.rows().iter().map(Leaf::len).sum::<usize>() <= FEW).then(|| Self::new(tree))
     }
 
     /// Memory in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.clusters) + self.clusters.iter().map(|c| size_of_val(&*c.triangles)).sum::<usize>()
+        size_of_val(&*self.clusters)
+            + size_of_val(&*self.facets)
+            + self.clusters.iter().map(|c| size_of_val(&*c.triangles)).sum::<usize>()
     }
 }
 
 impl Cluster {
     fn new(leaf: &Leaf) -> Self {
-        let taken = (0..LANES).filter(|lane| leaf.triangles.to_array()[*lane] != u32::MAX);
-        let triangles: Vec<_> =
-            taken.map(|lane| Triangle::new(leaf.at(lane), leaf.triangles.to_array()[lane])).collect();
+        let triangle = |lane: usize| Triangle::new(leaf.at(lane), leaf.triangles.to_array()[lane]);
+        let triangles: Vec<_> = (0..leaf.len()).map(triangle).collect();
         Self { planes: around(triangles.iter().flat_map(Triangle::box_corners)), triangles }
     }
 }

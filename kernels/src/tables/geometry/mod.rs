@@ -13,11 +13,13 @@
 
 mod build;
 mod collapse;
+mod facets;
 mod few;
 mod groups;
 mod nodes;
 mod pages;
 
+pub use facets::Facet;
 pub use few::{Cluster, FEW, Few, Triangle};
 pub use nodes::{Child, DEPTH, Leaf, Node, Tree};
 pub use pages::Pages;
@@ -101,6 +103,7 @@ impl Geometry {
             + size_of_val(&*self.corners)
             + size_of_val(self.tree.nodes.rows())
             + size_of_val(self.tree.leaves.rows())
+            + size_of_val(&*self.tree.facets)
             + self.few.as_ref().map_or(0, Few::bytes)
     }
 }

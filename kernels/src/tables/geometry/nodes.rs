@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use wide::{f32x8, u32x8};
 
+use super::facets::Facet;
 use super::pages::Pages;
 use crate::lanes::LANES;
 
@@ -22,6 +23,8 @@ pub struct Tree {
     pub bounds: [[f32; 3]; 2],
     /// Size of the largest coordinate `[m]`.
     pub extent: f32,
+    /// The planes in which all triangles lie; none where they would be many.
+    pub facets: Vec<Facet>,
 }
 
 /// Where a box leads: to an inner node or to a leaf.
@@ -90,6 +93,12 @@ impl Node {
         Self { planes: [lower, lower, lower, upper, upper, upper], children: [0; LANES], spare: [0; LANES] }
     };
 
+    /// Lower x, y, z, then upper x, y, z of the box in a lane `[m]`.
+    #[inline(always)]
+    pub fn planes_of(&self, lane: usize) -> [f32; 6] {
+        self.planes.each_ref().map(|row| row.as_array()[lane])
+    }
+
     /// Fills a lane.
     pub fn set(&mut self, lane: usize, [lower, upper]: [[f32; 3]; 2], child: Child) {
         for axis in 0..3 {
@@ -114,6 +123,16 @@ impl Leaf {
     /// Eight vacant lanes.
     pub const VACANT: Self =
         Self { corners: [[f32x8::new([f32::NAN; 8]); 3]; 3], triangles: u32x8::new([u32::MAX; LANES]) };
+
+    /// Number of lanes that are taken, which are the first ones.
+    pub fn len(&self) -> usize {
+        self.triangles.to_array().iter().filter(|index| **index != u32::MAX).count()
+    }
+
+    /// Whether no lane is taken.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 
     /// Fills a lane.
     pub fn set(&mut self, lane: usize, corners: [[f32; 3]; 3], triangle: u32) {

@@ -1,0 +1,91 @@
+//! How far eight rays reach, and which boxes that is far from.
+//!
+//! ```text
+//! a ray is between o and e = o + max d along every axis, so that it is in no box with
+//!     b_upper < min(o, e)   or   b_lower > max(o, e)        along any of them
+//! ```
+//!
+//! A flight in fog is short, and most of what there is lies upright or flat: where boxes are that thin, this leaves out
+//! nearly all that the planes of [`rays`](super::rays) do, by comparisons alone, and rays that are near nothing need not
+//! be made ready.
+//!
+//! With u and L as in [`ray`](super::ray): those planes are moved by 12 u L, and the parameters at which they are met
+//! are off by what 4 u L makes of them; e, and the sums that widen it, are off by another 3 u L where e is within L,
+//! which it is wherever a box could be between the two. So reaches are wider by 24 u L: what no ray reaches, none
+//! enters.
+//!
+//! **Planes.** A ray whose ends are on one side of a plane crosses nothing in it. How far the point at t, where
+//! [`triangles`](super::triangles) finds a crossing, may be from the triangle's plane follows from t being a mean of the
+//! corners' with weights U, V, W. These are areas, off by 8 u L S, where S is the longest edge; their sum is 2 A |c|,
+//! with the area A and the cosine c of the ray to the normal; corners are at most S |c| along the normal from where the
+//! ray passes them. So it is 3 (8 u L S) (S |c|) / (2 A |c|) = 12 u L S^2 / A at most, whatever c. Twice that are allowed
+//! for, and 32 u L for the roundings of what is compared.
+
+use wide::f32x8;
+
+use super::rays::{Rays, by_axis, largest};
+use crate::lanes;
+use crate::tables::geometry::Facet;
+use crate::vec3x8::Vec3x8;
+
+/// How much wider reaches are than what is between the ends of rays, in units of the largest coordinates.
+const WIDENING: f32 = 12.0 * f32::EPSILON;
+/// How far from a plane rays may be met by triangles in it, in units of the largest coordinates and of one more than the
+/// triangles' aspect.
+const SLACK: f32 = 16.0 * f32::EPSILON;
+
+/// The boxes around eight rays, up to their bounds.
+pub struct Reach {
+    /// Lower x, y and z `[m]`.
+    lower: [f32x8; 3],
+    /// Upper x, y and z `[m]`.
+    upper: [f32x8; 3],
+    /// L: how large coordinates are `[m]`.
+    scale: f32x8,
+}
+
+impl Reach {
+    /// Of rays among boxes whose coordinates have sizes of up to `extent`.
+    #[inline(always)]
+    pub fn new(rays: &Rays, extent: f32) -> Self {
+        let scale = f32x8::splat(extent) + largest(rays.origin);
+        let widening = f32x8::splat(WIDENING) * scale;
+        let (origin, direction) = (by_axis(rays.origin), by_axis(rays.direction));
+        let ends = |axis: usize| {
+            let (o, d) = (origin[axis], direction[axis]);
+            // Across an axis even an endless ray gets nowhere.
+            let e = d.simd_eq(f32x8::ZERO).select(o, rays.max.mul_add(d, o));
+            [o.fast_min(e) - widening, o.fast_max(e) + widening]
+        };
+        let [x, y, z] = [ends(0), ends(1), ends(2)];
+        Self { lower: [x[0], y[0], z[0]], upper: [x[1], y[1], z[1]], scale }
+    }
+
+    /// The rays that reach the box with these lower and upper planes, as a mask.
+    #[inline(always)]
+    pub fn overlaps(&self, planes: &[f32; 6]) -> f32x8 {
+        let begins = |axis: usize| self.lower[axis].simd_le(f32x8::splat(planes[3 + axis]));
+        let ends = |axis: usize| self.upper[axis].simd_ge(f32x8::splat(planes[axis]));
+        begins(0) & ends(0) & begins(1) & ends(1) & begins(2) & ends(2)
+    }
+    /// The `rays` that reach any of the facets, and do not stay on one side of its plane, as bits.
+    #[inline(always)]
+    pub fn crosses_any(&self, rays: &Rays, facets: &[Facet]) -> u32 {
+        lanes::bits(facets.iter().fold(f32x8::ZERO, |all, facet| all | self.crosses(rays, facet)))
+    }
+
+    /// The same for one of them, as a mask.
+    #[inline(always)]
+    fn crosses(&self, rays: &Rays, facet: &Facet) -> f32x8 {
+        if facet.is_upright {
+            return self.overlaps(&facet.planes);
+        }
+        let normal = Vec3x8::splat(facet.normal);
+        let from = normal.dot(rays.origin) - f32x8::splat(facet.offset);
+        let to = rays.max.mul_add(normal.dot(rays.direction), from);
+        let slack = f32x8::splat(SLACK * (1.0 + facet.aspect)).mul_add(self.scale, f32x8::splat(2.0 * facet.margin));
+        let above = from.simd_gt(slack) & to.simd_gt(slack);
+        let below = from.simd_lt(-slack) & to.simd_lt(-slack);
+        self.overlaps(&facet.planes) & !(above | below)
+    }
+}
