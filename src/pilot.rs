@@ -349,18 +349,14 @@ impl<'a> Pilot<'a> {
     /// Tries a setting, with fewer samples if it turns out to have less than so much efficiency.
     fn attempt(&self, setting: Setting, least: f64) -> Trial {
         let frame = setting.apply(&self.frame);
-        let mut looks = Vec::new();
-        let mut trial = None;
-        for parts in [0..FIRST_PARTS, FIRST_PARTS..PARTS] {
-            looks.extend(parts.map(|part| self.look(&frame, part)));
-            let found = Trial::of(setting, &looks);
-            let is_far = found.is_below(least);
-            trial = Some(found);
-            if is_far {
-                break;
-            }
+        let look = |part: u32| self.look(&frame, part);
+        let mut looks: Vec<_> = (0..FIRST_PARTS).map(look).collect();
+        let first = Trial::of(setting, &looks);
+        if first.is_below(least) {
+            return first;
         }
-        trial.expect("parts were looked at")
+        looks.extend((FIRST_PARTS..PARTS).map(look));
+        Trial::of(setting, &looks)
     }
 
     fn look(&self, frame: &Frame, part: u32) -> Look {

@@ -68,6 +68,7 @@ impl Reach {
         let ends = |axis: usize| self.upper[axis].simd_ge(f32x8::splat(planes[axis]));
         begins(0) & ends(0) & begins(1) & ends(1) & begins(2) & ends(2)
     }
+
     /// The `rays` that reach any of the facets, and do not stay on one side of its plane, as bits.
     #[inline(always)]
     pub fn crosses_any(&self, rays: &Rays, facets: &[Facet]) -> u32 {
