@@ -92,6 +92,13 @@ fn rays_far_from_everything_are_passed_by() {
     assert!(met(&ray(DVec3::ZERO, DVec3::X, 0.95)) && met(&ray(DVec3::ZERO, -DVec3::X, 0.95)));
     assert!(!met(&ray(2.0 * DVec3::X, DVec3::X, f64::INFINITY)), "leads away");
     assert!(!may_meet(&Geometry::new(Vec::new(), Vec::new()), &ray(DVec3::ZERO, DVec3::X, 1.0)), "nothing is there");
+    let roof = meshes::grid(4).map(|p| DMat3::from_rotation_x(0.7) * p).geometry();
+    let normal = DMat3::from_rotation_x(0.7) * DVec3::Z;
+    let met = |from: DVec3, to: DVec3| may_meet(&roof, &ray(from, to - from, 1.0));
+    for to in [0.5 * DVec3::X, DVec3::ZERO, 0.5 * normal.cross(DVec3::X)] {
+        assert!(!met(1e-3 * normal, to + 0.2 * normal) && !met(-1e-3 * normal, to - 0.2 * normal), "on one side");
+        assert!(met(1e-3 * normal, to - 0.2 * normal), "across the plane");
+    }
 }
 
 #[test]
@@ -127,6 +134,10 @@ fn flat() -> Vec<(String, Mesh)> {
         ("room".into(), meshes::room(10)),
         ("tilted room".into(), meshes::room(10).map(|p| turn * p)),
         ("tilted grid far away".into(), plate(6).map(|p| 1e-2 * p + 30.0)),
+        ("roof".into(), meshes::grid(6).map(|p| DMat3::from_rotation_x(0.7) * p)),
+        ("slivers".into(), meshes::grid(6).map(|p| turn * (DVec3::new(1.0, 1e-3, 1.0) * p))),
+        ("small tilted room".into(), meshes::room(10).map(|p| 1e-9 * (turn * p))),
+        ("large tilted room".into(), meshes::room(10).map(|p| 1e9 * (turn * p))),
     ]
 }
 
@@ -153,13 +164,15 @@ fn no_ray_that_crosses_a_plane_is_left_out() {
                 0 => a - above(far),
                 1 => other + above(far),
                 2 => from + size * random.direction(),
-                _ => from + size * (b - a).normalize() - above(far),
+                _ => from + size * (b - a).normalize() - if i % 3 == 0 { DVec3::ZERO } else { above(far) },
             };
-            rays.push(ray(from, to - from, if i % 8 == 0 { f64::INFINITY } else { 1.0 }));
+            // Or from outside of an edge, in any direction.
+            let from = if i % 5 == 0 { a + u * (b - a) - 1e-5 * v * (c - a) + above(height) } else { from };
+            rays.push(ray(from, to - from, if i / 4 % 4 == 0 { f64::INFINITY } else { 1.0 }));
         }
         assert_same_both_ways(&name, &geometry, &rays);
         let hits = rays.iter().filter(|ray| trace::closest(&geometry, ray).is_some()).count();
-        assert!(hits > 10_000, "{name}: {hits} hits");
+        assert!(hits > 5_000, "{name}: {hits} hits");
     }
 }
 
@@ -341,4 +354,7 @@ fn rays_that_leave_a_surface_neither_hit_it_nor_go_through() {
     assert_eq!(depart(&meshes::sphere(4), 100_000, 3), none);
     assert_eq!(depart(&meshes::sphere(2).map(|p| 1e4 * p), 50_000, 4), none);
     assert_eq!(depart(&meshes::sphere(2).map(|p| 1e-4 * p), 50_000, 5), none);
+    for (size, seed) in [(1e-13, 6), (1e-15, 7)] {
+        assert_eq!(depart(&meshes::cube().map(|p| size * p), 50_000, seed), none, "{size:e} m");
+    }
 }

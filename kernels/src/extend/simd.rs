@@ -8,7 +8,8 @@
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
-//! 3. Rays that are near one of few surfaces wait until they are eight ([`Waiting`]), unless they have met a light, too.
+//! 3. Rays that are near one of few surfaces wait until they are eight ([`Waiting`]). A batch of which any ray has met a
+//!    light, or goes on to infinity, does not wait, nor do others where triangles shine.
 //! 4. In fog most batches meet nothing, and have nothing to list.
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 

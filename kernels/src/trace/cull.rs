@@ -1,4 +1,5 @@
-//! Eight rays against the top of the tree: which of them may meet anything.
+//! Eight rays against the top of the tree: which of them may meet anything. Where everything lies in few planes, these
+//! are asked instead ([`reach`](super::reach)).
 //!
 //! ```text
 //! for each box of the root:  near = max(0, over axes (b_near - o) / d),  far = min(max, over axes (b_far - o) / d)

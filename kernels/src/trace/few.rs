@@ -37,14 +37,14 @@ impl Search for Few {
     #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {
         let sights = Sights::new(rays, Slabs::new(rays, self.extent));
-        let near = Near::new(self, &sights, live);
+        let among = Among::new(self, &sights, live);
         let mut best = Hits::none(rays.max);
         for cluster in &self.clusters {
-            if !near.reaches(cluster) {
+            if !among.reaches(cluster) {
                 continue;
             }
             for triangle in &cluster.triangles {
-                if let Some(crossings) = near.cross(triangle, best.distance) {
+                if let Some(crossings) = among.cross(triangle, best.distance) {
                     best.take_nearer(&crossings, triangle.index);
                 }
             }
@@ -57,17 +57,17 @@ impl Few {
     /// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none.
     #[inline(always)]
     pub(super) fn hidden(&self, sights: &Sights<'_>, live: u32, spared: u32x8) -> u32 {
-        let mut near = Near::new(self, sights, live);
+        let mut among = Among::new(self, sights, live);
         let mut hidden = f32x8::ZERO;
         for cluster in &self.clusters {
-            if !near.reaches(cluster) {
+            if !among.reaches(cluster) {
                 continue;
             }
             for triangle in &cluster.triangles {
-                if let Some(crossings) = near.cross(triangle, sights.rays.max) {
+                if let Some(crossings) = among.cross(triangle, sights.rays.max) {
                     let own = lanes::as_mask(spared.simd_eq(u32x8::splat(triangle.index)));
                     hidden |= !own & crossings.met & crossings.distance.simd_lt(sights.rays.max);
-                    near.live &= !hidden;
+                    among.live &= !hidden;
                 }
             }
         }
@@ -76,14 +76,14 @@ impl Few {
 }
 
 /// Eight rays among few triangles.
-struct Near<'a> {
+struct Among<'a> {
     sights: &'a Sights<'a>,
     /// Those that look for anything, as a mask.
     live: f32x8,
     reach: Reach,
 }
 
-impl<'a> Near<'a> {
+impl<'a> Among<'a> {
     #[inline(always)]
     fn new(few: &Few, sights: &'a Sights<'a>, live: u32) -> Self {
         let live = lanes::mask(live) & sights.views.directed;

@@ -1,8 +1,8 @@
 //! Rays against triangles: the closest hit, and whether there is any.
 //!
-//! Stages ask for eight rays at once. Most flights and shadow segments in fog are near nothing, which comparisons tell of
-//! all eight ([`reach`]): of the planes in which everything lies, where these are few
-//! ([`Facet`](crate::tables::geometry::Facet)), otherwise of boxes, which they then have to enter, too ([`cull`]). The
+//! Stages ask for eight rays at once. Most flights and shadow segments in fog are near nothing. Comparisons tell this for
+//! all eight at once ([`reach`]): with the planes in which everything lies, where these are few
+//! ([`Facet`](crate::tables::geometry::Facet)), otherwise with boxes, which rays then have to enter, too ([`cull`]). The
 //! closest hits of those that are left are looked for in one of two ways, which is chosen once, outside the loop
 //! ([`Search`]):
 //!
@@ -11,7 +11,7 @@
 //! - **Many triangles** are in a tree. Rays of a scattering medium are short and point everywhere, so neighbours in a
 //!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time.
 //!
-//! Shadow segments have done with the first hit, and go through the tree unless many of eight are near few triangles
+//! Shadow segments are done at the first hit, and go through the tree unless several of eight are near few triangles
 //! ([`hidden`]).
 //!
 //! What is promised:
@@ -42,7 +42,6 @@ pub mod walk;
 
 pub use cull::may_meet;
 pub use rays::{Rays, Slabs};
-pub use reach::Reach;
 pub use search::{Hits, OneByOne, Search, hidden};
 pub use simd::{any, any_but, closest};
 pub use waiting::{Waited, Waiting};

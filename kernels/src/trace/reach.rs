@@ -14,12 +14,12 @@
 //! which it is wherever a box could be between the two. So reaches are wider by 24 u L: what no ray reaches, none
 //! enters.
 //!
-//! **Planes.** A ray whose ends are on one side of a plane crosses nothing in it. How far the point at t, where
-//! [`triangles`](super::triangles) finds a crossing, may be from the triangle's plane follows from t being a mean of the
-//! corners' with weights U, V, W. These are areas, off by 8 u L S, where S is the longest edge; their sum is 2 A |c|,
-//! with the area A and the cosine c of the ray to the normal; corners are at most S |c| along the normal from where the
-//! ray passes them. So it is 3 (8 u L S) (S |c|) / (2 A |c|) = 12 u L S^2 / A at most, whatever c. Twice that are allowed
-//! for, and 32 u L for the roundings of what is compared.
+//! **Planes.** A ray whose ends are on one side of a plane crosses nothing in it. How far from a triangle's plane may the
+//! point at t be, where [`triangles`](super::triangles) finds a crossing? There t is a mean of the corners' with weights
+//! U, V and W, which are exact for coordinates as they were rounded, by 7 u L: that makes 10 u L along the normal. Products
+//! are off by what makes another 26 u L S^2 / A, with the triangle's longest edge S and its area A. We allow 32 u L (1 +
+//! S^2 / A). A triangle of a facet may be off its plane by the margin, and lean out of it by as much over its height: we
+//! allow 2 margin (1 + S^2 / A).
 
 use wide::f32x8;
 
@@ -30,8 +30,7 @@ use crate::vec3x8::Vec3x8;
 
 /// How much wider reaches are than what is between the ends of rays, in units of the largest coordinates.
 const WIDENING: f32 = 12.0 * f32::EPSILON;
-/// How far from a plane rays may be met by triangles in it, in units of the largest coordinates and of one more than the
-/// triangles' aspect.
+/// How far from its plane a triangle may meet rays, in units of L (1 + S^2 / A): 32 u.
 const SLACK: f32 = 16.0 * f32::EPSILON;
 
 /// The boxes around eight rays, up to their bounds.
@@ -84,7 +83,8 @@ impl Reach {
         let normal = Vec3x8::splat(facet.normal);
         let from = normal.dot(rays.origin) - f32x8::splat(facet.offset);
         let to = rays.max.mul_add(normal.dot(rays.direction), from);
-        let slack = f32x8::splat(SLACK * (1.0 + facet.aspect)).mul_add(self.scale, f32x8::splat(2.0 * facet.margin));
+        let wide = 1.0 + facet.aspect;
+        let slack = f32x8::splat(SLACK * wide).mul_add(self.scale, f32x8::splat(2.0 * wide * facet.margin));
         let above = from.simd_gt(slack) & to.simd_gt(slack);
         let below = from.simd_lt(-slack) & to.simd_lt(-slack);
         self.overlaps(&facet.planes) & !(above | below)

@@ -16,7 +16,7 @@ pub trait Search {
     /// Whether it is worth it that rays which are near something wait until they are eight ([`Waiting`](super::Waiting)).
     const WAITS: bool;
 
-    /// The `live` rays that may meet a triangle, as bits. The others meet none.
+    /// The `live` rays that may meet a triangle, as bits. The others meet none. Asked for where rays wait.
     fn near(&self, rays: &Rays, live: u32) -> u32;
 
     /// The closest hits of the `live` rays, with the smallest index among equals.
@@ -91,19 +91,19 @@ impl Search for OneByOne<'_> {
     }
 }
 
-/// Fewest of eight rays near anything with which few triangles are worth all lanes.
+/// Fewest of eight rays that have to be near something for few triangles to be worth all lanes.
 const TOGETHER: u32 = 3;
-/// Most triangles to each of them.
-const TRIANGLES: usize = 16;
+/// Most triangles per ray that is near something.
+const TRIANGLES_PER_RAY: usize = 16;
 
-/// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none. Where not most of
-/// them are near anything, those go through the tree, one after the other.
+/// Which of the `live` rays hit anything but the triangle `spared`, as bits; `u32::MAX` spares none. Those that are near
+/// something go through the tree, one after the other, unless they are several among few triangles.
 #[inline(always)]
 pub fn hidden(geometry: &Geometry, rays: &Rays, live: u32, spared: u32x8) -> u32 {
     let Some((near, slabs)) = near(geometry, rays, live) else { return 0 };
     let sights = Sights::new(rays, slabs);
     let count = near.count_ones();
-    let is_worth = count >= TOGETHER && geometry.len() <= TRIANGLES * count as usize;
+    let is_worth = count >= TOGETHER && geometry.len() <= TRIANGLES_PER_RAY * count as usize;
     if let Some(few) = geometry.few().filter(|_| is_worth) {
         return few.hidden(&sights, near, spared);
     }

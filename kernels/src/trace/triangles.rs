@@ -12,11 +12,13 @@
 //!    right or they are 0; and the neighbour across the edge, which goes along it the other way, gets the same number
 //!    with the other sign. At 0 the lane is settled in f64, where products of f32 are exact, and so is the sign.
 //! 2. U, V and W have one sign, so t is a mean of the corners' t. Its sign is certain where these are all positive, and
-//!    where t is more than rounding makes of it. With R the largest coordinate across the ray, and M the largest of all,
-//!    coordinates are off by 7 u M, and the three edge functions by 17 u M R each, of which t makes that times the spread
-//!    of the corners' t over U + V + W; together 51 u, and we allow 64. What is left, a triangle with corners before and
-//!    behind an origin that is next to it, is settled in f64, with t from its plane: this tells a ray that leaves a
-//!    surface from one that meets it.
+//!    where t is more than rounding makes of it. Let R be the largest coordinate across the ray, M the largest of all, and
+//!    D the spread of the corners' t. Coordinates are off by 7 u M; U, V and W are exact weights for what they were
+//!    rounded to, so that this moves t by 7 u M 4 R D / (U + V + W) at most. The products' roundings make 4 u R^2 D / (U +
+//!    V + W), those of t, weights and sum no more than 24. Together 56 u M R D / (U + V + W), of which we allow 64. What
+//!    is left, a triangle with corners before and behind an origin that is next to it, is settled in f64, with t from its
+//!    plane: this tells a ray that leaves a surface from one that meets it. Where all corners are behind the origin along
+//!    an axis, as only rounding puts a ray into the triangle, it is missed, as boxes around it are.
 //! 3. The nearest plane of the triangle's own box bounds t from below, in the arithmetic of boxes. A mean of rounded
 //!    numbers may be less; then t is that bound, so that no box around the triangle is ever beyond its t.
 //! 4. Few rays get past the signs, so that everything after is done for those alone.
@@ -27,7 +29,7 @@ use wide::f32x8;
 use super::Ray;
 use crate::lanes;
 
-/// Rounding that t may suffer from, in units of what [`doubt`] makes of it.
+/// Rounding that t may suffer from, in units of M R D / (U + V + W): 64 u.
 const DOUBT: f32 = 32.0 * f32::EPSILON;
 
 /// Eight pairs of a ray and a triangle.
@@ -125,14 +127,14 @@ fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
     met.any().then(|| Crossings { met, distance, second: weights[0], third: weights[1] })
 }
 
-/// Bound of what rounding may make of t, where corners are `apart` in t: edge functions are off by what their terms are
-/// off by, products of coordinates across the ray, which are rounded from those of corners less the origin.
+/// What rounding may make of t where corners are `apart` in t: see 2.
 #[inline(always)]
 fn doubt(seen: &Seen, apart: f32x8, inverse: f32x8) -> f32x8 {
     let largest = |of: &[f32x8; 3]| of[0].abs().fast_max(of[1].abs()).fast_max(of[2].abs());
     let across = largest(&seen.x).fast_max(largest(&seen.y));
     let far = across.fast_max(largest(&seen.z));
-    f32x8::splat(DOUBT) * across * far * apart * inverse.abs()
+    // In this order nothing underflows: sizes of the triangle come and go.
+    f32x8::splat(DOUBT) * apart * (across * inverse.abs()) * far
 }
 
 /// Distance and barycentrics of one lane in f64, from the same view along the ray.
@@ -154,8 +156,20 @@ fn decide(corners: [[f32; 3]; 3], ray: &Ray, seen: &Seen, over_z: f32x8, lane: u
     let first = t.into_iter().fold(f64::INFINITY, f64::min);
     let last = t.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let mean = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
+    if first <= 0.0 && is_behind(corners, ray) {
+        return None;
+    }
     let distance = if first > 0.0 { mean } else { to_plane(corners, ray).unwrap_or(mean).clamp(first, last) };
     (distance > 0.0).then_some([distance as f32, weights[1] as f32, weights[2] as f32])
+}
+
+/// Whether all corners are behind the origin along an axis.
+fn is_behind(corners: [[f32; 3]; 3], ray: &Ray) -> bool {
+    (0..3).any(|axis| {
+        let (o, d) = (ray.origin[axis], ray.direction[axis]);
+        let behind = |corner: [f32; 3]| if d > 0.0 { corner[axis] < o } else { d < 0.0 && corner[axis] > o };
+        corners.into_iter().all(behind)
+    })
 }
 
 /// Parameter at which the ray meets the plane of the triangle, unless it runs along it.

@@ -17,8 +17,9 @@ use crate::vec3x8::Vec3x8;
 /// Rays in the order in which they came.
 pub struct Waiting {
     count: usize,
-    /// What tells whose they are, and the components of their origins, directions and bounds.
+    /// Whose they are.
     lane: [u32; Self::ROOM],
+    /// The components of their origins and directions, and their bounds.
     numbers: [[f32; Self::ROOM]; 7],
 }
 

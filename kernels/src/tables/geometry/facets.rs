@@ -1,8 +1,7 @@
 //! What is flat: planes in which all triangles lie, where these are few.
 //!
 //! Rooms, plates and boxes are made of few planes. Most segments of a path in fog lie on one side of all of them, or far
-//! from what is there of them, which eight rays at a time are quick to find out
-//! ([`trace::cull`](crate::trace::cull)).
+//! from what is there of them. That is found out quickly for eight rays at a time ([`trace::reach`](crate::trace::reach)).
 
 use glam::DVec3;
 
@@ -17,7 +16,7 @@ const SMALL: usize = 1 << 12;
 /// How far corners may be from a plane that they are taken to lie in, in units of the largest coordinate.
 const FLAT: f64 = 8.0 * f32::EPSILON as f64;
 /// Sine of the angle by which a triangle may lean out of it.
-const UPRIGHT: f64 = 1e-3;
+const LEAN: f64 = 1e-3;
 
 /// Triangles in one plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,11 +39,11 @@ impl Facet {
     /// The planes of the triangles in leaves, whose coordinates have sizes of up to `extent`; none if they are too many
     /// to be worth it.
     pub(super) fn all(leaves: &[Leaf], extent: f32) -> Vec<Self> {
-        let count: usize = leaves.iter().map(Leaf::len).sum();
+        let count: usize = leaves.iter().map(Leaf::count).sum();
         if count > SMALL {
             return Vec::new();
         }
-        let in_leaf = |leaf: &Leaf| (0..leaf.len()).map(|lane| Triangle::new(leaf.at(lane))).collect::<Vec<_>>();
+        let in_leaf = |leaf: &Leaf| (0..leaf.count()).map(|lane| Triangle::new(leaf.at(lane))).collect::<Vec<_>>();
         let mut triangles: Vec<_> = leaves.iter().flat_map(in_leaf).collect();
         // The plane of a large triangle is known best.
         triangles.sort_by(|a, b| b.area.total_cmp(&a.area));
@@ -69,7 +68,8 @@ impl Facet {
             planes: [inf, inf, inf, none, none, none],
             normal,
             offset: 0.0,
-            margin: 0.0,
+            // No less: with a subnormal number products would be slow.
+            margin: f32::MIN_POSITIVE,
             aspect: 0.0,
             is_upright: true,
         };
@@ -86,7 +86,7 @@ impl Facet {
 
     /// Whether a triangle lies in the plane.
     fn holds(&self, triangle: &Triangle, extent: f64) -> bool {
-        let leans = DVec3::from(self.normal.map(f64::from)).cross(triangle.normal).length() > UPRIGHT;
+        let leans = DVec3::from(self.normal.map(f64::from)).cross(triangle.normal).length() > LEAN;
         !leans && triangle.corners.iter().all(|corner| self.distance(*corner).abs() <= FLAT * extent)
     }
 

@@ -50,7 +50,7 @@ impl Few {
     /// The triangles of a tree if they are few.
     pub(super) fn of(tree: &Tree) -> Option<Self> {
         let is_small = tree.leaves.rows().len() <= FEW;
-        (is_small && tree.leaves.rows().iter().map(Leaf::len).sum::<usize>() <= FEW).then(|| Self::new(tree))
+        (is_small && tree.leaves.rows().iter().map(Leaf::count).sum::<usize>() <= FEW).then(|| Self::new(tree))
     }
 
     /// Memory in bytes.
@@ -64,7 +64,7 @@ impl Few {
 impl Cluster {
     fn new(leaf: &Leaf) -> Self {
         let triangle = |lane: usize| Triangle::new(leaf.at(lane), leaf.triangles.to_array()[lane]);
-        let triangles: Vec<_> = (0..leaf.len()).map(triangle).collect();
+        let triangles: Vec<_> = (0..leaf.count()).map(triangle).collect();
         Self { planes: around(triangles.iter().flat_map(Triangle::box_corners)), triangles }
     }
 }

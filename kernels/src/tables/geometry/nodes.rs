@@ -125,13 +125,8 @@ impl Leaf {
         Self { corners: [[f32x8::new([f32::NAN; 8]); 3]; 3], triangles: u32x8::new([u32::MAX; LANES]) };
 
     /// Number of lanes that are taken, which are the first ones.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.triangles.to_array().iter().filter(|index| **index != u32::MAX).count()
-    }
-
-    /// Whether no lane is taken.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Fills a lane.
