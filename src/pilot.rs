@@ -39,7 +39,7 @@ const LONGEST_FOR_ALL: u32 = 128;
 const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
 /// Longest side of the pilot's image in pixels.
 const SIDE: u32 = 32;
-/// Samples per pixel and setting, in parts.
+/// Most samples per pixel and setting, in parts.
 const SAMPLES: u32 = 32;
 /// Most work of a trial in about nanoseconds of one core, where a sample may take any time.
 const MOST_WORK_OF_TRIAL: f64 = 2e10;
@@ -49,7 +49,7 @@ const PARTS: u32 = 4;
 const SHARE: u32 = SAMPLES / PARTS;
 /// Parts after which a trial that is far from the best ends.
 const FIRST_PARTS: u32 = 2;
-/// How far that is: the share of the best efficiency that it has not even without its error.
+/// Far means less than this share of the best efficiency, even if its variance is no more than it seems.
 const FAR: f64 = 0.7;
 /// Standard errors by which the means of two settings may differ.
 const AGREEMENT: f64 = 5.0;
@@ -189,8 +189,8 @@ impl Trial {
 ///
 /// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
 /// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
-/// starts with that. What is far from the best ends early, and between a number of starts that is worse and the largest
-/// none is tried. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
+/// starts with that. All starts are tried before numbers in between, as means are judged by theirs, and these until one is
+/// worse. What is far from the best ends after half of its samples. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
 /// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
 /// did not.
 ///
@@ -272,21 +272,21 @@ impl Search<'_> {
         self.attempt(Setting { roulette: (FAINT * mean) as f32, ..self.setting });
     }
 
-    /// Tries the other numbers of starts, for paths of up to `longest` segments. Once more of them are less efficient,
-    /// only the largest number is still tried, for what it says of the mean.
+    /// Tries the other numbers of starts, for paths of up to `longest` segments: first the largest, whose mean is right if
+    /// any is, then the others until one is less efficient.
     fn try_starts(&mut self, longest: u32) {
         let base = self.setting;
         let affordable = |starts: &u32| *starts < u32::MAX || longest <= LONGEST_FOR_ALL;
         let others: Vec<_> = STARTS[1..].iter().copied().filter(affordable).collect();
         let [fewer @ .., most] = &others[..] else { return };
+        self.attempt(Setting { starts: *most, ..base });
         for starts in fewer {
             self.attempt(Setting { starts: *starts, ..base });
             let (last, best) = (self.trials.last(), best(&self.trials));
             if last.zip(best).is_some_and(|(last, best)| last.is_below(NEARLY * best.efficiency())) {
-                break;
+                return;
             }
         }
-        self.attempt(Setting { starts: *most, ..base });
     }
 
     /// Tries shorter walks.
