@@ -17,6 +17,7 @@
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.
 
+mod cost;
 mod depths;
 
 use core::cmp::Ordering;
@@ -29,6 +30,7 @@ use crate::film::{Film, Region, tile_size};
 use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
 use crate::stats::Stats;
+use cost::cost;
 
 /// Numbers of starts to try; the last is all.
 const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
@@ -380,30 +382,4 @@ struct Look {
     cost: f64,
     mean: f64,
     mean_error: f64,
-}
-
-/// Work in units of about a nanosecond on one core: what stages were measured to cost per row.
-fn cost(stats: &Stats, frame: &Frame) -> f64 {
-    const SAMPLE: f64 = 10.0;
-    const SEGMENT: f64 = 5.0;
-    const CONNECTION: f64 = 40.0;
-    const EDGE: f64 = 9.0;
-    const TERM: f64 = 9.0;
-    const TRACED: f64 = 22.0;
-    const SHADOW_RAY: f64 = 40.0;
-    const TRACKED: f64 = 100.0;
-    const ESTIMATED: f64 = 150.0;
-    const EMITTED: f64 = 350.0;
-    let work = stats.work.expect("looks count work");
-    let where_that = |happens: bool, count: u64| if happens { count as f64 } else { 0.0 };
-    SAMPLE * stats.samples as f64
-        + SEGMENT * stats.segments as f64
-        + CONNECTION * work.connections as f64
-        + EDGE * work.edges as f64
-        + TERM * work.terms as f64
-        + TRACED * where_that(frame.is_solid(), stats.segments)
-        + SHADOW_RAY * where_that(frame.is_solid(), work.traced)
-        + TRACKED * where_that(frame.varies(), stats.segments)
-        + ESTIMATED * where_that(frame.varies(), work.traced)
-        + EMITTED * where_that(frame.varies() && frame.emits(), stats.segments)
 }

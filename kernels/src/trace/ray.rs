@@ -54,7 +54,7 @@ pub struct Line {
     pub far_planes: [usize; 3],
 }
 
-/// What the tests need of a ray. [`Sights`](super::rays::Sights) has it for eight, in the same bits.
+/// What the tests need of a ray. `Sights` has it for eight, in the same bits.
 pub struct Ready {
     /// Itself, as boxes see it.
     pub line: Line,

@@ -1,0 +1,30 @@
+//! What a look costs, as counted work: the same on every machine.
+
+use crate::frame::Frame;
+use crate::stats::Stats;
+
+/// Work in units of about a nanosecond on one core: what stages were measured to cost per row.
+pub(super) fn cost(stats: &Stats, frame: &Frame) -> f64 {
+    const SAMPLE: f64 = 10.0;
+    const SEGMENT: f64 = 5.0;
+    const CONNECTION: f64 = 40.0;
+    const EDGE: f64 = 9.0;
+    const TERM: f64 = 9.0;
+    const TRACED: f64 = 22.0;
+    const SHADOW_RAY: f64 = 40.0;
+    const TRACKED: f64 = 100.0;
+    const ESTIMATED: f64 = 150.0;
+    const EMITTED: f64 = 350.0;
+    let work = stats.work.expect("looks count work");
+    let where_that = |happens: bool, count: u64| if happens { count as f64 } else { 0.0 };
+    SAMPLE * stats.samples as f64
+        + SEGMENT * stats.segments as f64
+        + CONNECTION * work.connections as f64
+        + EDGE * work.edges as f64
+        + TERM * work.terms as f64
+        + TRACED * where_that(frame.is_solid(), stats.segments)
+        + SHADOW_RAY * where_that(frame.is_solid(), work.traced)
+        + TRACKED * where_that(frame.varies(), stats.segments)
+        + ESTIMATED * where_that(frame.varies(), work.traced)
+        + EMITTED * where_that(frame.varies() && frame.emits(), stats.segments)
+}
