@@ -21,7 +21,7 @@ use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHi
 use crate::lanes::{LANES, LaneSet};
 use crate::tables::lights::{FAR, Lights};
 use crate::trace::bodies::{self, Nearest};
-use crate::trace::{Hits, OneByOne, Rays, Search, Waited, Waiting};
+use crate::trace::{Hits, OneByOne, Rays, Search, Waited, Waiting, may_meet};
 use crate::vec3x8::Vec3x8;
 use crate::{Step, lanes};
 
@@ -70,7 +70,7 @@ fn run_with<const MANY: bool, S: Search>(search: &S, step: Step, columns: Column
             if S::WAITS && (found.bits | found.open) == 0 && !lights.has_meshes() {
                 // Nothing but surfaces ends these flights.
                 let rays = Rays { origin, direction, max: flight[b] };
-                waiting.add(&rays, lanes::indices(b), search.near(&rays, live));
+                waiting.add(&rays, lanes::indices(b), may_meet(surfaces.geometry(), &rays, live));
                 if let Some(waited) = waiting.full() {
                     listed.settle(search, &waited);
                 }

@@ -22,10 +22,7 @@ use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(_: Step, columns: Columns<'_, '_>) {
-    match columns.lights.tree().is_some() {
-        false => run_with::<false>(columns),
-        true => run_with::<true>(columns),
-    }
+    if columns.lights.tree().is_some() { run_with::<true>(columns) } else { run_with::<false>(columns) }
 }
 
 /// `MANY`: whether there is a tree over the disks and spheres.

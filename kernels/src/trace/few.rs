@@ -24,17 +24,6 @@ impl Search for Few {
     const WAITS: bool = true;
 
     #[inline(always)]
-    fn near(&self, rays: &Rays, live: u32) -> u32 {
-        let reach = Reach::new(rays, self.extent);
-        if !self.facets.is_empty() {
-            return live & reach.crosses_any(rays, &self.facets);
-        }
-        let of = |planes: &[f32; 6]| lanes::bits(reach.overlaps(planes)) & live;
-        let near = self.clusters.iter().filter(|cluster| cluster.triangles.len() == 1 || of(&cluster.planes) != 0);
-        near.flat_map(|cluster| &cluster.triangles).fold(0, |all, triangle| all | of(&triangle.planes))
-    }
-
-    #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {
         let sights = Sights::new(rays, Slabs::new(rays, self.extent));
         let among = Among::new(self, &sights, live);

@@ -3,7 +3,7 @@
 use wide::{f32x8, u32x8};
 
 use super::Rays;
-use super::cull::{may_meet, near};
+use super::cull::near;
 use super::rays::Sights;
 use super::simd::{any_but_along, closest_along};
 use super::triangles::Crossings;
@@ -15,9 +15,6 @@ use crate::tables::geometry::Geometry;
 pub trait Search {
     /// Whether it is worth it that rays which are near something wait until they are eight ([`Waiting`](super::Waiting)).
     const WAITS: bool;
-
-    /// The `live` rays that may meet a triangle, as bits. The others meet none. Asked for where rays wait.
-    fn near(&self, rays: &Rays, live: u32) -> u32;
 
     /// The closest hits of the `live` rays, with the smallest index among equals.
     fn closest(&self, rays: &Rays, live: u32) -> Hits;
@@ -68,11 +65,6 @@ pub struct OneByOne<'a>(pub &'a Geometry);
 
 impl Search for OneByOne<'_> {
     const WAITS: bool = false;
-
-    #[inline(always)]
-    fn near(&self, rays: &Rays, live: u32) -> u32 {
-        may_meet(self.0, rays, live)
-    }
 
     #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {

@@ -74,7 +74,7 @@ fn assert_same(
         assert_eq!(bits(found), bits(*expected), "{name}: {found:?} for {expected:?} on {:?}", rays[place]);
     }
     assert_eq!(lanes::bits(hits.met) & !live, 0, "{name}: dead lanes hit something");
-    let near = search.near(batch, live);
+    let near = trace::may_meet(geometry, batch, live);
     assert_eq!(near & !live, 0, "{name}: dead lanes are near something");
     assert_eq!(lanes::bits(hits.met) & !near, 0, "{name}: near {near:08b}, but {hits:?}, of {rays:?}");
 }

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use super::few::{around, ends};
 use super::nodes::Leaf;
 
 /// Most planes that are worth a look before the tree.
@@ -62,19 +63,16 @@ impl Facet {
     }
 
     fn of(triangle: &Triangle) -> Self {
-        let normal = triangle.normal.as_vec3().to_array();
-        let [inf, none] = [f32::INFINITY, f32::NEG_INFINITY];
-        let empty = Self {
-            planes: [inf, inf, inf, none, none, none],
-            normal,
+        let through_zero = Self {
+            planes: around(triangle.corners.map(single)),
+            normal: triangle.normal.as_vec3().to_array(),
             offset: 0.0,
             // No less: with a subnormal number products would be slow.
             margin: f32::MIN_POSITIVE,
             aspect: 0.0,
-            is_upright: true,
+            is_upright: false,
         };
-        let offset = empty.distance(triangle.corners[0]) as f32;
-        let mut facet = Self { offset, ..empty };
+        let mut facet = Self { offset: through_zero.distance(triangle.corners[0]) as f32, ..through_zero };
         facet.add(triangle);
         facet
     }
@@ -91,17 +89,17 @@ impl Facet {
     }
 
     fn add(&mut self, triangle: &Triangle) {
-        for corner in triangle.corners {
-            for (axis, x) in corner.as_vec3().to_array().into_iter().enumerate() {
-                self.planes[axis] = self.planes[axis].min(x);
-                self.planes[3 + axis] = self.planes[3 + axis].max(x);
-            }
-            // Rounded up.
-            self.margin = self.margin.max((self.distance(corner).abs() as f32).next_up());
-        }
+        self.planes = around(ends(self.planes).into_iter().chain(triangle.corners.map(single)));
+        let off = triangle.corners.into_iter().map(|corner| self.distance(corner).abs()).fold(0.0, f64::max);
+        // Rounded up.
+        self.margin = self.margin.max((off as f32).next_up());
         self.aspect = self.aspect.max(triangle.aspect() as f32);
         self.is_upright = (0..3).any(|axis| self.planes[axis] == self.planes[3 + axis]);
     }
+}
+
+fn single(point: DVec3) -> [f32; 3] {
+    point.as_vec3().to_array()
 }
 
 /// A triangle that looks for its plane.

@@ -2,7 +2,6 @@
 
 use wide::f32x8;
 
-use super::facets::Facet;
 use super::nodes::{Leaf, Tree};
 
 /// Most triangles for which full lanes do without a tree. With more of them it is as fast (BENCHMARKS.md, *Few
@@ -14,8 +13,6 @@ pub const FEW: usize = 96;
 pub struct Few {
     /// Neighbours: what was a leaf.
     pub clusters: Vec<Cluster>,
-    /// The planes in which they lie, if these are fewer.
-    pub facets: Vec<Facet>,
     /// Size of the largest coordinate `[m]`.
     pub extent: f32,
 }
@@ -43,8 +40,7 @@ pub struct Triangle {
 impl Few {
     /// The triangles of a tree, however many.
     pub fn new(tree: &Tree) -> Self {
-        let clusters = tree.leaves.rows().iter().map(Cluster::new).collect();
-        Self { clusters, facets: tree.facets.clone(), extent: tree.extent }
+        Self { clusters: tree.leaves.rows().iter().map(Cluster::new).collect(), extent: tree.extent }
     }
 
     /// The triangles of a tree if they are few.
@@ -55,9 +51,7 @@ impl Few {
 
     /// Memory in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.clusters)
-            + size_of_val(&*self.facets)
-            + self.clusters.iter().map(|c| size_of_val(&*c.triangles)).sum::<usize>()
+        size_of_val(&*self.clusters) + self.clusters.iter().map(|c| size_of_val(&*c.triangles)).sum::<usize>()
     }
 }
 
@@ -65,7 +59,7 @@ impl Cluster {
     fn new(leaf: &Leaf) -> Self {
         let triangle = |lane: usize| Triangle::new(leaf.at(lane), leaf.triangles.to_array()[lane]);
         let triangles: Vec<_> = (0..leaf.count()).map(triangle).collect();
-        Self { planes: around(triangles.iter().flat_map(Triangle::box_corners)), triangles }
+        Self { planes: around(triangles.iter().flat_map(|triangle| ends(triangle.planes))), triangles }
     }
 }
 
@@ -80,15 +74,15 @@ impl Triangle {
         let [x, y, z, ..] = self.corners[i].to_array();
         [x, y, z]
     }
+}
 
-    fn box_corners(&self) -> [[f32; 3]; 2] {
-        let [x, y, z, u, v, w] = self.planes;
-        [[x, y, z], [u, v, w]]
-    }
+/// Lower and upper corner of a box.
+pub(super) fn ends([x, y, z, u, v, w]: [f32; 6]) -> [[f32; 3]; 2] {
+    [[x, y, z], [u, v, w]]
 }
 
 /// Planes of the box around points.
-fn around(points: impl IntoIterator<Item = [f32; 3]>) -> [f32; 6] {
+pub(super) fn around(points: impl IntoIterator<Item = [f32; 3]>) -> [f32; 6] {
     let (mut lower, mut upper) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for point in points {
         for axis in 0..3 {
