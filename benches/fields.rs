@@ -15,7 +15,7 @@ use fogbow_kernels::media::field::tracking::{FlightsX8, Ray, RaysX8, batches, fi
 use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
 use fogbow_kernels::pipeline::REFERENCE;
 use fogbow_kernels::random::{self, Stream, uniform};
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use fogbow_testing::frames::clouds::{centred, clouds, leaves};
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::meshes::{Random, bumpy_sphere};

@@ -3,7 +3,7 @@
 //! It renders the image small, with a seed and settings of its own, so that all crops, seeds and numbers of samples of
 //! a scene are exposed alike.
 
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 
 use crate::film::{Film, tile_size};
 use crate::frame::Frame;
@@ -24,7 +24,7 @@ pub fn exposure(frame: &Frame, size: [u32; 2], renderer: &Renderer, monitor: &Mo
     let (frame, region) = frame.small(size, SIDE);
     let frame = Frame { seed: SEED, roulette: 0.0, ..frame }.with_walk(STARTS, 1.0);
     let film = Film::new(&frame, region, tile_size(region));
-    renderer.render(&frame, &SIMD, &film, 0..SAMPLES, &monitor.of_looks());
+    renderer.render(&frame, &WIDEST, &film, 0..SAMPLES, &monitor.of_looks());
     let pixels: Vec<_> = film.pixels().map(|pixel| pixel.mean).collect();
     Exposure::metered(pixels.iter().copied())
 }

@@ -23,7 +23,7 @@ mod depths;
 use core::cmp::Ordering;
 
 use fogbow_kernels::PathLengths;
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 use fogbow_kernels::survival::Survival;
 
 use crate::film::{Film, Region, tile_size};
@@ -365,7 +365,7 @@ impl<'a> Pilot<'a> {
         let film = Film::new(frame, self.region, tile_size(self.region));
         let samples = part * SHARE..(part + 1) * SHARE;
         let empty = Stats::new(false).with_work();
-        let stats = self.renderer.render_counting(empty, frame, &SIMD, &film, samples, self.monitor);
+        let stats = self.renderer.render_counting(empty, frame, &WIDEST, &film, samples, self.monitor);
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
         let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
         let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);

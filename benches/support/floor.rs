@@ -2,9 +2,9 @@
 //! no candidates. Rates of frames are best read as multiples of its time.
 
 use fogbow_kernels::phase::{HenyeyGreenstein, HenyeyGreensteinX8, PhaseX8};
-use fogbow_kernels::random::{uniform_x8, words_x8};
+use fogbow_kernels::random::{uniform_f32, words};
 use fogbow_kernels::transcendental::neg_ln;
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
 
 /// Paths in lanes.
@@ -36,15 +36,15 @@ impl WalkLimits {
         for segment in 0..segments {
             for (b, (position, direction)) in self.position.iter_mut().zip(&mut self.direction).enumerate() {
                 let lane = u32x8::splat(8 * b as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-                let words = words_x8(lane, u32x8::splat(self.round), u32x8::splat(segment << 16), 1);
-                let flight = neg_ln(f32x8::ONE - uniform_x8(words[0])) * f32x8::splat(1.0 / 1.7);
+                let words = words(lane, u32x8::splat(self.round), u32x8::splat(segment << 16), 1);
+                let flight = neg_ln(f32x8::ONE - uniform_f32(words[0])) * f32x8::splat(1.0 / 1.7);
                 let from_center = *position - Vec3x8::splat([0.0, 0.0, 5.0]);
                 let distance = -from_center.z / direction.z;
                 let across = direction.mul_add(distance, from_center).length_squared();
                 let hit = distance.simd_gt(f32x8::ZERO) & distance.simd_lt(flight) & across.simd_le(f32x8::splat(0.25));
                 self.hits += hit.to_bitmask().count_ones();
                 *position = direction.mul_add(flight, *position);
-                *direction = phase.sample(uniform_x8(words[1])).apply(*direction, uniform_x8(words[2]));
+                *direction = phase.sample(uniform_f32(words[1])).apply(*direction, uniform_f32(words[2]));
             }
         }
     }

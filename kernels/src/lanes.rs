@@ -3,11 +3,17 @@
 //! A test on eight rows is an `f32x8` whose lanes are all ones or all zeros; its [`bits`] are the same as one `u32`,
 //! lane 0 in bit 0.
 
+use core::ops::Range;
+
 use bumpalo::Bump;
 use wide::{f32x8, u32x8};
 
 /// Rows in a batch.
 pub const LANES: usize = 8;
+
+/// Batches that loops over single rows take in one go: enough rows for the widest registers to be full, and few enough
+/// to leave out those that are dead.
+pub const STRETCH: usize = 16;
 
 /// Bits of eight live lanes.
 pub const ALL: u32 = 0xff;
@@ -114,27 +120,57 @@ pub fn indices(batch: usize) -> u32x8 {
     u32x8::splat((batch * LANES) as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7])
 }
 
-/// One bit per row of a table: eight rows a byte.
+/// One bit per row of a table: eight rows a byte, eight bytes a word.
 pub struct LaneSet<'q> {
-    bytes: &'q mut [u8],
+    /// Bytes beyond the last batch are 0.
+    words: &'q mut [u64],
+    batches: usize,
 }
+
+/// Batches in a word.
+const WORD: usize = size_of::<u64>();
 
 impl<'q> LaneSet<'q> {
     /// The empty set over `rows` rows.
     pub fn new_in(arena: &'q Bump, rows: usize) -> Self {
-        Self { bytes: arena.alloc_slice_fill_copy(rows.div_ceil(LANES), 0) }
+        let batches = rows.div_ceil(LANES);
+        Self { words: arena.alloc_slice_fill_copy(batches.div_ceil(WORD), 0), batches }
     }
 
     /// Number of batches.
     #[inline(always)]
     pub fn batches(&self) -> usize {
-        self.bytes.len()
+        self.batches
+    }
+
+    #[inline(always)]
+    fn bytes(&self) -> &[u8] {
+        &bytemuck::cast_slice(self.words)[..self.batches]
+    }
+
+    #[inline(always)]
+    fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut bytemuck::cast_slice_mut(self.words)[..self.batches]
     }
 
     /// Indices and bits of the batches that hold any row.
     #[inline(always)]
     pub fn each_batch(&self) -> impl Iterator<Item = (usize, u32)> + '_ {
-        self.bytes.iter().enumerate().filter(|(_, byte)| **byte != 0).map(|(b, byte)| (b, u32::from(*byte)))
+        self.bytes().iter().enumerate().filter(|(_, byte)| **byte != 0).map(|(b, byte)| (b, u32::from(*byte)))
+    }
+
+    /// Number of stretches: [`STRETCH`] batches each, but for the last one.
+    #[inline(always)]
+    pub fn stretches(&self) -> usize {
+        self.batches.div_ceil(STRETCH)
+    }
+
+    /// The batches of stretch `k`, if any row of them is in the set.
+    #[inline(always)]
+    pub fn stretch(&self, k: usize) -> Option<Range<usize>> {
+        let batches = k * STRETCH..self.batches.min((k + 1) * STRETCH);
+        let words = batches.start / WORD..batches.end.div_ceil(WORD);
+        self.words[words].iter().any(|word| *word != 0).then_some(batches)
     }
 
     /// The rows in the set, ascending.
@@ -145,54 +181,72 @@ impl<'q> LaneSet<'q> {
     /// The bits of batch `b`.
     #[inline(always)]
     pub fn batch(&self, b: usize) -> u32 {
-        u32::from(self.bytes[b])
+        u32::from(self.bytes()[b])
     }
 
     /// Whether row `lane` is in the set.
     #[inline(always)]
     pub fn contains(&self, lane: usize) -> bool {
-        self.bytes[lane / LANES] >> (lane % LANES) & 1 == 1
+        self.bytes()[lane / LANES] >> (lane % LANES) & 1 == 1
     }
 
     /// Adds row `lane`.
     #[inline(always)]
     pub fn insert(&mut self, lane: usize) {
-        self.bytes[lane / LANES] |= 1 << (lane % LANES);
+        self.bytes_mut()[lane / LANES] |= 1 << (lane % LANES);
     }
 
     /// Removes row `lane`.
     #[inline(always)]
     pub fn remove(&mut self, lane: usize) {
-        self.bytes[lane / LANES] &= !(1 << (lane % LANES));
+        self.bytes_mut()[lane / LANES] &= !(1 << (lane % LANES));
     }
 
     /// Adds the rows of batch `b` whose bit is set in `bits`.
     #[inline(always)]
     pub fn insert_batch(&mut self, b: usize, bits: u32) {
-        self.bytes[b] |= bits as u8;
+        self.bytes_mut()[b] |= bits as u8;
     }
 
     /// Removes all rows.
     pub fn clear(&mut self) {
-        self.bytes.fill(0);
+        self.words.fill(0);
     }
 
     /// Adds exactly the rows of `other`, and removes all others.
     pub fn copy_from(&mut self, other: &LaneSet<'_>) {
-        self.bytes.copy_from_slice(other.bytes);
+        self.words.copy_from_slice(other.words);
     }
 
     /// Removes the rows of batch `b` whose bit is set in `bits`.
     #[inline(always)]
     pub fn remove_batch(&mut self, b: usize, bits: u32) {
-        self.bytes[b] &= !(bits as u8);
+        self.bytes_mut()[b] &= !(bits as u8);
     }
 
     /// Indices of the batches with rows that are in this set and not in `other`, and the bits of these rows.
     #[inline(always)]
     pub fn batches_without<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (usize, u32)> + 'a {
-        let batches = self.bytes.iter().zip(other.bytes.iter()).enumerate();
-        batches.map(|(b, (mine, other))| (b, u32::from(mine & !other))).filter(|(_, bits)| *bits != 0)
+        let words = self.words.iter().zip(other.words.iter());
+        batches_of(words.map(|(mine, other)| mine & !other))
+    }
+
+    /// The first batch from `first` on with rows that are not in this set, and the bits of these rows.
+    #[inline(always)]
+    pub fn vacant_from(&self, first: usize) -> Option<(usize, u32)> {
+        let mut b = first;
+        while b < self.batches {
+            if b.is_multiple_of(WORD) && self.words[b / WORD] == u64::MAX {
+                b += WORD;
+                continue;
+            }
+            let vacant = !self.batch(b) & ALL;
+            if vacant != 0 {
+                return Some((b, vacant));
+            }
+            b += 1;
+        }
+        None
     }
 
     /// The rows that are in this set and not in `other`, ascending.
@@ -202,13 +256,22 @@ impl<'q> LaneSet<'q> {
 
     /// Number of rows in the set.
     pub fn count(&self) -> usize {
-        self.bytes.iter().map(|byte| byte.count_ones() as usize).sum()
+        self.words.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     /// Whether no row is in the set.
     pub fn is_empty(&self) -> bool {
-        self.bytes.iter().all(|byte| *byte == 0)
+        self.words.iter().all(|word| *word == 0)
     }
+}
+
+/// Indices and bits of the batches that hold any row, in the words of a set.
+#[inline(always)]
+fn batches_of(words: impl Iterator<Item = u64>) -> impl Iterator<Item = (usize, u32)> {
+    (0..).step_by(WORD).zip(words).filter(|(_, word)| *word != 0).flat_map(|(first, word)| {
+        let bytes = word.to_ne_bytes().into_iter().enumerate();
+        bytes.filter(|(_, byte)| *byte != 0).map(move |(b, byte)| (first + b, u32::from(byte)))
+    })
 }
 
 #[cfg(test)]
@@ -230,6 +293,35 @@ mod tests {
     fn tails_cover_exactly_their_rows() {
         for count in 0..=17 {
             assert_eq!(first(count).count_ones() as usize, count.min(LANES));
+        }
+    }
+
+    #[test]
+    fn batches_of_lane_sets_are_found_word_by_word() {
+        let arena = Bump::new();
+        for rows in [1, 8, 60, 64, 65, 150, 520] {
+            let [mut mine, mut other] = [(); 2].map(|()| LaneSet::new_in(&arena, rows));
+            (0..rows).filter(|row| row % 5 < 2 || row % 70 > 40).for_each(|row| mine.insert(row));
+            (0..rows).filter(|row| row % 3 == 0 || row % 90 > 50).for_each(|row| other.insert(row));
+            let lanes = |b: usize| b * LANES..(b + 1) * LANES;
+            let bits = |b: usize, of: &dyn Fn(usize) -> bool| {
+                lanes(b).enumerate().filter(|(_, row)| of(*row)).fold(0, |bits, (i, _)| bits | 1 << i)
+            };
+            let expected = |of: &dyn Fn(usize) -> bool| -> Vec<(usize, u32)> {
+                (0..mine.batches()).map(|b| (b, bits(b, of))).filter(|(_, bits)| *bits != 0).collect()
+            };
+            let without = expected(&|row| mine.contains(row) && !other.contains(row));
+            assert_eq!(mine.batches_without(&other).collect::<Vec<_>>(), without, "{rows} rows");
+            let vacant = expected(&|row| !mine.contains(row));
+            let next = |found: &(usize, u32)| mine.vacant_from(found.0 + 1);
+            assert!(core::iter::successors(mine.vacant_from(0), next).eq(vacant), "{rows} rows");
+            assert_eq!(mine.count(), mine.each().count(), "{rows} rows");
+            assert_eq!(mine.is_empty(), mine.each().next().is_none(), "{rows} rows");
+            for k in 0..mine.stretches() {
+                let batches = k * STRETCH..mine.batches().min((k + 1) * STRETCH);
+                let any = batches.clone().any(|b| mine.batch(b) != 0);
+                assert_eq!(mine.stretch(k), any.then_some(batches), "{rows} rows, stretch {k}");
+            }
         }
     }
 

@@ -29,6 +29,7 @@ pub mod phase_quotient;
 pub mod pipeline;
 pub mod prune;
 pub mod random;
+pub mod real;
 pub mod remember;
 pub mod roulette;
 pub mod scatter;
@@ -40,7 +41,7 @@ pub mod tables;
 pub mod trace;
 pub mod transcendental;
 pub mod transmittance;
-pub mod vec3x8;
+pub mod vec3;
 
 use survival::Survival;
 

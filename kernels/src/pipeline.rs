@@ -117,6 +117,15 @@ pipeline! {
     accumulate (Accumulate): accumulate::Kernel = accumulate::simd::run, accumulate::reference::run;
 }
 
+/// [`SIMD`] for the widest registers that the processor has: the same bits, and sixteen rows at a time where that pays.
+pub const WIDEST: Pipeline = Pipeline {
+    medium_sample: medium_sample::simd::run_widest,
+    extend: extend::simd::run_widest,
+    scatter: scatter::simd::run_widest,
+    nee: nee::in_place::simd::run_widest,
+    ..SIMD
+};
+
 impl core::str::FromStr for Stage {
     type Err = String;
 

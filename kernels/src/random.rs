@@ -11,8 +11,9 @@
 //! Light importance sampling joins a start with its vertex as MVNEE or a bridge would, from the same blocks under
 //! [`lis_seed`].
 
-use wide::{f32x8, i32x8, u32x8};
+use wide::u32x8;
 
+use crate::real::{Real, Word};
 use crate::{LONGEST_BRIDGED_PATH, LONGEST_PATH};
 
 /// What blocks of random words are for.
@@ -138,14 +139,8 @@ const _: () = assert!(LONGEST_PATH - 1 <= u32::MAX >> PURPOSE_BITS, "every verte
 
 /// Number of the block that the vertex at `depth` uses for `purpose`, the first one of a row.
 #[inline(always)]
-pub fn block(depth: u32, purpose: Purpose) -> u32 {
-    depth << PURPOSE_BITS | purpose.first
-}
-
-/// [`block`] for eight rows.
-#[inline(always)]
-pub fn block_x8(depth: u32x8, purpose: Purpose) -> u32x8 {
-    depth << PURPOSE_BITS | u32x8::splat(purpose.first)
+pub fn block<W: Word>(depth: W, purpose: Purpose) -> W {
+    depth.shifted_left(PURPOSE_BITS) | W::splat(purpose.first)
 }
 
 /// The seed under which light importance sampling draws its bridges and its seeds on the axis: with the frame's own
@@ -159,41 +154,21 @@ const MULTIPLIER: u32 = 1_664_525;
 const INCREMENT: u32 = 1_013_904_223;
 
 /// Four words for a key of four: the hash pcg4d (Jarzynski and Olano, Hash Functions for GPU Rendering, JCGT 2020).
-pub fn words(pixel: u32, sample: u32, block: u32, seed: u32) -> [u32; 4] {
-    hash([pixel, sample, block, seed])
-}
-
-fn hash(key: [u32; 4]) -> [u32; 4] {
-    let [mut x, mut y, mut z, mut w] = key.map(|v| v.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT));
-    let mut round = || {
-        x = x.wrapping_add(y.wrapping_mul(w));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        z = z.wrapping_add(x.wrapping_mul(y));
-        w = w.wrapping_add(y.wrapping_mul(z));
-        [x, y, z, w] = [x, y, z, w].map(|v| v ^ v >> 16);
-        [x, y, z, w]
-    };
-    round();
-    let [x, y, z, w] = round();
-    [x, y, z, w]
-}
-
-/// [`words`] for eight rows.
 #[inline(always)]
-pub fn words_x8(pixel: u32x8, sample: u32x8, block: u32x8, seed: u32) -> [u32x8; 4] {
-    hash_x8([pixel, sample, block, u32x8::splat(seed)])
+pub fn words<W: Word>(pixel: W, sample: W, block: W, seed: u32) -> [W; 4] {
+    hash([pixel, sample, block, W::splat(seed)])
 }
 
 #[inline(always)]
-fn hash_x8(key: [u32x8; 4]) -> [u32x8; 4] {
-    let mut v = key.map(|v| v * u32x8::splat(MULTIPLIER) + u32x8::splat(INCREMENT));
+fn hash<W: Word>(key: [W; 4]) -> [W; 4] {
+    let mut v = key.map(|v| v.wrapping_mul(W::splat(MULTIPLIER)).wrapping_add(W::splat(INCREMENT)));
     for _ in 0..2 {
         let [x, y, z, w] = v;
-        let x = x + y * w;
-        let y = y + z * x;
-        let z = z + x * y;
-        let w = w + y * z;
-        v = [x, y, z, w].map(|v| v ^ v >> 16_u32);
+        let x = x.wrapping_add(y.wrapping_mul(w));
+        let y = y.wrapping_add(z.wrapping_mul(x));
+        let z = z.wrapping_add(x.wrapping_mul(y));
+        let w = w.wrapping_add(y.wrapping_mul(z));
+        v = [x, y, z, w].map(|v| v ^ v.shifted_right(16));
     }
     v
 }
@@ -212,7 +187,7 @@ impl Stream {
     /// The words of [`Stream::new`] for eight rows.
     #[inline(always)]
     pub fn new_x8(pixel: u32x8, sample: u32x8, block: u32x8, seed: u32, part: u32) -> [u32x8; 4] {
-        let [a, b, c, d] = words_x8(pixel, sample, block, seed);
+        let [a, b, c, d] = words(pixel, sample, block, seed);
         [a, b, c + u32x8::splat(part), d]
     }
 
@@ -225,7 +200,7 @@ impl Stream {
     /// [`Stream::words`] of eight streams.
     #[inline(always)]
     pub fn words_x8([a, b, c, d]: [u32x8; 4], counter: u32x8) -> [u32x8; 4] {
-        hash_x8([a, b, c, d + counter])
+        hash([a, b, c, d + counter])
     }
 }
 
@@ -243,11 +218,11 @@ pub fn uniform(word: u32) -> f64 {
     (f64::from(word >> DROPPED) + 0.5) * f64::from(CELL)
 }
 
-/// [`uniform`] for eight rows.
+/// [`uniform`] as `f32`, in which it is exact.
 #[inline(always)]
-pub fn uniform_x8(word: u32x8) -> f32x8 {
-    let cell: i32x8 = bytemuck::cast(word >> DROPPED);
-    f32x8::from_i32x8(cell).mul_add(f32x8::splat(CELL), f32x8::splat(0.5 * CELL))
+pub fn uniform_f32<W: Word>(word: W) -> W::Real {
+    let (cell, half) = (W::Real::splat(CELL), W::Real::splat(0.5 * CELL));
+    word.shifted_right(DROPPED).to_real().mul_add(cell, half)
 }
 
 #[cfg(test)]
@@ -301,7 +276,7 @@ mod tests {
     fn blocks_of_lanes_are_those_of_rows() {
         let depths = [0, 1, 2, 3, 7, 100, 1000, LONGEST_PATH - 1];
         for (name, purpose) in PURPOSES {
-            let lanes = block_x8(u32x8::new(depths), *purpose).to_array();
+            let lanes = block(u32x8::new(depths), *purpose).to_array();
             assert_eq!(lanes, depths.map(|depth| block(depth, *purpose)), "{name}");
         }
     }
@@ -309,7 +284,7 @@ mod tests {
     #[test]
     fn lanes_draw_the_same_words_as_rows() {
         let (pixel, sample, block) = ([0, 1, 2, 3, 500, 65_535, 1 << 20, u32::MAX], [7; 8], [block(3, SEGMENT); 8]);
-        let lanes = words_x8(u32x8::new(pixel), u32x8::new(sample), u32x8::new(block), 9).map(|w| w.to_array());
+        let lanes = words(u32x8::new(pixel), u32x8::new(sample), u32x8::new(block), 9).map(|w| w.to_array());
         for lane in 0..8 {
             let row = words(pixel[lane], sample[lane], block[lane], 9);
             assert_eq!(lanes.map(|word| word[lane]), row, "lane {lane}");
@@ -321,7 +296,7 @@ mod tests {
         for word in [0, 1, 511, 512, 1 << 31, u32::MAX - 512, u32::MAX] {
             let u = uniform(word);
             assert!(u > 0.0 && u < 1.0, "{word} gives {u}");
-            assert_eq!(f64::from(uniform_x8(u32x8::splat(word)).to_array()[0]), u);
+            assert_eq!(f64::from(uniform_f32(u32x8::splat(word)).to_array()[0]), u);
             assert_eq!(f64::from(1.0 - u as f32), 1.0 - u);
         }
     }

@@ -6,14 +6,14 @@
 
 use core::f32::consts::{LN_2, LOG2_E};
 
-use wide::{f32x8, i32x8, u32x8};
+use crate::real::{Real, Word};
 
 /// `c[0] + c[1] x + c[2] x^2 + ..`
 #[inline(always)]
-fn polynomial<const N: usize>(x: f32x8, c: [f32; N]) -> f32x8 {
-    let mut sum = f32x8::splat(c[N - 1]);
+fn polynomial<F: Real, const N: usize>(x: F, c: [f32; N]) -> F {
+    let mut sum = F::splat(c[N - 1]);
     for i in (0..N - 1).rev() {
-        sum = sum.mul_add(x, f32x8::splat(c[i]));
+        sum = sum.mul_add(x, F::splat(c[i]));
     }
     sum
 }
@@ -23,41 +23,42 @@ fn polynomial<const N: usize>(x: f32x8, c: [f32; N]) -> f32x8 {
 /// `v = 2^e (1 + m)` with `1 + m` in [sqrt(1/2), sqrt(2)); `ln(1 + m) = m - m^2/2 + m^3 p(m)`, so that the result is
 /// accurate relative to itself even next to `v = 1`.
 #[inline(always)]
-pub fn neg_ln(v: f32x8) -> f32x8 {
+pub fn neg_ln<F: Real>(v: F) -> F {
     const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
-    let bits: u32x8 = bytemuck::cast(v);
-    let above: i32x8 = bytemuck::cast(bits - u32x8::splat(SQRT_HALF_BITS));
-    let exponent = above >> 23_i32;
-    let fraction = bits - bytemuck::cast::<i32x8, u32x8>(exponent << 23_i32);
-    let m = bytemuck::cast::<u32x8, f32x8>(fraction) - f32x8::ONE;
+    let bits = v.to_bits();
+    let exponent = bits.wrapping_sub(F::Word::splat(SQRT_HALF_BITS)).shifted_right_signed(23);
+    let fraction = bits.wrapping_sub(exponent.shifted_left(23));
+    let m = fraction.from_bits() - F::ONE;
     let p = polynomial(
         m,
         [0.333_339_1, -0.250_013_4, 0.199_630_63, -0.165_775_85, 0.149_147_67, -0.142_674_86, 0.087_004_356],
     );
     let m2 = m * m;
-    let ln_fraction = (m * m2).mul_add(p, m2.mul_neg_add(f32x8::splat(0.5), m));
-    -f32x8::from_i32x8(exponent).mul_add(f32x8::splat(LN_2), ln_fraction)
+    let ln_fraction = (m * m2).mul_add(p, m2.mul_neg_add(F::splat(0.5), m));
+    -exponent.to_real().mul_add(F::splat(LN_2), ln_fraction)
 }
 
 /// `e^x`, with `x` clamped to [-87, 88] so that the result is a normal number.
 #[inline(always)]
-pub fn exp(x: f32x8) -> f32x8 {
+pub fn exp<F: Real>(x: F) -> F {
     const LN_2_HIGH: f32 = 0.693_359_4; // 11 bits: exponent * LN_2_HIGH is exact
     const LN_2_LOW: f32 = -2.121_944_4e-4;
-    let x = x.fast_max(f32x8::splat(-87.0)).fast_min(f32x8::splat(88.0));
-    let exponent = (x * f32x8::splat(LOG2_E)).round_ties_even();
-    let f = exponent.mul_neg_add(f32x8::splat(LN_2_HIGH), x);
-    let f = exponent.mul_neg_add(f32x8::splat(LN_2_LOW), f) * f32x8::splat(LOG2_E);
+    /// 1.5 * 2^23: a sum with it has no digits behind the point, and what is added to it as its lowest bits.
+    const WHOLE: f32 = 12_582_912.0;
+    let x = x.fast_max(F::splat(-87.0)).fast_min(F::splat(88.0));
+    let rounded = x * F::splat(LOG2_E) + F::splat(WHOLE);
+    let exponent = rounded - F::splat(WHOLE);
+    let f = exponent.mul_neg_add(F::splat(LN_2_HIGH), x);
+    let f = exponent.mul_neg_add(F::splat(LN_2_LOW), f) * F::splat(LOG2_E);
     let power =
         polynomial(f, [1.0, LN_2, 0.240_226_48, 0.055_503_324, 0.009_618_437, 0.001_339_887_4, 0.000_153_533_62]);
-    let scale: u32x8 = bytemuck::cast(exponent.fast_trunc_int() << 23_i32);
-    bytemuck::cast(bytemuck::cast::<f32x8, u32x8>(power) + scale)
+    power.to_bits().wrapping_add(rounded.to_bits().shifted_left(23)).from_bits()
 }
 
 /// `(sin, cos)` of `pi (u - 1/2)` for `u` in [0, 1].
 #[inline(always)]
-pub fn sin_cos_half_turn(u: f32x8) -> (f32x8, f32x8) {
-    let x = u - f32x8::splat(0.5);
+pub fn sin_cos_half_turn<F: Real>(u: F) -> (F, F) {
+    let x = u - F::splat(0.5);
     let x2 = x * x;
     let sin = x * polynomial(x2, [core::f32::consts::PI, -5.167_71, 2.550_069_8, -0.598_242_1, 0.077_560_39]);
     let cos = polynomial(x2, [1.0, -4.934_795_4, 4.058_451, -1.332_093_8, 0.220_080_66]);
@@ -66,21 +67,23 @@ pub fn sin_cos_half_turn(u: f32x8) -> (f32x8, f32x8) {
 
 /// `(sin, cos)` of `2 pi u` for `u` in [0, 1]: with s and c of half the turn, `-2 s c` and `s^2 - c^2`.
 #[inline(always)]
-pub fn sin_cos_turn(u: f32x8) -> (f32x8, f32x8) {
+pub fn sin_cos_turn<F: Real>(u: F) -> (F, F) {
     let (s, c) = sin_cos_half_turn(u);
-    (s * c * f32x8::splat(-2.0), s.mul_sub(s, c * c))
+    (s * c * F::splat(-2.0), s.mul_sub(s, c * c))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::random::uniform_x8;
+    use wide::{f32x8, u32x8};
 
-    /// Calls `check` with every number that `random::uniform_x8` can return.
+    use super::*;
+    use crate::random::uniform_f32;
+
+    /// Calls `check` with every number that `random::uniform_f32` can return.
     fn every_uniform(mut check: impl FnMut(f32x8)) {
         for first in (0..1 << 23).step_by(8) {
             let cells = u32x8::splat(first) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-            check(uniform_x8(cells << 9_u32));
+            check(uniform_f32(cells << 9_u32));
         }
     }
 

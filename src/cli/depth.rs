@@ -4,7 +4,7 @@ use fogbow_kernels::media::field::Field;
 use fogbow_kernels::media::field::reference::part_in_box;
 use fogbow_kernels::media::reference::Medium as _;
 use fogbow_kernels::media::{Medium, MediumLanes, MediumX8};
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use fogbow_kernels::with_medium;
 use glam::DVec3;
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use fogbow_kernels::WalkLimits;
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 
 use super::frames::FRAMES_PER_SECOND;
 use super::progress::Reporter;
@@ -356,7 +356,7 @@ fn measure(loaded: &LoadedScene) -> Result<(f64, WalkLimits, Option<Truncation>)
     let (start, mut samples, mut done) = (Instant::now(), 0, 0);
     while start.elapsed() < PILOT && done < 1 << 20 {
         let next = (2 * done).clamp(1, done + 16);
-        samples += renderer.render(&frame, &SIMD, &film, done..next, &monitor).samples;
+        samples += renderer.render(&frame, &WIDEST, &film, done..next, &monitor).samples;
         done = next;
     }
     let rate = samples as f64 / start.elapsed().as_secs_f64();

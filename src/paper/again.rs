@@ -5,7 +5,7 @@ use super::run::Run;
 use crate::error::{Error, Result};
 use crate::film::{Film, Region, tile_size};
 use crate::render::{Monitor, Renderer, Workers};
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 
 /// Side of the parts that are rendered again, in pixels; sides of tiles are multiples of it.
 const PATCH: u32 = 2;
@@ -30,7 +30,7 @@ fn is_same(run: &Run, region: Region, renderer: &Renderer) -> bool {
     let frame = &run.session().scene.frame;
     let samples = run.film().pixel(region.x0, region.y0).samples as u32;
     let film = Film::new(frame, region, tile_size(region));
-    renderer.render(frame, &SIMD, &film, 0..samples, &Monitor::default());
+    renderer.render(frame, &WIDEST, &film, 0..samples, &Monitor::default());
     let places = region.rows().flat_map(|y| region.columns().map(move |x| (x, y)));
     places.into_iter().all(|(x, y)| film.pixel(x, y) == run.film().pixel(x, y))
 }

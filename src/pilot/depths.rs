@@ -23,7 +23,7 @@
 //! -3/2 of the depth, as it does in endless white fog: with the power -3/4. What the looks found is put together, since
 //! a few bright samples have most of the square of what a single one finds.
 
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 use fogbow_kernels::survival::{FIRST_FADING, OCTAVES, Survival};
 
 use super::{Pilot, SIDE, Setting, cost};
@@ -94,7 +94,7 @@ fn take(pilot: &Pilot<'_>, setting: Setting, look: u32) -> Option<Found> {
     let empty = Stats { by_depth: Some(ByDepth::new()), ..Stats::new(false).with_work() };
     let count = samples_per_pixel(pilot);
     let samples = look * count..(look + 1) * count;
-    let stats = pilot.renderer.render_counting(empty, &frame, &SIMD, &film, samples, pilot.monitor);
+    let stats = pilot.renderer.render_counting(empty, &frame, &WIDEST, &film, samples, pilot.monitor);
     if pilot.monitor.stops() {
         return None;
     }

@@ -61,8 +61,8 @@ impl Reference {
 
     fn pipeline(self) -> Pipeline {
         match self {
-            Self::None => pipeline::SIMD,
-            Self::One(stage) => pipeline::SIMD.with_reference(stage),
+            Self::None => pipeline::WIDEST,
+            Self::One(stage) => pipeline::WIDEST.with_reference(stage),
             Self::All => pipeline::REFERENCE,
         }
     }

@@ -34,7 +34,7 @@ use std::sync::Arc;
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::connect::bridge::{Bridge, Roll};
-use fogbow_kernels::pipeline::SIMD;
+use fogbow_kernels::pipeline::WIDEST;
 use fogbow_kernels::survival::Survival;
 use fogbow_kernels::{LONGEST_PATH, PathLengths};
 
@@ -284,7 +284,7 @@ impl Looker<'_> {
         let frame = Frame { lengths, techniques, seed: SEED, ..frame }.with_walk(way.starts, way.survival);
         let film = Film::new(&frame, region, side);
         let counted = Stats::new(false).by_length(&frame);
-        let looks = self.renderer.looks(&counted, &frame, &SIMD, &film, (LOOKS, samples), self.monitor)?;
+        let looks = self.renderer.looks(&counted, &frame, &WIDEST, &film, (LOOKS, samples), self.monitor)?;
         let light = |stats: &Stats| {
             let light = stats.light_by_length.as_ref().map_or_else(Vec::new, LightByLength::values);
             light.into_iter().map(|light| light / stats.samples as f64).collect()

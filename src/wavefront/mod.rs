@@ -308,13 +308,13 @@ impl<'q> Wavefront<'q> {
     fn refill<B: Blocks>(&mut self, in_flight: &mut InFlight<B::Sums>, blocks: &mut B) {
         self.requested.clear();
         self.outlined.clear();
-        let batches = self.live.batches();
-        let capacity = batches * LANES;
+        let capacity = self.live.batches() * LANES;
         let refill_single_lanes = capacity - self.live.count() > capacity / VACANT_DIVISOR;
         let takes_blocks = self.step.clock < LAST_CLOCK;
         let mut count = 0;
-        'batches: for b in 0..batches {
-            let mut vacant = !self.occupied.batch(b) & lanes::ALL;
+        let mut first = 0;
+        'batches: while let Some((b, mut vacant)) = self.occupied.vacant_from(first) {
+            first = b + 1;
             if vacant != lanes::ALL && !refill_single_lanes {
                 continue;
             }

@@ -6,7 +6,7 @@ use wide::{f32x8, u32x8};
 use super::{Column, Column3};
 use crate::lanes;
 use crate::lanes::LANES;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A type that a column declaration accepts: `f32`, `u32` or `[f32; 3]`.
 pub trait Field: Copy + PartialEq + core::fmt::Debug {

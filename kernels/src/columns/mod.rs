@@ -13,31 +13,44 @@ pub mod queues;
 mod spectrum;
 pub mod trail;
 
+use core::ops::Range;
+
 use bumpalo::Bump;
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use wide::{f32x8, u32x8};
 
 use crate::lanes::LANES;
-use crate::vec3x8::Vec3x8;
+use crate::real::Real;
+use crate::vec3::{Vec3, Vec3x8};
 pub use field::{ColumnMut, ColumnRef, ColumnSet, Field};
 pub use spectrum::Spectrum;
 
-/// Batches between neighbouring columns that hold nothing: columns whose distance is a power of two would compete for
-/// the same cache sets.
-const STAGGER: usize = 3;
+/// Lines between neighbouring columns that hold nothing: columns whose distance is a power of two would compete for the
+/// same cache sets.
+const STAGGER: usize = 1;
+
+/// Two batches, a line of the cache: a column begins with one, so that loads of sixteen rows do not cross from one to
+/// the next.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([u32; 2 * LANES]);
 
 /// A 4-byte quantity that can be a column: `f32` or `u32`.
 pub trait Scalar: Pod + PartialEq + core::fmt::Debug {
     /// Eight of them.
     type Batch: Pod;
+    /// As many as `F` has.
+    type As<F: Real>: Pod;
 }
 
 impl Scalar for f32 {
     type Batch = f32x8;
+    type As<F: Real> = F;
 }
 
 impl Scalar for u32 {
     type Batch = u32x8;
+    type As<F: Real> = F::Word;
 }
 
 /// Rows of one quantity in the arena `'q`; the number of rows is a multiple of [`LANES`].
@@ -49,9 +62,8 @@ impl<'q, T: Scalar> Column<'q, T> {
     /// A zeroed column with room for at least `rows` rows.
     pub fn new_in(arena: &'q Bump, rows: usize) -> Self {
         let len = rows.div_ceil(LANES);
-        let zero = <T::Batch as bytemuck::Zeroable>::zeroed();
-        let batches = arena.alloc_slice_fill_copy(len + STAGGER, zero);
-        Self { batches: &mut batches[..len] }
+        let lines = arena.alloc_slice_fill_copy(len.div_ceil(2) + STAGGER, Line::zeroed());
+        Self { batches: &mut bytemuck::cast_slice_mut(lines)[..len] }
     }
 
     /// Its first `batches` batches, to read. Slices cut to one length let a loop over them run without bounds checks.
@@ -64,6 +76,18 @@ impl<'q, T: Scalar> Column<'q, T> {
     #[inline(always)]
     pub fn view_mut(&mut self, batches: usize) -> &mut [T::Batch] {
         &mut self.batches[..batches]
+    }
+
+    /// The rows of some batches, to read, one by one or eight by eight.
+    #[inline(always)]
+    pub fn stretch<F: Real>(&self, batches: Range<usize>) -> &[T::As<F>] {
+        bytemuck::cast_slice(&self.batches[batches])
+    }
+
+    /// The rows of some batches, to fill, one by one or eight by eight.
+    #[inline(always)]
+    pub fn stretch_mut<F: Real>(&mut self, batches: Range<usize>) -> &mut [T::As<F>] {
+        bytemuck::cast_slice_mut(&mut self.batches[batches])
     }
 
     /// Its rows, to read.
@@ -111,36 +135,50 @@ impl<'q, T: Scalar> Column<'q, T> {
     }
 }
 
-/// Batches of three columns, to read.
+/// Rows or batches of three columns, to read.
 #[derive(Clone, Copy)]
-pub struct View3<'a> {
-    x: &'a [f32x8],
-    y: &'a [f32x8],
-    z: &'a [f32x8],
+pub struct View3<'a, F = f32x8> {
+    /// First components.
+    pub x: &'a [F],
+    /// Second components.
+    pub y: &'a [F],
+    /// Third components.
+    pub z: &'a [F],
 }
 
-impl View3<'_> {
-    /// Batch `b`.
+impl<F: Real> View3<'_, F> {
+    /// The first `n` of them.
     #[inline(always)]
-    pub fn at(&self, b: usize) -> Vec3x8 {
-        Vec3x8::new(self.x[b], self.y[b], self.z[b])
+    pub fn first(self, n: usize) -> Self {
+        Self { x: &self.x[..n], y: &self.y[..n], z: &self.z[..n] }
+    }
+
+    /// Row or batch number `i`.
+    #[inline(always)]
+    pub fn at(&self, i: usize) -> Vec3<F> {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 }
 
-/// Batches of three columns, to fill.
-pub struct ViewMut3<'a> {
-    x: &'a mut [f32x8],
-    y: &'a mut [f32x8],
-    z: &'a mut [f32x8],
+/// Rows or batches of three columns, to fill.
+pub struct ViewMut3<'a, F = f32x8> {
+    /// First components.
+    pub x: &'a mut [F],
+    /// Second components.
+    pub y: &'a mut [F],
+    /// Third components.
+    pub z: &'a mut [F],
+}
+
+impl<F: Real> ViewMut3<'_, F> {
+    /// Overwrites row or batch number `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, value: Vec3<F>) {
+        (self.x[i], self.y[i], self.z[i]) = (value.x, value.y, value.z);
+    }
 }
 
 impl ViewMut3<'_> {
-    /// Overwrites batch `b`.
-    #[inline(always)]
-    pub fn set(&mut self, b: usize, value: Vec3x8) {
-        (self.x[b], self.y[b], self.z[b]) = (value.x, value.y, value.z);
-    }
-
     /// Overwrites the lanes of batch `b` that are set in `mask`.
     #[inline(always)]
     pub fn blend(&mut self, b: usize, mask: f32x8, value: Vec3x8) {
@@ -176,6 +214,26 @@ impl<'q> Column3<'q> {
     #[inline(always)]
     pub fn view_mut(&mut self, batches: usize) -> ViewMut3<'_> {
         ViewMut3 { x: self.x.view_mut(batches), y: self.y.view_mut(batches), z: self.z.view_mut(batches) }
+    }
+
+    /// The rows of some batches, to read, one by one or eight by eight.
+    #[inline(always)]
+    pub fn stretch<F: Real>(&self, batches: Range<usize>) -> View3<'_, F> {
+        View3 {
+            x: self.x.stretch::<F>(batches.clone()),
+            y: self.y.stretch::<F>(batches.clone()),
+            z: self.z.stretch::<F>(batches),
+        }
+    }
+
+    /// The rows of some batches, to fill, one by one or eight by eight.
+    #[inline(always)]
+    pub fn stretch_mut<F: Real>(&mut self, batches: Range<usize>) -> ViewMut3<'_, F> {
+        ViewMut3 {
+            x: self.x.stretch_mut::<F>(batches.clone()),
+            y: self.y.stretch_mut::<F>(batches.clone()),
+            z: self.z.stretch_mut::<F>(batches),
+        }
     }
 
     /// Row `row`.

@@ -5,9 +5,12 @@
 //! vertex in the slot of `t - 1`, its next one in that of `t + 1`. The depth of a path is the clock minus its birth.
 //! What lies farther back stands in the [`TrailTable`](super::trail::TrailTable).
 
+use core::ops::Range;
+
 use bumpalo::Bump;
 
 use crate::columns;
+use crate::real::Real;
 
 columns! {
     /// Which sample a path is.
@@ -108,6 +111,35 @@ impl PathColumns<'_> {
     /// Depth of the current vertex of the path in `lane`.
     pub fn depth_of(&self, clock: u32, lane: usize) -> u32 {
         clock - self.birth.rows()[lane]
+    }
+}
+
+/// Some rows of a [`PathColumns`], to read.
+#[derive(Clone, Copy)]
+pub struct PathRows<'a, F: Real = f32> {
+    /// Pixels.
+    pub pixel: &'a [F::Word],
+    /// Samples.
+    pub sample: &'a [F::Word],
+    /// Births.
+    pub birth: &'a [F::Word],
+}
+
+impl<F: Real> PathRows<'_, F> {
+    /// The first `n` of them.
+    #[inline(always)]
+    pub fn first(self, n: usize) -> Self {
+        Self { pixel: &self.pixel[..n], sample: &self.sample[..n], birth: &self.birth[..n] }
+    }
+}
+
+impl PathColumns<'_> {
+    /// The rows of some batches.
+    #[inline(always)]
+    pub fn stretch<F: Real>(&self, batches: Range<usize>) -> PathRows<'_, F> {
+        let [pixel, sample, birth] =
+            [&self.pixel, &self.sample, &self.birth].map(|column| column.stretch::<F>(batches.clone()));
+        PathRows { pixel, sample, birth }
     }
 }
 

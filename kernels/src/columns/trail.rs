@@ -11,7 +11,7 @@ use bumpalo::Bump;
 use wide::f32x8;
 
 use crate::lanes::LANES;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A vertex that a path has left.
 #[derive(Clone, Copy, Debug, PartialEq)]

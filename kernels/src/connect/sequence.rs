@@ -4,7 +4,7 @@ use wide::{f32x8, u32x8};
 
 use crate::columns::paths::{LastSurfaceColumns, PathColumns};
 use crate::lanes::LANES;
-use crate::random::{self, Purpose, uniform_x8};
+use crate::random::{self, Purpose, uniform_f32};
 use crate::{Step, lanes};
 
 /// What the random numbers of eight connections are drawn from.
@@ -33,8 +33,8 @@ impl Sequence {
     /// Four uniform numbers of block `purpose`.
     #[inline(always)]
     pub fn uniforms(&self, purpose: Purpose) -> [f32x8; 4] {
-        let block = random::block_x8(self.depth, purpose);
-        random::words_x8(self.pixel, self.sample, block, self.seed).map(uniform_x8)
+        let block = random::block(self.depth, purpose);
+        random::words(self.pixel, self.sample, block, self.seed).map(uniform_f32)
     }
 }
 

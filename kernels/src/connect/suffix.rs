@@ -5,7 +5,7 @@ use wide::f32x8;
 
 use super::likelihood::LengthLikelihood;
 use crate::media::spectral::{CHANNELS, Hues};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// What a vertex of the suffix contributes to the ratios.
 #[derive(Clone, Copy)]

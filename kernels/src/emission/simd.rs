@@ -16,7 +16,7 @@ use wide::{f32x8, u32x8};
 use crate::lanes::{self, LANES};
 use crate::tables::lights::{Lights, Places};
 use crate::transcendental::{exp, neg_ln, sin_cos_turn};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 impl Lights {
     /// Unit normals of the fronts of emitters at `point`.

@@ -10,29 +10,45 @@
 //!    ([`Search`]).
 //! 3. Rays that are near one of few surfaces wait until they are eight ([`Waiting`]). A batch of which any ray has met a
 //!    light, or goes on to infinity, does not wait, nor do others where triangles shine.
-//! 4. In fog most batches meet nothing, and have nothing to list.
+//! 4. In fog most batches meet nothing, and have nothing to list. Few lights in nothing but fog are met row by row
+//!    ([`open`]).
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
+use fogbow_avx512::Avx512;
 use wide::{f32x8, u32x8};
 
-use super::Columns;
+use super::{Columns, open};
 use crate::columns::View3;
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
 use crate::lanes::{LANES, LaneSet};
 use crate::tables::lights::{FAR, Lights};
 use crate::trace::bodies::{self, Nearest};
 use crate::trace::{Hits, OneByOne, Rays, Search, Waited, Waiting, may_meet};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
+    if open::suffices(columns.lights, columns.surfaces) {
+        return open::extend(step, columns);
+    }
     let geometry = columns.surfaces.geometry();
     match (geometry.few(), columns.lights.tree().is_some()) {
         (Some(few), false) => run_with::<false, _>(few, step, columns),
         (Some(few), true) => run_with::<true, _>(few, step, columns),
         (None, false) => run_with::<false, _>(&OneByOne(geometry), step, columns),
         (None, true) => run_with::<true, _>(&OneByOne(geometry), step, columns),
+    }
+}
+
+/// The same, for the widest registers that there are.
+pub fn run_widest(step: Step, columns: Columns<'_, '_>) {
+    match Avx512::detect().filter(|_| open::suffices(columns.lights, columns.surfaces)) {
+        Some(avx512) => avx512.run(
+            #[inline(always)]
+            || open::extend(step, columns),
+        ),
+        None => run(step, columns),
     }
 }
 

@@ -21,7 +21,7 @@ use crate::tables::lights::{Emitter, FAR, Lights, Shape};
 use crate::tables::surfaces::Surfaces;
 use crate::trace::surface;
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

@@ -14,10 +14,10 @@ use wide::f32x8;
 
 use super::{Columns, THINNED};
 use crate::media::{MediumLanes, MediumX8};
-use crate::random::{self, uniform_x8};
+use crate::random::{self, uniform_f32};
 use crate::tables::lights::Light;
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -32,7 +32,7 @@ fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
     for (b, requested) in requested.each_batch() {
         let block = wide::u32x8::splat(random::block(0, random::CAMERA));
         let (pixel, sample) = (paths.pixel.batch(b), paths.sample.batch(b));
-        let [.., u, v] = random::words_x8(pixel, sample, block, step.seed).map(uniform_x8);
+        let [.., u, v] = random::words(pixel, sample, block, step.seed).map(uniform_f32);
         let (origin, direction) = (vertex.position.batch(b), ray.direction.batch(b));
 
         let mut t = flight.batch(b) * f32x8::splat(1.0 / THINNED);

@@ -69,6 +69,6 @@ fn estimate(step: Step, columns: Columns<'_, '_>) {
 #[inline(always)]
 pub(super) fn stream(step: Step, paths: &PathColumns<'_>, b: usize) -> [u32x8; 4] {
     let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
-    let block = random::block_x8(depth, random::TRACKING);
+    let block = random::block(depth, random::TRACKING);
     Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 1)
 }

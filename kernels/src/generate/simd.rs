@@ -12,9 +12,9 @@ use wide::{f32x8, i32x8, u32x8};
 use super::Columns;
 use crate::columns::Spectrum;
 use crate::media::spectral::{CHANNELS, SHARE};
-use crate::random::{self, uniform_x8};
+use crate::random::{self, uniform_f32};
 use crate::tables::camera::Camera;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -41,7 +41,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     for (b, bits) in requested.each_batch() {
         let pixel = y[b] * u32x8::splat(camera.width) + x[b];
         let block = u32x8::splat(random::block(0, random::CAMERA));
-        let words = random::words_x8(pixel, sample[b], block, step.seed);
+        let words = random::words(pixel, sample[b], block, step.seed);
         let (at, toward) = film.ray(x[b], y[b], words);
 
         let mask = lanes::mask(bits);
@@ -72,7 +72,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 #[inline(always)]
 fn hero(pixel: u32x8, sample: u32x8, seed: u32) -> u32x8 {
     let block = u32x8::splat(random::block(0, random::HERO));
-    let [u, ..] = random::words_x8(pixel, sample, block, seed).map(uniform_x8);
+    let [u, ..] = random::words(pixel, sample, block, seed).map(uniform_f32);
     bytemuck::cast((u * f32x8::splat(CHANNELS as f32)).fast_trunc_int())
 }
 
@@ -105,7 +105,7 @@ impl Film {
     #[inline(always)]
     fn ray(&self, x: u32x8, y: u32x8, words: [u32x8; 4]) -> (Vec3x8, Vec3x8) {
         let [a, b, ..] = words;
-        self.at(real(x) + uniform_x8(a), real(y) + uniform_x8(b))
+        self.at(real(x) + uniform_f32(a), real(y) + uniform_f32(b))
     }
 
     /// Position and direction of the rays through film coordinates (x, y), in pixels.

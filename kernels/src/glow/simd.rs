@@ -18,11 +18,11 @@ use crate::columns::{Column, Spectrum};
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
 use crate::media::{Field, Glow};
-use crate::random::{self, Stream, uniform_x8};
+use crate::random::{self, Stream, uniform_f32};
 use crate::survival::LogSurvival;
 use crate::tables::lights::{Lights, Shape};
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -40,7 +40,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let counted = segments.simd_ge(u32x8::splat(lengths.min)) & segments.simd_le(u32x8::splat(lengths.max));
         let mut counts = lanes::bits(lanes::as_mask(counted)) & bits;
         let way = Way { origin: vertex.position.batch(b), direction: ray.direction.batch(b), length: flown.batch(b) };
-        let words = random::words_x8(pixel, sample, random::block_x8(depth, random::GLOW), step.seed);
+        let words = random::words(pixel, sample, random::block(depth, random::GLOW), step.seed);
         let met = match medium.field() {
             Some(field) => way.through(field, glow, words, lanes::mask(counts)),
             None => glow.around().map(|emission| f32x8::splat(emission) * way.length),
@@ -118,7 +118,7 @@ impl Way {
         let (mut sum, mut numbers) = ([f32x8::ZERO; CHANNELS], [f32x8::ZERO; 4]);
         for i in 0..most {
             if i % 4 == 0 {
-                numbers = Stream::words_x8(words, u32x8::splat(i / 4)).map(uniform_x8);
+                numbers = Stream::words_x8(words, u32x8::splat(i / 4)).map(uniform_f32);
             }
             let index = f32x8::splat(i as f32);
             let here = inside & index.simd_lt(points);

@@ -17,7 +17,7 @@ use crate::connect::distant;
 use crate::lanes::LANES;
 use crate::media::{MediumLanes, MediumX8};
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

@@ -13,7 +13,7 @@ use super::field::reference::part_in_box;
 use super::field::{Field, Map, Voxels, within};
 use super::spectral::CHANNELS;
 use crate::lanes;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Edges of voxels of an emission grid between two points at which it is asked, about.
 const VOXELS_APART: f64 = 2.0;

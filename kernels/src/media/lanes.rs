@@ -4,7 +4,7 @@ use wide::{f32x8, u32x8};
 
 use crate::lanes;
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Least extinction that densities of walks count at a vertex [1/m]. What is clear in one channel may scatter in another:
 /// so connections that make a vertex there are still told how probable their starts were in the first.

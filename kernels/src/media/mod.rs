@@ -24,7 +24,7 @@ use wide::f32x8;
 use self::field::reference::FieldTwin;
 use crate::phase::PhaseFunction;
 use crate::phase::reference::Phase;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 pub use field::Field;
 pub use glow::Glow;
 pub use homogeneous::Homogeneous;

@@ -19,7 +19,7 @@ use wide::{f32x8, u32x8};
 use super::Field;
 use crate::lanes;
 use crate::phase::PhaseFunction;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// The phase functions of a field and who has which.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,35 +5,67 @@
 //!
 //! 1. The numbers `u` and `1 - u` have the same distribution, but only `1 - u` keeps the flight short where `u` is
 //!    small.
-//! 2. Flights are drawn for whole batches, dying paths included.
+//! 2. Flights are drawn row by row for whole stretches, dying paths included.
 //! 3. In a field their optical depths are drawn, with which they are tracked ([`tracking`]), where channels are apart
 //!    those of one hero after the other.
 
 use core::cell::RefCell;
 
+use fogbow_avx512::Avx512;
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::lanes::LANES;
-use crate::media::MediumLanes;
+use crate::columns::paths::PathRows;
+use crate::lanes::{LANES, STRETCH};
 use crate::media::field::Field;
 use crate::media::field::tracking::{self, FlightsX8};
+use crate::media::homogeneous::{ColouredLanes, Homogeneous};
 use crate::media::spectral::CHANNELS;
-use crate::random::{self, Stream, uniform_x8};
+use crate::media::{Kind, MediumLanes};
+use crate::random::{self, Stream, uniform_f32};
 use crate::survival::Survival;
 use crate::transcendental::neg_ln;
-use crate::{Step, lanes, with_homogeneous};
+use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(step: Step, mut columns: Columns<'_, '_>) {
-    if let Some(field) = columns.medium.field() {
-        sample(step, &mut columns, |_, rest| neg_ln(rest));
-        return track(step, columns, field);
+pub fn run(step: Step, columns: Columns<'_, '_>) {
+    fly(step, columns);
+}
+
+/// The same, for the widest registers that there are.
+pub fn run_widest(step: Step, columns: Columns<'_, '_>) {
+    match Avx512::detect() {
+        Some(avx512) => avx512.run(
+            #[inline(always)]
+            || fly(step, columns),
+        ),
+        None => fly(step, columns),
     }
-    let hero = columns.immersion.hero.view(columns.live.batches());
-    with_homogeneous!(columns.medium, |medium| {
-        sample(step, &mut columns, |b, rest| medium.in_channel(|| hero[b]).flight(rest));
-    });
+}
+
+#[inline(always)]
+fn fly(step: Step, mut columns: Columns<'_, '_>) {
+    match &columns.medium.kind {
+        Kind::Homogeneous(medium) if medium.is_grey() => sample(step, &mut columns, medium.mean_free_path(0)),
+        Kind::Homogeneous(medium) => {
+            sample(step, &mut columns, 1.0);
+            lengthen(columns, medium);
+        }
+        Kind::Field(field) => {
+            sample(step, &mut columns, 1.0);
+            track(step, columns, field);
+        }
+    }
+}
+
+/// Turns optical depths into flights, each in the channel of its path's hero.
+fn lengthen(columns: Columns<'_, '_>, medium: &Homogeneous) {
+    let Columns { live, immersion, flights, .. } = columns;
+    let heroes = immersion.hero.view(live.batches());
+    for (b, _) in live.each_batch() {
+        let mean_free_path = ColouredLanes::new(medium).in_channel(|| heroes[b]).mean_free_path();
+        flights.flight.set_batch(b, flights.flight.batch(b) * mean_free_path);
+    }
 }
 
 /// Overwrites the optical depths of flights of live paths with flights through a field.
@@ -50,7 +82,7 @@ fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     };
     let stream = |first: usize| {
         let b = first / LANES;
-        let block = random::block_x8(u32x8::splat(step.clock) - paths.birth.batch(b), random::TRACKING);
+        let block = random::block(u32x8::splat(step.clock) - paths.birth.batch(b), random::TRACKING);
         Stream::new_x8(paths.pixel.batch(b), paths.sample.batch(b), block, step.seed, 0)
     };
     let mut end = |first: usize, ended: u32, flown: f32x8| {
@@ -73,31 +105,62 @@ fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     tracking::simd::flights(field, live.each_batch().map(|(b, live)| batch(b, live, hue(b))), stream, end);
 }
 
-/// Draws the words of the segment; `fly` gives the flights of a batch that so large shares outlast.
+/// Draws the words of the segment, and flights of this `mean_free_path` `[m]`; 1 makes them optical depths.
 #[inline(always)]
-fn sample(step: Step, columns: &mut Columns<'_, '_>, fly: impl Fn(usize, f32x8) -> f32x8) {
+fn sample(step: Step, columns: &mut Columns<'_, '_>, mean_free_path: f32) {
     let Columns { walk, live, paths, flights, .. } = columns;
-    let n = live.batches();
-    let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.view(n));
-    let flight = flights.flight.view_mut(n);
-    let [cosine, azimuth] = [&mut flights.cosine, &mut flights.azimuth].map(|column| column.view_mut(n));
     let ends_walks = !walk.survival.is_certain();
-    for b in 0..n {
-        if live.batch(b) == 0 {
-            continue;
-        }
-        let depth = u32x8::splat(step.clock) - birth[b];
-        let block = random::block_x8(depth, random::SEGMENT);
-        let words = random::words_x8(pixel[b], sample[b], block, step.seed);
-        flight[b] = fly(b, f32x8::ONE - uniform_x8(words[0]));
-        (cosine[b], azimuth[b]) = (words[1], words[2]);
+    let mut last = [u32x8::splat(0); STRETCH];
+    for k in 0..live.stretches() {
+        let Some(batches) = live.stretch(k) else { continue };
+        let segments = Segments { step, mean_free_path, paths: paths.stretch(batches.clone()) };
+        segments.draw(
+            flights.flight.stretch_mut::<f32>(batches.clone()),
+            flights.cosine.stretch_mut::<f32>(batches.clone()),
+            flights.azimuth.stretch_mut::<f32>(batches.clone()),
+            bytemuck::cast_slice_mut(&mut last),
+        );
         if ends_walks {
-            let survival = match &walk.survival {
-                Survival::Constant(survival) => f32x8::splat(*survival),
-                Survival::ByOctave(octaves) => octaves.at(depth),
-            };
-            let ends = uniform_x8(words[3]).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
-            live.remove_batch(b, lanes::bits(ends));
+            for (b, word) in batches.zip(last) {
+                let depth = u32x8::splat(step.clock) - paths.birth.batch(b);
+                live.remove_batch(b, ends(&walk.survival, depth, word));
+            }
         }
     }
+}
+
+/// Segments that begin.
+struct Segments<'a> {
+    step: Step,
+    mean_free_path: f32,
+    paths: PathRows<'a>,
+}
+
+impl Segments<'_> {
+    /// Draws flights, the words for the turns at their ends, and the last word of each block. Slices that are arguments
+    /// are known not to overlap, so that the loop needs no checks of it.
+    #[inline(always)]
+    fn draw(&self, flight: &mut [f32], cosine: &mut [u32], azimuth: &mut [u32], last: &mut [u32]) {
+        let Self { step, mean_free_path, paths } = self;
+        let n = flight.len();
+        let (cosine, azimuth, last) = (&mut cosine[..n], &mut azimuth[..n], &mut last[..n]);
+        let (pixel, sample, birth) = (&paths.pixel[..n], &paths.sample[..n], &paths.birth[..n]);
+        for i in 0..n {
+            let block = random::block(step.clock.wrapping_sub(birth[i]), random::SEGMENT);
+            let words = random::words(pixel[i], sample[i], block, step.seed);
+            flight[i] = neg_ln(1.0 - uniform_f32(words[0])) * mean_free_path;
+            (cosine[i], azimuth[i], last[i]) = (words[1], words[2], words[3]);
+        }
+    }
+}
+
+/// The walks that end at vertices of these depths, by words that decide.
+#[inline(always)]
+fn ends(survival: &Survival, depth: u32x8, word: u32x8) -> u32 {
+    let survival = match survival {
+        Survival::Constant(survival) => f32x8::splat(*survival),
+        Survival::ByOctave(octaves) => octaves.at(depth),
+    };
+    let ends = uniform_f32(word).simd_ge(survival) & lanes::as_mask(depth.simd_gt(u32x8::splat(0)));
+    lanes::bits(ends)
 }

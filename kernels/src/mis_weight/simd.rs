@@ -34,7 +34,7 @@ use crate::phase::PhaseX8;
 use crate::survival::LogSurvival;
 use crate::tables::lights::{Choices, Lights};
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

@@ -10,12 +10,13 @@ use wide::{f32x8, u32x8};
 
 use super::starts::Starts;
 use super::{Columns, albedos};
-use crate::connect::light_sample::lights::LightsX8;
+use crate::connect::light_sample::lights::LightsIn;
 use crate::media::{MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
+use crate::real::{Mask, Real};
 use crate::survival::LogSurvival;
 use crate::transcendental::exp;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3;
 use crate::{Step, lanes};
 
 /// Whether this is all that a bucket of candidates needs.
@@ -51,51 +52,46 @@ pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_,
             if lights.selection_depends_on_start() { outlook.light_sum.gather(&lane_of) } else { f32x8::ONE };
         let reach_start = starts.eligible(1).select(survival.reach(starts.depth(1)), f32x8::ZERO);
         let reach_light = starts.reach_of_walk(survival, walk);
-        let weight = line.weight(medium, light_sum, inverse_density, [reach_start, reach_light]);
+        let depth = medium.optical_depth(line.start, line.point, line.distance);
+        let weight = line.weight(depth, light_sum, inverse_density, [reach_start, reach_light]);
         worth.weight.set_batch(b, outside.select(weight, f32x8::ZERO));
     }
 }
 
-/// Straight connections from eight starts to points on emitters.
-pub(crate) struct Line<L: LightsX8> {
+/// Straight connections from starts to points on emitters.
+pub(crate) struct Line<F: Real, L: LightsIn<F>> {
     lights: L,
     emitters: L::Emitters,
-    start: Vec3x8,
-    point: Vec3x8,
-    distance: f32x8,
+    start: Vec3<F>,
+    point: Vec3<F>,
+    /// Their lengths.
+    pub distance: F,
     /// Directions at the starts.
-    pub leaving: Vec3x8,
+    pub leaving: Vec3<F>,
     /// Cosines at the lights.
-    pub cos_light: f32x8,
+    pub cos_light: F,
 }
 
-impl<L: LightsX8> Line<L> {
+impl<F: Real, L: LightsIn<F>> Line<F, L> {
     /// Those from `start` to `point`.
     #[inline(always)]
-    pub fn new(lights: L, emitters: L::Emitters, start: Vec3x8, point: Vec3x8) -> Self {
+    pub fn new(lights: L, emitters: L::Emitters, start: Vec3<F>, point: Vec3<F>) -> Self {
         let (distance, leaving) = (point - start).length_and_direction();
         let cos_light = lights.cosine(&emitters, point, leaving);
         Self { lights, emitters, start, point, distance, leaving, cos_light }
     }
 
-    /// The weight where a share `reach_start` of walks gets to the starts and `reach_light` to the light, and where the
-    /// density of turns is one over `inverse_density` [1/sr].
+    /// The weight through this optical `depth`, where a share `reach_start` of walks gets to the starts and `reach_light`
+    /// to the light, and where the density of turns is one over `inverse_density` [1/sr].
     #[inline(always)]
-    pub fn weight<M: MediumX8>(
-        &self,
-        medium: M,
-        light_sum: f32x8,
-        inverse_density: f32x8,
-        [reach_start, reach_light]: [f32x8; 2],
-    ) -> f32x8 {
+    pub fn weight(&self, depth: F, light_sum: F, inverse_density: F, [reach_start, reach_light]: [F; 2]) -> F {
         let attempt = self.lights.probability(&self.emitters, self.start, light_sum) * reach_start;
-        let depth = medium.optical_depth(self.start, self.point, self.distance);
         let area = self.lights.density(&self.emitters) * attempt * (self.distance * self.distance);
-        let connected = reach_start.simd_gt(f32x8::ZERO).select(area * inverse_density * exp(depth), f32x8::ZERO);
+        let connected = reach_start.simd_gt(F::ZERO).select(area * inverse_density * exp(depth), F::ZERO);
         let sum = reach_light.mul_add(self.cos_light, connected);
         // A sum that is no number makes a weight that is dropped and counted.
-        let weighs = self.cos_light.simd_gt(f32x8::ZERO) & !sum.simd_le(f32x8::ZERO);
+        let weighs = self.cos_light.simd_gt(F::ZERO) & !sum.simd_le(F::ZERO);
         let profile = self.lights.profile(&self.emitters, self.cos_light);
-        weighs.select(profile * self.cos_light / sum, f32x8::ZERO)
+        weighs.select(profile * self.cos_light / sum, F::ZERO)
     }
 }

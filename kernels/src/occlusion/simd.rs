@@ -17,7 +17,7 @@ use crate::tables::geometry::Geometry;
 use crate::tables::lights::{Emitter, Lights};
 use crate::trace::bodies::{self, Bodies};
 use crate::trace::{self, Rays};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

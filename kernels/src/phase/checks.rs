@@ -7,8 +7,8 @@ use wide::{f32x8, u32x8};
 
 use super::reference::{Phase, turn};
 use super::{Deflection, PhaseX8};
-use crate::random::{uniform, uniform_x8, words};
-use crate::vec3x8::Vec3x8;
+use crate::random::{uniform, uniform_f32, words};
+use crate::vec3::Vec3x8;
 
 /// Steps of the midpoint rule.
 const STEPS: i32 = 4000;
@@ -150,7 +150,7 @@ pub fn samples_follow_the_density(lanes: impl PhaseX8, twin: &dyn Phase, name: &
         let mut counts = [0_u32; BINS];
         for batch in 0..SAMPLES / 8 {
             let word = core::array::from_fn(|i| words(batch, i as u32, 7, 11)[0]);
-            let u = uniform_x8(u32x8::new(word));
+            let u = uniform_f32(u32x8::new(word));
             let turn = if from < 0.0 { lanes.sample(u) } else { lanes.sample_forward(u) };
             for (cosine, sine) in turn.cosine.to_array().into_iter().zip(turn.sine.to_array()) {
                 let cosine = precise_cosine(f64::from(cosine), f64::from(sine));

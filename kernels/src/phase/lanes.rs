@@ -4,7 +4,8 @@ use wide::f32x8;
 
 use super::HenyeyGreensteinX8;
 use crate::transcendental::sin_cos_turn;
-use crate::vec3x8::Vec3x8;
+use crate::real::Real;
+use crate::vec3::{Vec3, Vec3x8};
 
 /// An angle to an axis, in [0, pi].
 #[derive(Clone, Copy)]
@@ -15,19 +16,19 @@ pub struct PlaneAngle {
     pub sine: f32x8,
 }
 
-/// How a scattering event turns a direction.
+/// How scattering events turn directions: those of eight rows, or of one.
 #[derive(Clone, Copy)]
-pub struct Deflection {
+pub struct Deflection<F = f32x8> {
     /// Cosine of the turn, [-1, 1].
-    pub cosine: f32x8,
+    pub cosine: F,
     /// Sine of the turn, [0, 1].
-    pub sine: f32x8,
+    pub sine: F,
 }
 
-impl Deflection {
+impl<F: Real> Deflection<F> {
     /// The unit direction `axis` turned by the deflection, at azimuth `2 pi turn` about it.
     #[inline(always)]
-    pub fn apply(&self, axis: Vec3x8, turn: f32x8) -> Vec3x8 {
+    pub fn apply(&self, axis: Vec3<F>, turn: F) -> Vec3<F> {
         let (sin, cos) = sin_cos_turn(turn);
         let (tangent, bitangent) = axis.frame();
         let across = bitangent.mul_add(self.sine * sin, axis * self.cosine);
@@ -42,7 +43,7 @@ impl Deflection {
     /// t' = cos(theta) e - sin(theta) d,   b' = cos(phi) b - sin(phi) t,   d' = cos(theta) d + sin(theta) e
     /// ```
     #[inline(always)]
-    pub fn carry(&self, [tangent, bitangent, direction]: [Vec3x8; 3], turn: f32x8) -> [Vec3x8; 3] {
+    pub fn carry(&self, [tangent, bitangent, direction]: [Vec3<F>; 3], turn: F) -> [Vec3<F>; 3] {
         let (sin, cos) = sin_cos_turn(turn);
         let towards = bitangent.mul_add(sin, tangent * cos);
         [
@@ -50,6 +51,27 @@ impl Deflection {
             tangent.mul_add(-sin, bitangent * cos),
             towards.mul_add(self.sine, direction * self.cosine),
         ]
+    }
+}
+
+/// What walks and straight connections ask of a phase function, for eight rows or one.
+pub trait Turns<F: Real>: Copy {
+    /// Draws a turn from a uniform number in (0, 1).
+    fn turn(&self, u: F) -> Deflection<F>;
+
+    /// One over the phase function of the turn between two directions `[sr]`.
+    fn inverse_density_of(&self, incoming: Vec3<F>, outgoing: Vec3<F>) -> F;
+}
+
+impl<P: PhaseX8> Turns<f32x8> for P {
+    #[inline(always)]
+    fn turn(&self, u: f32x8) -> Deflection {
+        self.sample(u)
+    }
+
+    #[inline(always)]
+    fn inverse_density_of(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8 {
+        self.inverse_density(incoming, outgoing)
     }
 }
 

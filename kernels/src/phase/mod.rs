@@ -19,8 +19,8 @@ pub mod tabulated;
 
 pub use draine::{Draine, DraineX8};
 pub use droplets::{Droplets, DropletsX8};
-pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8};
-pub use lanes::{Deflection, PhaseX8, PlaneAngle};
+pub use henyey_greenstein::{HenyeyGreenstein, HenyeyGreensteinX8, Lobe};
+pub use lanes::{Deflection, PhaseX8, PlaneAngle, Turns};
 pub use mixture::{Mixture, MixtureX8, TwoLobeX8};
 pub use rayleigh::{Rayleigh, RayleighX8};
 pub use tabulated::{Tabulated, TabulatedX8};
@@ -148,7 +148,7 @@ macro_rules! with_phase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vec3x8::Vec3x8;
+    use crate::vec3::Vec3x8;
 
     #[test]
     fn kernels_of_every_kind_are_those_of_their_twins() {

@@ -12,7 +12,7 @@ use super::Columns;
 use crate::columns::Column3;
 use crate::connect::sequence::Sequence;
 use crate::phase::PhaseX8;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

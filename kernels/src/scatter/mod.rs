@@ -38,6 +38,6 @@ pub struct Columns<'a, 'q> {
 /// phase function of the medium there.
 ///
 /// The cosine follows from inverting the phase function's distribution, `cosine` rising with its word; the azimuth
-/// `2 pi u` counts in the [frame](crate::vec3x8::Vec3x8::frame) of the old direction. Direction and phase function
+/// `2 pi u` counts in the [frame](crate::vec3::Vec3x8::frame) of the old direction. Direction and phase function
 /// cancel in `f / p`; what remains of the event is the albedo.
 pub type Kernel = fn(Step, Columns<'_, '_>);

@@ -10,20 +10,45 @@
 //! 3. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
 //!    filled.
 
-use wide::{f32x8, u32x8};
+use fogbow_avx512::Avx512;
+use wide::f32x8;
 
 use super::Columns;
-use crate::phase::PhaseX8;
-use crate::random::uniform_x8;
-use crate::vec3x8::Vec3x8;
+use crate::columns::{View3, ViewMut3};
+use crate::phase::{Lobe, PhaseFunction, PhaseX8, Turns};
+use crate::random::uniform_f32;
+use crate::real::{Mask, Real, Word};
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_phase};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, mut columns: Columns<'_, '_>) {
-    let Columns { medium, .. } = columns;
-    let [first, others @ ..] = medium.all_phases() else { return };
-    with_phase!(first, |phase| scatter(step, &mut columns, phase));
-    let Some(places) = medium.phases_by_place() else { return };
+    let [first, others @ ..] = columns.medium.all_phases() else { return };
+    match first {
+        PhaseFunction::HenyeyGreenstein(lobe) => scatter::<f32>(step, &mut columns, Lobe::new(*lobe)),
+        other => with_phase!(other, |phase| scatter::<f32x8>(step, &mut columns, phase)),
+    }
+    finish(columns, others);
+}
+
+/// The same, for the widest registers that there are.
+pub fn run_widest(step: Step, mut columns: Columns<'_, '_>) {
+    let (Some(avx512), [PhaseFunction::HenyeyGreenstein(lobe), others @ ..]) =
+        (Avx512::detect(), columns.medium.all_phases())
+    else {
+        return run(step, columns);
+    };
+    avx512.run(
+        #[inline(always)]
+        || scatter::<f32>(step, &mut columns, Lobe::new(*lobe)),
+    );
+    finish(columns, others);
+}
+
+/// What steps leave open: albedos, and other phase functions elsewhere.
+fn finish(mut columns: Columns<'_, '_>, others: &[PhaseFunction]) {
+    scale(&mut columns);
+    let Some(places) = columns.medium.phases_by_place() else { return };
     for (number, phase) in (1..).zip(others) {
         with_phase!(phase, |phase| turn_there(&mut columns, phase, |at| places.are(number, at)));
     }
@@ -36,31 +61,86 @@ fn turn_there(columns: &mut Columns<'_, '_>, phase: impl PhaseX8, is_there: impl
     for (b, _) in live.each_batch() {
         let there = is_there(next.position.batch(b));
         if there.any() {
-            let deflection = phase.sample(uniform_x8(flights.cosine.batch(b)));
-            let turned = deflection.apply(ray.direction.batch(b), uniform_x8(flights.azimuth.batch(b)));
+            let deflection = phase.sample(uniform_f32(flights.cosine.batch(b)));
+            let turned = deflection.apply(ray.direction.batch(b), uniform_f32(flights.azimuth.batch(b)));
             let before = next_ray.direction.batch(b);
             next_ray.direction.set_batch(b, Vec3x8::select(there, turned, before));
         }
     }
 }
 
+/// Moves paths on and turns them, by single rows or by eight.
 #[inline(always)]
-fn scatter(step: Step, columns: &mut Columns<'_, '_>, phase: impl PhaseX8) {
-    let Columns { medium, live, on_surface, paths, flights, vertex, next, ray, next_ray, throughput } = columns;
-    let n = live.batches();
-    let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
-    let (flight, cosine, azimuth) = (flights.flight.view(n), flights.cosine.view(n), flights.azimuth.view(n));
-    let (mut positions, mut leaving) = (next.position.view_mut(n), next_ray.direction.view_mut(n));
-    let (arc, next_arc) = (vertex.arc.view(n), next.arc.view_mut(n));
-    let birth = paths.birth.view(n);
-    for (b, _) in live.each_batch() {
-        let direction = directions.at(b);
-        positions.set(b, direction.mul_add(flight[b], origins.at(b)));
-        let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
-        next_arc[b] = at_camera.select(f32x8::ZERO, arc[b] + flight[b]);
-        let deflection = phase.sample(uniform_x8(cosine[b]));
-        leaving.set(b, deflection.apply(direction, uniform_x8(azimuth[b])));
+fn scatter<F: Real>(step: Step, columns: &mut Columns<'_, '_>, phase: impl Turns<F>) {
+    let Columns { live, paths, flights, vertex, next, ray, next_ray, .. } = columns;
+    for batches in (0..live.stretches()).filter_map(|k| live.stretch(k)) {
+        let steps = Steps::<F> {
+            clock: step.clock,
+            birth: paths.birth.stretch::<F>(batches.clone()),
+            origin: vertex.position.stretch(batches.clone()),
+            arc: vertex.arc.stretch::<F>(batches.clone()),
+            direction: ray.direction.stretch(batches.clone()),
+            flight: flights.flight.stretch::<F>(batches.clone()),
+            cosine: flights.cosine.stretch::<F>(batches.clone()),
+            azimuth: flights.azimuth.stretch::<F>(batches.clone()),
+        };
+        let ViewMut3 { x, y, z } = next.position.stretch_mut(batches.clone());
+        let ViewMut3 { x: to_x, y: to_y, z: to_z } = next_ray.direction.stretch_mut(batches.clone());
+        steps.take(phase, x, y, z, next.arc.stretch_mut::<F>(batches), to_x, to_y, to_z);
     }
+}
+
+/// Steps from one vertex to the next.
+struct Steps<'a, F: Real> {
+    clock: u32,
+    birth: &'a [F::Word],
+    origin: View3<'a, F>,
+    arc: &'a [F],
+    direction: View3<'a, F>,
+    flight: &'a [F],
+    cosine: &'a [F::Word],
+    azimuth: &'a [F::Word],
+}
+
+impl<F: Real> Steps<'_, F> {
+    /// Fills in where they end, x, y, z, with the arc there, and where paths go on to.
+    #[expect(clippy::too_many_arguments, reason = "slices that are arguments are known not to overlap")]
+    #[inline(always)]
+    fn take(
+        &self,
+        phase: impl Turns<F>,
+        x: &mut [F],
+        y: &mut [F],
+        z: &mut [F],
+        arc: &mut [F],
+        to_x: &mut [F],
+        to_y: &mut [F],
+        to_z: &mut [F],
+    ) {
+        let n = x.len();
+        let (birth, flight, before) = (&self.birth[..n], &self.flight[..n], &self.arc[..n]);
+        let (origin, direction) = (self.origin.first(n), self.direction.first(n));
+        let (cosine, azimuth) = (&self.cosine[..n], &self.azimuth[..n]);
+        let (y, z, arc) = (&mut y[..n], &mut z[..n], &mut arc[..n]);
+        let (to_x, to_y, to_z) = (&mut to_x[..n], &mut to_y[..n], &mut to_z[..n]);
+        for i in 0..n {
+            let arriving = direction.at(i);
+            let position = arriving.mul_add(flight[i], origin.at(i));
+            (x[i], y[i], z[i]) = (position.x, position.y, position.z);
+            let at_camera = birth[i].is(F::Word::splat(self.clock));
+            arc[i] = at_camera.select(F::ZERO, before[i] + flight[i]);
+            let deflection = phase.turn(uniform_f32(cosine[i]));
+            let leaving = deflection.apply(arriving, uniform_f32(azimuth[i]));
+            (to_x[i], to_y[i], to_z[i]) = (leaving.x, leaving.y, leaving.z);
+        }
+    }
+}
+
+/// Multiplies throughputs by albedos.
+#[inline(always)]
+fn scale(columns: &mut Columns<'_, '_>) {
+    let Columns { medium, live, on_surface, next, throughput, .. } = columns;
+    let n = live.batches();
     if let Some(albedos) = medium.albedos_by_place() {
         for (b, bits) in live.each_batch() {
             let scattered = lanes::mask(bits & !on_surface.batch(b));

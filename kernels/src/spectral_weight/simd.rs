@@ -14,7 +14,7 @@ use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
 use crate::media::{MediumLanes, log_event};
 use crate::transcendental::{exp, neg_ln};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).

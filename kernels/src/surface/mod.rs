@@ -45,7 +45,7 @@ pub struct Columns<'a, 'q> {
 ///
 /// The surface reflects as Lambert's law says: with n the unit normal on that side, the direction has density `cos
 /// theta / pi`, `cos^2 theta = 1 - u` for the word `cosine`, at azimuth `2 pi u` in the
-/// [frame](crate::vec3x8::Vec3x8::frame) of n for the word `azimuth`. What remains of the event in `f / p` is the
+/// [frame](crate::vec3::Vec3x8::frame) of n for the word `azimuth`. What remains of the event in `f / p` is the
 /// albedo. Paths end on the back of a one-sided surface, and where the albedo is zero.
 ///
 /// The arc is 0 at the first vertex behind the camera, and grows by the distance of the hit from there on. The vertex

@@ -13,12 +13,12 @@ use wide::{f32x8, u32x8};
 use super::Columns;
 use crate::columns::queues::SurfaceHit;
 use crate::lanes::LANES;
-use crate::random::uniform_x8;
+use crate::random::uniform_f32;
 use crate::tables::geometry::TriangleHit;
 use crate::tables::surfaces::Surfaces;
 use crate::trace::surface;
 use crate::transcendental::sin_cos_turn;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -40,8 +40,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         let barycentric = [surface_hits.second.batch(b), surface_hits.third.batch(b)];
         let position = surface::leave(&surface::points(met.corners.map(Vec3x8::from_arrays), barycentric), normal);
 
-        let u = uniform_x8(flights.cosine.gather(&lane_of));
-        let (sin, cos) = sin_cos_turn(uniform_x8(flights.azimuth.gather(&lane_of)));
+        let u = uniform_f32(flights.cosine.gather(&lane_of));
+        let (sin, cos) = sin_cos_turn(uniform_f32(flights.azimuth.gather(&lane_of)));
         let (tangent, bitangent) = normal.frame();
         let sine = u.sqrt();
         let reflected = tangent.mul_add(sine * cos, bitangent.mul_add(sine * sin, normal * (f32x8::ONE - u).sqrt()));

@@ -20,15 +20,47 @@ use wide::{f32x8, u32x8};
 use super::cull::enter_any;
 use super::{Ray, Rays, Slabs, walk};
 use crate::lanes::{self, LANES};
+use crate::real::{Mask, Real};
 use crate::tables::lights::{BodyTree, Emitter, Shape};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::{Vec3, Vec3x8};
 
-/// Eight disks or spheres; or one, eight times.
+/// Eight disks or spheres; or one, for as many rows as there are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bodies {
-    center: Vec3x8,
-    normal: Vec3x8,
-    radius_squared: f32x8,
+pub struct Bodies<F = f32x8> {
+    center: Vec3<F>,
+    normal: Vec3<F>,
+    radius_squared: F,
+}
+
+impl<F: Real> Bodies<F> {
+    /// One body in all rows.
+    #[inline(always)]
+    pub fn one(body: &Emitter) -> Self {
+        Self {
+            center: Vec3::splat(body.origin),
+            normal: Vec3::splat(body.normal),
+            radius_squared: F::splat(body.radius * body.radius),
+        }
+    }
+
+    /// Distance at which rays meet bodies of one shape before `bound`; infinite where they do not.
+    #[inline(always)]
+    pub fn meet(&self, shape: Shape, origin: Vec3<F>, direction: Vec3<F>, bound: F) -> F {
+        let from_center = origin - self.center;
+        let (distance, inside) = if shape == Shape::Sphere {
+            let closest = -from_center.dot(direction);
+            let half_squared = self.radius_squared - direction.mul_add(closest, from_center).length_squared();
+            let half = half_squared.fast_max(F::ZERO).sqrt();
+            let near = closest - half;
+            (near.simd_gt(F::ZERO).select(near, closest + half), half_squared.simd_gt(F::ZERO))
+        } else {
+            let distance = -from_center.dot(self.normal) / direction.dot(self.normal);
+            let across = direction.mul_add(distance, from_center).length_squared();
+            (distance, across.simd_le(self.radius_squared))
+        };
+        let hit = distance.simd_gt(F::ZERO) & distance.simd_lt(bound) & inside;
+        hit.select(distance, F::splat(f32::INFINITY))
+    }
 }
 
 impl Bodies {
@@ -46,35 +78,6 @@ impl Bodies {
             normal: vector(|body| body.normal),
             radius_squared: number(&|body| body.radius * body.radius, -1.0),
         }
-    }
-
-    /// One body in all lanes.
-    #[inline(always)]
-    pub fn one(body: &Emitter) -> Self {
-        Self {
-            center: Vec3x8::splat(body.origin),
-            normal: Vec3x8::splat(body.normal),
-            radius_squared: f32x8::splat(body.radius * body.radius),
-        }
-    }
-
-    /// Distance at which rays meet bodies of one shape before `bound`; infinite where they do not.
-    #[inline(always)]
-    pub fn meet(&self, shape: Shape, origin: Vec3x8, direction: Vec3x8, bound: f32x8) -> f32x8 {
-        let from_center = origin - self.center;
-        let (distance, inside) = if shape == Shape::Sphere {
-            let closest = -from_center.dot(direction);
-            let half_squared = self.radius_squared - direction.mul_add(closest, from_center).length_squared();
-            let half = half_squared.fast_max(f32x8::ZERO).sqrt();
-            let near = closest - half;
-            (near.simd_gt(f32x8::ZERO).select(near, closest + half), half_squared.simd_gt(f32x8::ZERO))
-        } else {
-            let distance = -from_center.dot(self.normal) / direction.dot(self.normal);
-            let across = direction.mul_add(distance, from_center).length_squared();
-            (distance, across.simd_le(self.radius_squared))
-        };
-        let hit = distance.simd_gt(f32x8::ZERO) & distance.simd_lt(bound) & inside;
-        hit.select(distance, f32x8::splat(f32::INFINITY))
     }
 
     /// Which segments from `a` to `b` cross bodies of one shape.

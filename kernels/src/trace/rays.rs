@@ -9,7 +9,7 @@ use wide::{f32x8, u32x8};
 
 use super::Ray;
 use super::ray::{LEAST, Line, Ready, VIEWS, WIDENING};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Eight rays: the points `origin + t direction` for t in `(0, max)`.
 #[derive(Clone, Copy, Debug)]

@@ -26,7 +26,7 @@ use wide::f32x8;
 use super::rays::{Rays, by_axis, largest};
 use crate::lanes;
 use crate::tables::geometry::Facet;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// How much wider reaches are than what is between the ends of rays, in units of the largest coordinates.
 const WIDENING: f32 = 12.0 * f32::EPSILON;

@@ -35,7 +35,7 @@ use glam::DVec3;
 use wide::{f32x8, u32x8};
 
 use crate::lanes;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Half a unit in the last place of 1.
 const UNIT: f32 = f32::EPSILON / 2.0;

@@ -12,7 +12,7 @@ use wide::{f32x8, u32x8};
 
 use super::Rays;
 use crate::lanes::{self, LANES};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Rays in the order in which they came.
 pub struct Waiting {

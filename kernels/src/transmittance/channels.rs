@@ -37,7 +37,7 @@ fn multiply(step: Step, columns: &mut Columns<'_, '_>, segment: usize, unknown: 
     let rays = bucket.batches().map(|(b, rows)| {
         let of = candidates.lane.batch(b).to_array();
         let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.gather(&of));
-        let block = random::block_x8(u32x8::splat(step.clock) - birth, block);
+        let block = random::block(u32x8::splat(step.clock) - birth, block);
         let origin = from.batch(b);
         RaysX8 {
             first: LANES * b,

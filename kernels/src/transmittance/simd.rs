@@ -20,7 +20,7 @@ use crate::media::field::tracking::simd::{factor, transmittances};
 use crate::media::field::{EvenX8, Field, FieldX8};
 use crate::media::spectral::CHANNELS;
 use crate::random::{self, Stream};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -48,7 +48,7 @@ fn estimate<const N: usize>(step: Step, columns: Columns<'_, '_>) {
             }
             let of = candidates.lane.batch(b).to_array();
             let [pixel, sample, birth] = [&paths.pixel, &paths.sample, &paths.birth].map(|column| column.gather(&of));
-            let block = random::block_x8(u32x8::splat(step.clock) - birth, block);
+            let block = random::block(u32x8::splat(step.clock) - birth, block);
             let hues = hues_x8(|lane| if live >> lane & 1 == 1 { hues_of(LANES * b + lane) } else { [0.0; CHANNELS] });
             Some(RaysX8 {
                 first: LANES * b,

@@ -1,7 +1,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fogbow_kernels::lanes;
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use serde_json::{Value, json};
 
 use super::*;

@@ -3,7 +3,7 @@
 use fogbow_kernels::lanes::{self, LANES};
 use fogbow_kernels::tables::geometry::{Few, Geometry, TriangleHit};
 use fogbow_kernels::trace::{self, Hits, OneByOne, Ray, Rays, Search};
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
 
 /// Lanes in which rays are, in turn.

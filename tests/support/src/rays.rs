@@ -4,7 +4,7 @@ use fogbow_kernels::lanes;
 use fogbow_kernels::tables::geometry::Geometry;
 use fogbow_kernels::tables::geometry::TriangleHit;
 use fogbow_kernels::trace::{self, Ray, Rays, reference, surface};
-use fogbow_kernels::vec3x8::Vec3x8;
+use fogbow_kernels::vec3::Vec3x8;
 use glam::DVec3;
 use wide::f32x8;
 

@@ -18,7 +18,7 @@ use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::media::MediumX8;
 use crate::phase::{PhaseX8, PlaneAngle};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Sum of the ratios of `starts`, counted from the light; `room(a)` are the most edges that a bridge from start `a` may
 /// have.

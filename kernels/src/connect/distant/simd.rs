@@ -18,7 +18,7 @@ use crate::lanes::{self, LANES};
 use crate::media::spectral::CHANNELS;
 use crate::tables::lights::{Band, Distant, Lights, Panorama};
 use crate::transcendental::sin_cos_turn;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Directions of which lights at infinity are seen.
 pub struct Seen {

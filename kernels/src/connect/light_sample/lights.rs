@@ -5,41 +5,47 @@ use wide::{f32x8, u32x8};
 
 use super::{selection, simd};
 use crate::lanes::LANES;
+use crate::real::Real;
 use crate::tables::lights::{Emitter, Lights, Shape};
 use crate::transcendental::sin_cos_turn;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::{Vec3, Vec3x8};
 
-/// Lights of which none is at infinity.
-pub(crate) trait LightsX8: Copy {
-    /// Eight emitters.
+/// Lights of which none is at infinity, for one row or eight.
+pub(crate) trait LightsIn<F: Real>: Copy {
+    /// One emitter, or eight.
     type Emitters: Copy + Default;
 
-    /// Their indices.
-    fn indices(self, emitters: &Self::Emitters) -> u32x8;
-
     /// Those of lights that are chosen from `start` with the normalisation `sum`, by a uniform number and the `words`.
-    fn choose(self, start: Vec3x8, sum: f32x8, choice: f32x8, words: impl FnOnce() -> u32x8) -> Self::Emitters;
+    fn choose(self, start: Vec3<F>, sum: F, choice: F, words: impl FnOnce() -> F::Word) -> Self::Emitters;
     /// Points on them for two uniform numbers, uniform in area.
-    fn point(self, emitters: &Self::Emitters, u: f32x8, v: f32x8) -> Vec3x8;
+    fn point(self, emitters: &Self::Emitters, u: F, v: F) -> Vec3<F>;
     /// [`Lights::cosine`].
-    fn cosine(self, emitters: &Self::Emitters, point: Vec3x8, direction: Vec3x8) -> f32x8;
+    fn cosine(self, emitters: &Self::Emitters, point: Vec3<F>, direction: Vec3<F>) -> F;
     /// p_A, where their light was chosen (area measure) [1/m^2].
-    fn density(self, emitters: &Self::Emitters) -> f32x8;
+    fn density(self, emitters: &Self::Emitters) -> F;
     /// P_l, with which their lights are chosen from `start` with the normalisation `sum`.
-    fn probability(self, emitters: &Self::Emitters, start: Vec3x8, sum: f32x8) -> f32x8;
+    fn probability(self, emitters: &Self::Emitters, start: Vec3<F>, sum: F) -> F;
     /// [`Lights::profile`].
-    fn profile(self, emitters: &Self::Emitters, cosine: f32x8) -> f32x8;
-    /// Radiance in one channel [W/(m^2 sr)].
-    fn radiance(self, emitters: &Self::Emitters, channel: usize) -> f32x8;
+    fn profile(self, emitters: &Self::Emitters, cosine: F) -> F;
+    /// Radiance of the emitters of eight rows, of which these are number `i` and on, in one channel [W/(m^2 sr)].
+    fn radiance(self, emitters: &[Self::Emitters], i: usize, channel: usize) -> f32x8;
+}
+
+/// The same for eight rows, with the indices of their emitters.
+pub(crate) trait LightsX8: LightsIn<f32x8> {
+    /// The indices of emitters.
+    fn indices(self, emitters: &Self::Emitters) -> u32x8;
 }
 
 impl LightsX8 for &Lights {
-    type Emitters = [u32; LANES];
-
     #[inline(always)]
     fn indices(self, emitters: &[u32; LANES]) -> u32x8 {
         u32x8::new(*emitters)
     }
+}
+
+impl LightsIn<f32x8> for &Lights {
+    type Emitters = [u32; LANES];
 
     #[inline(always)]
     fn choose(self, start: Vec3x8, sum: f32x8, choice: f32x8, words: impl FnOnce() -> u32x8) -> [u32; LANES] {
@@ -77,53 +83,55 @@ impl LightsX8 for &Lights {
     }
 
     #[inline(always)]
-    fn radiance(self, emitters: &[u32; LANES], channel: usize) -> f32x8 {
-        self.gather(emitters, |emitter| emitter.radiance[channel])
+    fn radiance(self, emitters: &[[u32; LANES]], i: usize, channel: usize) -> f32x8 {
+        self.gather(&emitters[i / LANES], |emitter| emitter.radiance[channel])
     }
 }
 
 /// A disk with one side that shines alike in all directions, and nothing else.
 #[derive(Clone, Copy)]
-pub(crate) struct OneDisk {
-    center: Vec3x8,
+pub(crate) struct OneDisk<F> {
+    center: Vec3<F>,
     /// Tangent and bitangent.
-    axes: [Vec3x8; 2],
-    normal: Vec3x8,
-    radius: f32x8,
-    density: f32x8,
-    radiance: [f32x8; 3],
+    axes: [Vec3<F>; 2],
+    normal: Vec3<F>,
+    radius: F,
+    density: F,
+    radiance: [f32; 3],
 }
 
-impl OneDisk {
+impl<F: Real> OneDisk<F> {
     /// That of `lights`, if this is all that there is.
     pub fn of(lights: &Lights) -> Option<Self> {
         let [disk] = lights.emitters() else { return None };
         let Emitter { shape, origin, tangent, bitangent, normal, radius, density, radiance, .. } = *disk;
         let is_plain = shape == Shape::Disk && !lights.focused && !lights.double_sided;
         is_plain.then(|| Self {
-            center: Vec3x8::splat(origin),
-            axes: [tangent, bitangent].map(Vec3x8::splat),
-            normal: Vec3x8::splat(normal),
-            radius: f32x8::splat(radius),
-            density: f32x8::splat(density),
-            radiance: radiance.map(f32x8::splat),
+            center: Vec3::splat(origin),
+            axes: [tangent, bitangent].map(Vec3::splat),
+            normal: Vec3::splat(normal),
+            radius: F::splat(radius),
+            density: F::splat(density),
+            radiance,
         })
     }
 }
 
-impl LightsX8 for OneDisk {
-    type Emitters = ();
-
+impl LightsX8 for OneDisk<f32x8> {
     #[inline(always)]
     fn indices(self, (): &()) -> u32x8 {
         u32x8::splat(0)
     }
+}
+
+impl<F: Real> LightsIn<F> for OneDisk<F> {
+    type Emitters = ();
 
     #[inline(always)]
-    fn choose(self, _: Vec3x8, _: f32x8, _: f32x8, _: impl FnOnce() -> u32x8) {}
+    fn choose(self, _: Vec3<F>, _: F, _: F, _: impl FnOnce() -> F::Word) {}
 
     #[inline(always)]
-    fn point(self, (): &(), u: f32x8, v: f32x8) -> Vec3x8 {
+    fn point(self, (): &(), u: F, v: F) -> Vec3<F> {
         let [tangent, bitangent] = self.axes;
         let (sin, cos) = sin_cos_turn(v);
         let r = self.radius * u.sqrt();
@@ -131,27 +139,27 @@ impl LightsX8 for OneDisk {
     }
 
     #[inline(always)]
-    fn cosine(self, (): &(), _: Vec3x8, direction: Vec3x8) -> f32x8 {
+    fn cosine(self, (): &(), _: Vec3<F>, direction: Vec3<F>) -> F {
         -direction.dot(self.normal)
     }
 
     #[inline(always)]
-    fn density(self, (): &()) -> f32x8 {
+    fn density(self, (): &()) -> F {
         self.density
     }
 
     #[inline(always)]
-    fn probability(self, (): &(), _: Vec3x8, _: f32x8) -> f32x8 {
-        f32x8::ONE
+    fn probability(self, (): &(), _: Vec3<F>, _: F) -> F {
+        F::ONE
     }
 
     #[inline(always)]
-    fn profile(self, (): &(), _: f32x8) -> f32x8 {
-        f32x8::ONE
+    fn profile(self, (): &(), _: F) -> F {
+        F::ONE
     }
 
     #[inline(always)]
-    fn radiance(self, (): &(), channel: usize) -> f32x8 {
-        self.radiance[channel]
+    fn radiance(self, _: &[()], _: usize, channel: usize) -> f32x8 {
+        f32x8::splat(self.radiance[channel])
     }
 }

@@ -9,7 +9,7 @@
 use wide::{f32x8, u32x8};
 
 use crate::tables::lights::{Choices, LEAST_SELECTION_DISTANCE, Lights};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// One over the distance from `position` to `center` [1/m], capped.
 #[inline(always)]

@@ -12,15 +12,16 @@
 
 use wide::{f32x8, u32x8};
 
-use super::lights::{LightsX8, OneDisk};
+use super::lights::{LightsIn, LightsX8, OneDisk};
 use super::{Columns, Scope, selection};
 use crate::columns::queues::CandidateBatch;
 use crate::connect::distant;
 use crate::lanes::LANES;
-use crate::random::{self, Purpose, uniform_x8};
+use crate::random::{self, Purpose, uniform_f32};
+use crate::real::Word;
 use crate::tables::lights::{FAR, Lights, Places};
 use crate::transcendental::sin_cos_turn;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::{Vec3, Vec3x8};
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
@@ -60,7 +61,7 @@ fn sample_within(step: Step, columns: Columns<'_, '_>, lights: impl LightsX8) {
 /// Connects every vertex that may start with what `connect` draws for it, a start and its light sum: emitter, point, and
 /// whether it is kept.
 #[inline(always)]
-fn sample(step: Step, columns: Columns<'_, '_>, connect: impl Fn(&Draw, Vec3x8, f32x8) -> (u32x8, Vec3x8, f32x8)) {
+fn sample(step: Step, columns: Columns<'_, '_>, connect: impl Fn(&Draw<u32x8>, Vec3x8, f32x8) -> (u32x8, Vec3x8, f32x8)) {
     let Columns { lights, scope, live, paths, last_surface, outlook, vertex, before, connections } = columns;
     let n = live.batches();
     let [pixel, sample, birth, last_surface] =
@@ -93,25 +94,30 @@ fn sample(step: Step, columns: Columns<'_, '_>, connect: impl Fn(&Draw, Vec3x8, 
     }
 }
 
-/// What decides on the light points of eight vertices.
+/// What decides on the light points of vertices.
 #[derive(Clone, Copy)]
-pub(crate) struct Draw {
+pub(crate) struct Draw<W> {
     /// Pixels of the paths.
-    pub pixel: u32x8,
+    pub pixel: W,
     /// Their samples.
-    pub sample: u32x8,
+    pub sample: W,
     /// Depths of the vertices.
-    pub depth: u32x8,
+    pub depth: W,
     /// The random dimension of the light point.
     pub purpose: Purpose,
     /// Seed of the frame.
     pub seed: u32,
 }
 
-impl Draw {
+impl<W: Word> Draw<W> {
     /// Emitters and points on them, of lights that are chosen from `start` with the normalisation `sum`.
     #[inline(always)]
-    pub fn light_point<L: LightsX8>(&self, lights: L, start: Vec3x8, sum: f32x8) -> (L::Emitters, Vec3x8) {
+    pub fn light_point<L: LightsIn<W::Real>>(
+        &self,
+        lights: L,
+        start: Vec3<W::Real>,
+        sum: W::Real,
+    ) -> (L::Emitters, Vec3<W::Real>) {
         let [choice, u, v] = self.uniforms();
         let emitters = lights.choose(start, sum, choice, || self.emitter_words()[0]);
         (emitters, lights.point(&emitters, u, v))
@@ -119,20 +125,20 @@ impl Draw {
 
     /// Uniform numbers for the light and the point.
     #[inline(always)]
-    fn uniforms(&self) -> [f32x8; 3] {
-        let [choice, u, v, _] = self.words(self.purpose).map(uniform_x8);
-        [choice, u, v]
+    fn uniforms(&self) -> [W::Real; 3] {
+        let [choice, u, v, _] = self.words(self.purpose);
+        [choice, u, v].map(uniform_f32)
     }
 
     /// Random words for the emitter.
     #[inline(always)]
-    fn emitter_words(&self) -> [u32x8; 4] {
+    fn emitter_words(&self) -> [W; 4] {
         self.words(self.purpose.emitter())
     }
 
     #[inline(always)]
-    fn words(&self, purpose: Purpose) -> [u32x8; 4] {
-        random::words_x8(self.pixel, self.sample, random::block_x8(self.depth, purpose), self.seed)
+    fn words(&self, purpose: Purpose) -> [W; 4] {
+        random::words(self.pixel, self.sample, random::block(self.depth, purpose), self.seed)
     }
 }
 

@@ -29,7 +29,7 @@ use crate::connect::suffix::{Arrival, Projection, Suffix};
 use crate::media::spectral::Hues;
 use crate::media::{AxisX8, MediumX8};
 use crate::transcendental::{exp, neg_ln};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Sum of the ratios of all `starts`, counted from the light.
 #[inline(always)]

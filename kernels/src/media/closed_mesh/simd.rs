@@ -16,7 +16,7 @@ use wide::f32x8;
 
 use super::ClosedMesh;
 use crate::lanes;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 impl ClosedMesh {
     /// All-ones lanes where the points are inside.

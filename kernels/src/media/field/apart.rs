@@ -25,7 +25,7 @@ use crate::lanes;
 use crate::media::MediumX8;
 use crate::media::reference::Medium as _;
 use crate::phase::HenyeyGreenstein;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// The fields of channels, and of what lies between them.
 #[derive(Clone, Debug, PartialEq)]

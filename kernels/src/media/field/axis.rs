@@ -20,7 +20,7 @@ use wide::f32x8;
 use super::Field;
 use super::cells::Lookup;
 use crate::media::AxisX8;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Most strata of a segment.
 pub const MOST_STRATA: f32 = 16.0;

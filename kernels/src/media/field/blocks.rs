@@ -11,7 +11,7 @@ use super::bricks::Extent;
 use super::cells::{Layout, Survey, place};
 use super::cores::{Cores, Found};
 use super::volume::Placed;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Cells along the edge of a block.
 pub const EDGE: u32 = 2;

@@ -12,7 +12,7 @@ use super::boxes::Boxes;
 use super::masks::Masks;
 use super::shares;
 use super::span::Span;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Voxels along the edge of a brick.
 pub const SIDE: u32 = 8;

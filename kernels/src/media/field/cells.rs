@@ -7,7 +7,7 @@ use super::blocks::{Block, EDGE};
 use super::bricks::{Bricks, Extent, SIDE};
 use super::voxels::Voxels;
 use crate::lanes::gather;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Optical thickness of a cell, at the largest extinction, up to which cells are made larger, and from which on they are
 /// made smaller: what weights make of coarser means costs more than it saves.

@@ -18,7 +18,7 @@ use super::axis::within_boxes;
 use super::bricks::Extent;
 use super::volume::{Placed, Range};
 use crate::lanes::{self, LANES, per_lane};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Mean free paths through a block, at its largest extinction, from which on a core is looked for.
 const THICK: f64 = 8.0;

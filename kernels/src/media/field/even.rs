@@ -14,7 +14,7 @@ use crate::lanes;
 use crate::media::lanes::Crowding;
 use crate::media::{AxisX8, MediumX8};
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// The even part of a field in one channel per row.
 #[derive(Clone, Copy)]

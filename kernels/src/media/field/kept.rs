@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use crate::media::field::bricks::{Bricks, Leaf};
     use crate::random;
-    use crate::vec3x8::Vec3x8;
+    use crate::vec3::Vec3x8;
 
     /// Two leaves side by side with `count` voxels that are not 0.
     fn sparse(seed: u32, count: u32) -> Vec<Leaf> {

@@ -17,7 +17,7 @@ use super::bricks::Extent;
 use super::cells::Survey;
 use super::shape::Shape;
 use super::volume::Volume;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// One shape, in a lattice of one cell that just holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use super::cells::{Cells, Survey, THICKNESS, counts};
 use super::known::OneShape;
 use super::volume::{Placed, Volume, extinction};
 use super::voxels::Voxels;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Fewest and most cells along the longest edge of a box around volumes.
 const ALONG: [f64; 2] = [32.0, 96.0];

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 use wide::f32x8;
 
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// An affine map: three rows, rounded to f32, for kernels and twins alike.
 #[derive(Clone, Copy, Debug, PartialEq)]

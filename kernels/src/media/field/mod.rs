@@ -70,7 +70,7 @@ use glam::DVec3;
 use wide::{f32x8, u32x8};
 
 use super::spectral::CHANNELS;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 pub use apart::{Apart, Unknown};
 pub use blocks::Blocks;

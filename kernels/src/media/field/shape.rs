@@ -14,7 +14,7 @@ use wide::f32x8;
 
 use super::voxels::Voxels;
 use crate::media::closed_mesh::{ClosedMesh, Fill};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A bounded part of space, its border without thickness or effect on light.
 #[derive(Clone, Debug, PartialEq)]

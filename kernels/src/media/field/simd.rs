@@ -13,7 +13,7 @@ use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A field of the same extinction in all channels.
 #[derive(Clone, Copy)]

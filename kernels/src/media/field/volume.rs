@@ -8,7 +8,7 @@ use super::shape::Shape;
 use super::voxels::Voxels;
 use crate::lanes;
 use crate::media::closed_mesh::Fill;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A medium with bounds: those of its shape, or where the voxels that give its densities are not 0.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use wide::f32x8;
 
 use super::bricks::{Bricks, Extent, Leaf};
 use super::map;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// How densities between voxels are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

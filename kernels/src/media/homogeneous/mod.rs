@@ -38,6 +38,18 @@ impl Homogeneous {
         Self { extinction, mean_free_path: extinction.map(|channel| (1.0 / f64::from(channel)) as f32) }
     }
 
+    /// One over the extinction of a channel `[m]`, infinite in vacuum.
+    #[inline(always)]
+    pub fn mean_free_path(&self, channel: usize) -> f32 {
+        self.mean_free_path[channel]
+    }
+
+    /// Extinction of a channel [1/m].
+    #[inline(always)]
+    pub fn extinction(&self, channel: usize) -> f32 {
+        self.extinction[channel]
+    }
+
     /// Whether it is the same in all channels.
     pub fn is_grey(&self) -> bool {
         self.extinction == [self.extinction[0]; 3]

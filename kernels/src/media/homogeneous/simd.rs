@@ -13,7 +13,7 @@ use crate::media::lanes::Crowding;
 use crate::media::spectral::CHANNELS;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A homogeneous medium of the same extinction in all channels.
 #[derive(Clone, Copy)]
@@ -99,6 +99,12 @@ impl MediumLanes for ColouredLanes<'_> {
 }
 
 impl HomogeneousX8 {
+    /// One over the extinction `[m]`.
+    #[inline(always)]
+    pub fn mean_free_path(self) -> f32x8 {
+        self.mean_free_path
+    }
+
     /// Free flight that a share `rest` of all flights outlasts, in (0, 1] `[m]`; endless in vacuum.
     #[inline(always)]
     pub fn flight(self, rest: f32x8) -> f32x8 {

@@ -5,7 +5,7 @@ use crate::media::reference::Medium as _;
 use crate::media::spectral::{Hues, largest};
 use crate::media::{Medium, MediumLanes, MediumX8};
 use crate::phase::PhaseFunction;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{with_homogeneous, with_medium};
 
 const EXTINCTION: [f32; 3] = [0.2, 1.0, 3.0];

@@ -29,7 +29,7 @@ use wide::f32x8;
 use super::Draine;
 use crate::phase::reference::Phase;
 use crate::phase::{Deflection, HenyeyGreensteinX8, PhaseX8};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Halley steps.
 const STEPS: u32 = 5;

@@ -6,7 +6,7 @@
 pub mod reference;
 mod simd;
 
-pub use simd::{HenyeyGreensteinX8, roll_by};
+pub use simd::{HenyeyGreensteinX8, Lobe, roll_by};
 
 /// A Henyey-Greenstein phase function.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,39 +20,43 @@ use core::f64::consts::PI;
 use wide::f32x8;
 
 use super::{HenyeyGreenstein, reference};
-use crate::phase::{Deflection, PhaseX8, PlaneAngle};
+use crate::phase::{Deflection, PhaseX8, PlaneAngle, Turns};
+use crate::real::{Mask, Real};
 use crate::transcendental::sin_cos_half_turn;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::{Vec3, Vec3x8};
 
-/// The constants of one [`HenyeyGreenstein`], splatted.
+/// The constants of one [`HenyeyGreenstein`], for one row or splatted.
 #[derive(Clone, Copy)]
-pub struct HenyeyGreensteinX8 {
+pub struct Lobe<F> {
     /// |g|
-    g: f32x8,
+    g: F,
     /// 1 or -1, as g
-    sign: f32x8,
+    sign: F,
     /// 2 |g|
-    two_g: f32x8,
+    two_g: F,
     /// 1 - |g|
-    back: f32x8,
+    back: F,
     /// 2 (1 - |g|)^2
-    cosine_scale: f32x8,
+    cosine_scale: F,
     /// 2 (1 - g^2)
-    sine_scale: f32x8,
+    sine_scale: F,
     /// (1 - |g|)^2
-    smallest_h: f32x8,
+    smallest_h: F,
     /// 4 pi / (1 - g^2)
-    inverse_scale: f32x8,
+    inverse_scale: F,
     /// share of the forward hemisphere
-    forward: f32x8,
+    forward: F,
 }
 
-impl HenyeyGreensteinX8 {
-    /// Prepares `phase` for eight lanes.
+/// A [`HenyeyGreenstein`], prepared for eight lanes.
+pub type HenyeyGreensteinX8 = Lobe<f32x8>;
+
+impl<F: Real> Lobe<F> {
+    /// That of `phase`.
     pub fn new(phase: HenyeyGreenstein) -> Self {
         let (g, sign) = (f64::from(phase.g).abs(), 1.0_f64.copysign(f64::from(phase.g)));
         let (back, width) = (1.0 - g, (1.0 - g) * (1.0 + g));
-        let splat = |x: f64| f32x8::splat(x as f32);
+        let splat = |x: f64| F::splat(x as f32);
         Self {
             g: splat(g),
             sign: splat(sign),
@@ -68,11 +72,47 @@ impl HenyeyGreensteinX8 {
 
     /// `h` of the turn between two unit propagation directions, in [(1-|g|)^2, (1+|g|)^2].
     #[inline(always)]
-    pub fn h(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8 {
+    pub fn h(&self, incoming: Vec3<F>, outgoing: Vec3<F>) -> F {
         let chord = incoming.mul_neg_add(self.sign, outgoing);
         self.g.mul_add(chord.length_squared(), self.smallest_h)
     }
 
+    /// The turn of a number u of which `above = 1 - u` is known apart.
+    #[inline(always)]
+    fn turn_at(&self, u: F, above: F) -> Deflection<F> {
+        let forward = self.sign.simd_gt(F::ZERO);
+        let (u, above) = (forward.select(u, above), forward.select(above, u));
+        let inverse_d = F::ONE / self.two_g.mul_add(u, self.back);
+        let inverse_d2 = inverse_d * inverse_d;
+        let rest = above * self.g.mul_add(u, F::ONE);
+        let radicand = u * rest * self.g.mul_add(u, self.back);
+        Deflection {
+            cosine: self.sign * (self.cosine_scale * rest).mul_neg_add(inverse_d2, F::ONE),
+            sine: self.sine_scale * radicand.sqrt() * inverse_d2,
+        }
+    }
+
+    /// One over the phase function of the turn between two directions `[sr]`.
+    #[inline(always)]
+    fn inverse_phase(&self, incoming: Vec3<F>, outgoing: Vec3<F>) -> F {
+        let h = self.h(incoming, outgoing);
+        self.inverse_scale * h * h.sqrt()
+    }
+}
+
+impl Turns<f32> for Lobe<f32> {
+    #[inline(always)]
+    fn turn(&self, u: f32) -> Deflection<f32> {
+        self.turn_at(u, 1.0 - u)
+    }
+
+    #[inline(always)]
+    fn inverse_density_of(&self, incoming: Vec3<f32>, outgoing: Vec3<f32>) -> f32 {
+        self.inverse_phase(incoming, outgoing)
+    }
+}
+
+impl HenyeyGreensteinX8 {
     /// `h` of the turns between a direction and two others: those in one plane with it and the axis from which all
     /// angles are counted, at the same angle to the axis on either side, h_- and h_+.
     #[inline(always)]
@@ -93,17 +133,7 @@ impl PhaseX8 for HenyeyGreensteinX8 {
 
     #[inline(always)]
     fn sample_at(&self, u: f32x8, above: f32x8) -> Deflection {
-        let one = f32x8::ONE;
-        let forward = self.sign.simd_gt(f32x8::ZERO);
-        let (u, above) = (forward.select(u, above), forward.select(above, u));
-        let inverse_d = one / self.two_g.mul_add(u, self.back);
-        let inverse_d2 = inverse_d * inverse_d;
-        let rest = above * self.g.mul_add(u, one);
-        let radicand = u * rest * self.g.mul_add(u, self.back);
-        Deflection {
-            cosine: self.sign * (self.cosine_scale * rest).mul_neg_add(inverse_d2, one),
-            sine: self.sine_scale * radicand.sqrt() * inverse_d2,
-        }
+        self.turn_at(u, above)
     }
 
     #[inline(always)]
@@ -134,8 +164,7 @@ impl PhaseX8 for HenyeyGreensteinX8 {
 
     #[inline(always)]
     fn inverse_density(&self, incoming: Vec3x8, outgoing: Vec3x8) -> f32x8 {
-        let h = self.h(incoming, outgoing);
-        self.inverse_scale * h * h.sqrt()
+        self.inverse_phase(incoming, outgoing)
     }
 
     #[inline(always)]

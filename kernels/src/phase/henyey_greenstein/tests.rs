@@ -5,7 +5,7 @@ use wide::f32x8;
 use super::{HenyeyGreenstein, HenyeyGreensteinX8, reference};
 use crate::phase::reference::Phase;
 use crate::phase::{PhaseX8, checks};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 const ASYMMETRIES: [f32; 12] = [-0.99, -0.9, -0.3, -1e-3, -1e-6, 0.0, 1e-6, 1e-3, 0.5, 0.9, 0.97, 0.999];
 

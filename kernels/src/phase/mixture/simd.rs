@@ -19,7 +19,7 @@ use wide::f32x8;
 use super::Mixture;
 use crate::phase::reference::Phase;
 use crate::phase::{Deflection, HenyeyGreensteinX8, PhaseX8, PlaneAngle};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A part to be asked by chance.
 #[derive(Clone, Copy)]

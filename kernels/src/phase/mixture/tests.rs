@@ -7,7 +7,7 @@ use wide::f32x8;
 use super::{Mixture, MixtureX8, TwoLobeX8};
 use crate::phase::reference::Phase;
 use crate::phase::{Draine, DraineX8, HenyeyGreenstein, PhaseX8, PlaneAngle, checks};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 type TwoLobe = Mixture<HenyeyGreenstein, HenyeyGreenstein>;
 

@@ -17,7 +17,7 @@ use wide::f32x8;
 
 use super::Rayleigh;
 use crate::phase::{Deflection, HenyeyGreenstein, HenyeyGreensteinX8, PhaseX8};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// [`Rayleigh`] for eight lanes.
 #[derive(Clone, Copy)]

@@ -21,7 +21,7 @@ use wide::{f32x8, u32x8};
 use super::{LARGEST_INVERSE_DENSITY, Tabulated};
 use crate::phase::reference::Phase;
 use crate::phase::{Deflection, HenyeyGreensteinX8, PhaseX8};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Cosines of the forward hemisphere are at least this.
 const SMALLEST_COSINE: f32 = 6e-8;

@@ -5,7 +5,7 @@ use wide::f32x8;
 use super::{LARGEST_INVERSE_DENSITY, Tabulated, TabulatedX8};
 use crate::phase::reference::Phase;
 use crate::phase::{HenyeyGreenstein, PhaseX8, checks};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 fn table(rows: &[(f64, f64)]) -> Tabulated {
     Tabulated::new(rows).expect("the table is valid")

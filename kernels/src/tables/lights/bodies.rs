@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::trace::Rays;
     use crate::trace::bodies::{self as trace, Bodies};
-    use crate::vec3x8::Vec3x8;
+    use crate::vec3::Vec3x8;
 
     fn bodies(count: u32) -> Vec<Emitter> {
         let number = |i: u32, axis: u32| crate::random::uniform(crate::random::words(i, axis, 3, 4)[0]);

@@ -11,7 +11,7 @@ use wide::f32x8;
 
 use super::{Emitter, Light, Lights};
 use crate::lanes::LANES;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// The rows of one emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use fogbow_kernels::pipeline::{SIMD, Stage};
+use fogbow_kernels::pipeline::{WIDEST, Stage};
 
 use crate::error::{Error, Result};
 use crate::film::{Film, Region, tile_size};
@@ -117,7 +117,7 @@ impl<'a> Timed<'a> {
     /// Takes `samples` more of every pixel, and says how long that took `[s]`, and a weight `[ns]`.
     fn take(&mut self, samples: u32) -> [f64; 2] {
         let (start, range) = (Instant::now(), self.samples..self.samples + samples);
-        let stats = self.renderer.render(&self.setting.frame, &SIMD, &self.film, range, &Monitor::default());
+        let stats = self.renderer.render(&self.setting.frame, &WIDEST, &self.film, range, &Monitor::default());
         self.samples += samples;
         let StageStats { batches, seconds, .. } = stats.stages[Stage::MisWeight as usize];
         [start.elapsed().as_secs_f64(), 1e9 * seconds / (8 * batches) as f64]

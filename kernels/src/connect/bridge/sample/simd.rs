@@ -27,7 +27,7 @@ use crate::phase::henyey_greenstein::roll_by;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::random;
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium, with_phase};
 
 /// Least sine or length that is divided by.

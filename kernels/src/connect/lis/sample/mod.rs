@@ -34,7 +34,7 @@ pub struct VertexColumns<'a, 'q> {
 /// Makes a vertex from every light point.
 ///
 /// Block `LIS_VERTEX` at the depth of the start: the first word gives the cosine to the normal, `u^{1 / (k + 2)}` for a
-/// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3x8::Vec3x8::frame) of the normal, the
+/// light of exponent k, the second the azimuth `2 pi u` in the [frame](crate::vec3::Vec3x8::frame) of the normal, the
 /// third the flight, for the hero of the path, through the medium as weights see it along the ray; where both sides of a light shine, it is the back if the fourth is below
 /// 1/2.
 pub type VertexKernel = fn(Step, VertexColumns<'_, '_>);

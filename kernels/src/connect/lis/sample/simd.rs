@@ -15,7 +15,7 @@ use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, random, with_medium};
 
 /// The SIMD kernel; see [`VertexKernel`](super::VertexKernel).

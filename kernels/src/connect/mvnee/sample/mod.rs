@@ -18,5 +18,5 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Mvnee>);
 ///
 /// Seed `k` takes words `2 (k mod 2)` (radius) and `2 (k mod 2) + 1` (azimuth) of block `k div 2` of `MVNEE_OFFSETS`,
 /// with the depth of the start. The radius is `alpha sqrt(u / (1 - u))` or `sigma sqrt(-2 ln(1 - u))`; the azimuth `2
-/// pi u` counts from the tangent towards the bitangent of the axis' [frame](crate::vec3x8::Vec3x8::frame).
+/// pi u` counts from the tangent towards the bitangent of the axis' [frame](crate::vec3::Vec3x8::frame).
 pub type BuildKernel = fn(Step, BuildColumns<'_, '_, Mvnee>);

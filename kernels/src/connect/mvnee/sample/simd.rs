@@ -22,7 +22,7 @@ use crate::lanes::LANES;
 use crate::media::{AxisX8, MediumLanes, MediumX8};
 use crate::random;
 use crate::transcendental::{neg_ln, sin_cos_turn};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium};
 
 /// Optical depths between the seeds 4 k .. 4 k + 4 of flights through the coarse field.

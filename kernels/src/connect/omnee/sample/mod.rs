@@ -24,5 +24,5 @@ pub struct BuildColumns<'a, 'q> {
 ///
 /// Block `OMNEE_VERTEX` at the depth of the start: the first word gives the cosine of theta, the phase function's own
 /// sample for the number `1 - F (1 - u)`; the second `alpha = u theta`; the third the azimuth `2 pi u` in the
-/// [frame](crate::vec3x8::Vec3x8::frame) of the axis.
+/// [frame](crate::vec3::Vec3x8::frame) of the axis.
 pub type BuildKernel = fn(Step, BuildColumns<'_, '_>);

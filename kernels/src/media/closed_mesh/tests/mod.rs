@@ -7,7 +7,7 @@ use self::shapes::*;
 use super::*;
 use crate::lanes;
 use crate::random::{uniform, words};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// Rounding of the surface's place.
 const ROUNDING: f64 = 1e-6;

@@ -6,7 +6,7 @@ use super::{grids, point, real, twin};
 use crate::media::field::FieldX8;
 use crate::media::reference::{Medium as _, depth_until, extinction_along, reach};
 use crate::media::{AxisX8 as _, MediumX8 as _};
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 #[test]
 fn places_on_an_axis_have_the_depth_that_leads_there() {

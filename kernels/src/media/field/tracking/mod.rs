@@ -25,9 +25,9 @@ use wide::{f32x8, u32x8};
 
 use crate::lanes::LANES;
 use crate::media::spectral::CHANNELS;
-use crate::random::{Stream, uniform, uniform_x8};
+use crate::random::{Stream, uniform, uniform_f32};
 use crate::transcendental::neg_ln;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// A ray through a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +104,7 @@ pub fn first_budget(stream: Stream) -> f64 {
 #[inline(always)]
 pub fn first_budgets(stream: [u32x8; 4]) -> f32x8 {
     let [first, ..] = Stream::words_x8(stream, u32x8::splat(0));
-    neg_ln(f32x8::ONE - uniform_x8(first))
+    neg_ln(f32x8::ONE - uniform_f32(first))
 }
 
 /// `rays` with the first N of their hues, eight at a time; their rows are their places.

@@ -15,7 +15,7 @@ use super::{FlightsX8, RaysX8};
 use crate::lanes;
 use crate::media::field::Field;
 use crate::media::field::known::OneShape;
-use crate::vec3x8::Vec3x8;
+use crate::vec3::Vec3x8;
 
 /// The part of rays within the shape; nothing of it at their `end` where they miss it.
 #[inline(always)]

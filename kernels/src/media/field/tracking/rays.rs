@@ -8,8 +8,8 @@ use crate::lanes::{self, LANES};
 use crate::media::field::Field;
 use crate::media::field::axis::within;
 use crate::media::field::blocks::EDGE;
-use crate::random::{Stream, uniform_x8};
-use crate::vec3x8::Vec3x8;
+use crate::random::{Stream, uniform_f32};
+use crate::vec3::Vec3x8;
 
 /// A ray that is through.
 pub(super) struct Ended<const N: usize> {
@@ -204,7 +204,7 @@ impl<const N: usize> Lanes<N> {
     #[inline(always)]
     pub fn draw(&self) -> [f32x8; 2] {
         let [a, b, ..] = Stream::words_x8(self.stream, self.candidates);
-        [uniform_x8(a), uniform_x8(b)]
+        [uniform_f32(a), uniform_f32(b)]
     }
 }
 

@@ -1,91 +1,84 @@
-//! Eight vectors at once: three batches of components.
+//! Vectors of R^3, one or eight at once: three components of one row or of eight.
 
 use core::ops::{Add, Mul, Neg, Sub};
 
 use wide::f32x8;
 
+use crate::real::{Mask, Real};
+
 /// Shortest length by which a direction is normalised.
 const LEAST_LENGTH: f32 = 1e-30;
 
-/// Eight vectors of R^3, one per lane.
+/// A vector of R^3, or eight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vec3x8 {
+pub struct Vec3<F> {
     /// First components.
-    pub x: f32x8,
+    pub x: F,
     /// Second components.
-    pub y: f32x8,
+    pub y: F,
     /// Third components.
-    pub z: f32x8,
+    pub z: F,
 }
 
-impl Vec3x8 {
+/// Eight vectors of R^3, one per lane.
+pub type Vec3x8 = Vec3<f32x8>;
+
+impl<F: Real> Vec3<F> {
     /// All zero.
-    pub const ZERO: Self = Self { x: f32x8::ZERO, y: f32x8::ZERO, z: f32x8::ZERO };
+    pub const ZERO: Self = Self { x: F::ZERO, y: F::ZERO, z: F::ZERO };
 
     /// From its components.
     #[inline(always)]
-    pub fn new(x: f32x8, y: f32x8, z: f32x8) -> Self {
+    pub fn new(x: F, y: F, z: F) -> Self {
         Self { x, y, z }
     }
 
-    /// The same vector in every lane.
+    /// The same vector in every row.
     #[inline(always)]
     pub fn splat(v: [f32; 3]) -> Self {
-        Self::new(f32x8::splat(v[0]), f32x8::splat(v[1]), f32x8::splat(v[2]))
-    }
-
-    /// From its components as arrays of eight.
-    #[inline(always)]
-    pub fn from_arrays([x, y, z]: [[f32; 8]; 3]) -> Self {
-        Self::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
-    }
-
-    /// The components as arrays of eight.
-    #[inline(always)]
-    pub fn to_arrays(self) -> [[f32; 8]; 3] {
-        [self.x.to_array(), self.y.to_array(), self.z.to_array()]
+        Self::new(F::splat(v[0]), F::splat(v[1]), F::splat(v[2]))
     }
 
     /// Scalar product.
     #[inline(always)]
-    pub fn dot(self, v: Self) -> f32x8 {
+    pub fn dot(self, v: Self) -> F {
         self.x.mul_add(v.x, self.y.mul_add(v.y, self.z * v.z))
     }
 
     /// Squared length.
     #[inline(always)]
-    pub fn length_squared(self) -> f32x8 {
+    pub fn length_squared(self) -> F {
         self.dot(self)
     }
 
     /// Length, and unit direction: of the zero vector that is zero.
     #[inline(always)]
-    pub fn length_and_direction(self) -> (f32x8, Self) {
+    pub fn length_and_direction(self) -> (F, Self) {
         let length = self.length_squared().sqrt();
         (length, self.over(length))
     }
 
     /// The unit direction of a vector of this `length`: of the zero vector that is zero.
     #[inline(always)]
-    pub fn over(self, length: f32x8) -> Self {
-        self * (f32x8::ONE / length.fast_max(f32x8::splat(LEAST_LENGTH)))
+    pub fn over(self, length: F) -> Self {
+        self * (F::ONE / length.fast_max(F::splat(LEAST_LENGTH)))
     }
 
     /// `self * s + v`.
     #[inline(always)]
-    pub fn mul_add(self, s: f32x8, v: Self) -> Self {
+    pub fn mul_add(self, s: F, v: Self) -> Self {
         Self::new(self.x.mul_add(s, v.x), self.y.mul_add(s, v.y), self.z.mul_add(s, v.z))
     }
 
     /// `v - self * s`.
     #[inline(always)]
-    pub fn mul_neg_add(self, s: f32x8, v: Self) -> Self {
+    pub fn mul_neg_add(self, s: F, v: Self) -> Self {
         Self::new(self.x.mul_neg_add(s, v.x), self.y.mul_neg_add(s, v.y), self.z.mul_neg_add(s, v.z))
     }
 
     /// The component-wise choice: `a` where `mask` is set, `b` elsewhere.
     #[inline(always)]
-    pub fn select(mask: f32x8, a: Self, b: Self) -> Self {
+    pub fn select(mask: F::Mask, a: Self, b: Self) -> Self {
         Self::new(mask.select(a.x, b.x), mask.select(a.y, b.y), mask.select(a.z, b.z))
     }
 
@@ -97,7 +90,7 @@ impl Vec3x8 {
     #[inline(always)]
     pub fn frame(self) -> (Self, Self) {
         let Self { x, y, z } = self;
-        let one = f32x8::ONE;
+        let one = F::ONE;
         let sign = one.copysign(z);
         let a = -one / (sign + z);
         let b = x * y * a;
@@ -107,7 +100,21 @@ impl Vec3x8 {
     }
 }
 
-impl Add for Vec3x8 {
+impl Vec3x8 {
+    /// From its components as arrays of eight.
+    #[inline(always)]
+    pub fn from_arrays([x, y, z]: [[f32; 8]; 3]) -> Self {
+        Self::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
+    }
+
+    /// The components as arrays of eight.
+    #[inline(always)]
+    pub fn to_arrays(self) -> [[f32; 8]; 3] {
+        [self.x.to_array(), self.y.to_array(), self.z.to_array()]
+    }
+}
+
+impl<F: Real> Add for Vec3<F> {
     type Output = Self;
     #[inline(always)]
     fn add(self, v: Self) -> Self {
@@ -115,7 +122,7 @@ impl Add for Vec3x8 {
     }
 }
 
-impl Sub for Vec3x8 {
+impl<F: Real> Sub for Vec3<F> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, v: Self) -> Self {
@@ -123,15 +130,15 @@ impl Sub for Vec3x8 {
     }
 }
 
-impl Mul<f32x8> for Vec3x8 {
+impl<F: Real> Mul<F> for Vec3<F> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, s: f32x8) -> Self {
+    fn mul(self, s: F) -> Self {
         Self::new(self.x * s, self.y * s, self.z * s)
     }
 }
 
-impl Neg for Vec3x8 {
+impl<F: Real> Neg for Vec3<F> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
