@@ -1,5 +1,5 @@
-//! Stages on queues recorded from a real frame, all but light_hit and surface, whose rows are few: kernel and twin, by
-//! live lanes and rows; arithmetic stages also against the same algorithm as a plain f32 loop with libm.
+//! Stages on queues recorded from a real frame, all but light_hit and surface, whose rows are few: kernel, for eight rows
+//! and for the widest registers, and twin, by live lanes and rows; arithmetic stages also against the same algorithm as a plain f32 loop with libm.
 //!
 //! ```text
 //! cargo bench --bench stages
@@ -17,7 +17,7 @@ use fogbow_kernels::columns::queues::{Bucket, Request};
 use fogbow_kernels::connect::{Technique, lis, nee, omnee};
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
-use fogbow_kernels::pipeline::{Joint, Pipeline, REFERENCE, SIMD};
+use fogbow_kernels::pipeline::{Joint, Pipeline, REFERENCE, SIMD, WIDEST};
 use fogbow_kernels::random;
 use fogbow_testing::frames::{self, Active};
 use fogbow_testing::recorded::{build_bridges, build_lis, build_mvnee, thin_out, wavefront};
@@ -62,7 +62,9 @@ const LANE_STAGES: [(&str, Stage); 13] = [
     ("scatter", |w| w.scatter()),
     ("light_survey", |w| w.light_survey()),
     ("light_sample", |w| w.light_sample(nee::SCOPE)),
-    ("nee", |w| w.nee()),
+    ("nee", |w| {
+        w.nee(false);
+    }),
 ];
 
 fn request_all(w: &mut Wavefront<'_>, live: usize) {
@@ -92,11 +94,13 @@ fn lane_stages(c: &mut Criterion) {
                 b.iter(|| stage(&mut w));
             });
         }
-        let arena = Bump::new();
-        let mut w = wavefront(&arena, frame, ROWS, BOUNCES);
-        request_all(&mut w, 8);
-        w.pipeline = REFERENCE;
-        group.bench_function("twin", |b| b.iter(|| stage(&mut w)));
+        for (pipeline, table) in [("widest registers", WIDEST), ("twin", REFERENCE)] {
+            let arena = Bump::new();
+            let mut w = wavefront(&arena, frame, ROWS, BOUNCES);
+            request_all(&mut w, 8);
+            w.pipeline = table;
+            group.bench_function(pipeline, |b| b.iter(|| stage(&mut w)));
+        }
         group.finish();
     }
 }

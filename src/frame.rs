@@ -91,7 +91,7 @@ impl Frame {
     /// Whether connections need no queues: see [`in_place`].
     pub fn connects_in_place(&self) -> bool {
         let Self { medium, lights, techniques, walk, lengths, .. } = self;
-        self.roulette == 0.0 && in_place::suffices(medium, lights, techniques, walk, *lengths, self.is_solid())
+        in_place::suffices(medium, lights, techniques, walk, *lengths)
     }
 
     /// Whether nothing turns light.

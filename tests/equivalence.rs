@@ -6,7 +6,8 @@ use fogbow::frame::Frame;
 use fogbow::reference;
 use fogbow::stats::Stats;
 use fogbow::wavefront::{Candidates, Wavefront};
-use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage};
+use fogbow_avx512::Avx512;
+use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage, WIDEST};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::agreement::assert_whole_paths_agree;
 use fogbow_testing::checked::{CHECKED, Log, take_log};
@@ -100,6 +101,22 @@ fn whole_paths_agree_with_the_scalar_integrator_pixel_by_pixel() {
             &apart[..3]
         );
         assert!(sum > 0.0 && sum_twin > 0.0, "{name}: nothing was found");
+    }
+}
+
+/// Also where the last stretch of rows is a single batch, and where there is nothing but that.
+#[test]
+fn the_widest_registers_change_no_bit() {
+    if Avx512::detect().is_none() {
+        println!("this processor has no AVX-512, so that there is nothing wider than eight rows");
+    }
+    let size = [24, 24];
+    for (name, frame) in frames::variety(size) {
+        for lanes in [8, 136] {
+            let (eight, widest) =
+                (first_samples(&frame, &SIMD, lanes, size), first_samples(&frame, &WIDEST, lanes, size));
+            assert!(eight == widest, "{name}, {lanes} lanes: another image");
+        }
     }
 }
 

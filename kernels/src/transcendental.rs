@@ -28,7 +28,7 @@ pub fn neg_ln<F: Real>(v: F) -> F {
     let bits = v.to_bits();
     let exponent = bits.wrapping_sub(F::Word::splat(SQRT_HALF_BITS)).shifted_right_signed(23);
     let fraction = bits.wrapping_sub(exponent.shifted_left(23));
-    let m = fraction.from_bits() - F::ONE;
+    let m = fraction.as_real() - F::ONE;
     let p = polynomial(
         m,
         [0.333_339_1, -0.250_013_4, 0.199_630_63, -0.165_775_85, 0.149_147_67, -0.142_674_86, 0.087_004_356],
@@ -43,16 +43,13 @@ pub fn neg_ln<F: Real>(v: F) -> F {
 pub fn exp<F: Real>(x: F) -> F {
     const LN_2_HIGH: f32 = 0.693_359_4; // 11 bits: exponent * LN_2_HIGH is exact
     const LN_2_LOW: f32 = -2.121_944_4e-4;
-    /// 1.5 * 2^23: a sum with it has no digits behind the point, and what is added to it as its lowest bits.
-    const WHOLE: f32 = 12_582_912.0;
     let x = x.fast_max(F::splat(-87.0)).fast_min(F::splat(88.0));
-    let rounded = x * F::splat(LOG2_E) + F::splat(WHOLE);
-    let exponent = rounded - F::splat(WHOLE);
+    let (exponent, bits) = (x * F::splat(LOG2_E)).rounded();
     let f = exponent.mul_neg_add(F::splat(LN_2_HIGH), x);
     let f = exponent.mul_neg_add(F::splat(LN_2_LOW), f) * F::splat(LOG2_E);
     let power =
         polynomial(f, [1.0, LN_2, 0.240_226_48, 0.055_503_324, 0.009_618_437, 0.001_339_887_4, 0.000_153_533_62]);
-    power.to_bits().wrapping_add(rounded.to_bits().shifted_left(23)).from_bits()
+    power.to_bits().wrapping_add(bits.shifted_left(23)).as_real()
 }
 
 /// `(sin, cos)` of `pi (u - 1/2)` for `u` in [0, 1].

@@ -3,13 +3,15 @@
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
 use fogbow_kernels::connect::lis::{self, Connector, Lis};
-use fogbow_kernels::connect::{Chain, Connection};
+use fogbow_kernels::connect::nee::in_place::Tally;
+use fogbow_kernels::connect::{Chain, Connection, Technique};
 use fogbow_kernels::pipeline::Joint;
 use fogbow_kernels::random;
 use fogbow_kernels::{PathLengths, Step};
 
 use super::stages::rows;
 use super::{Source, Wavefront};
+use crate::film::aov::Origin;
 use crate::stats::Stats;
 
 impl Wavefront<'_> {
@@ -24,7 +26,7 @@ impl Wavefront<'_> {
             self.light_survey();
         }
         if self.connects_in_place() {
-            return self.nee();
+            return self.connect_in_place();
         }
         for connection in techniques.connections(lengths, &frame.lights) {
             self.light_sample(connection.scope);
@@ -42,6 +44,25 @@ impl Wavefront<'_> {
                 }
             }
         }
+    }
+
+    /// Next event estimation, weighed at once; what can be blocked is traced then.
+    fn connect_in_place(&mut self) {
+        let blocked = self.frame.is_solid() || !self.frame.lights.are_clear();
+        let Tally { tried, weighted, kept } = self.nee(blocked);
+        let mut free = kept;
+        if blocked {
+            let bucket = self.candidates.connections.direct();
+            self.occlusion(Source::Connections, bucket);
+            self.contribute(Origin::Connection(Technique::Nee), Source::Connections, bucket);
+            free = self.worth.count(bucket);
+        }
+        let detailed = u64::from(self.stats.detailed);
+        let stats = self.stats.connections(Technique::Nee);
+        stats.tried += tried;
+        stats.weighted += detailed * weighted;
+        stats.faint += detailed * (weighted - kept);
+        stats.occluded += detailed * (kept - free);
     }
 
     /// Whether connections need no queues: nobody asks for more of them than the radiance that they bring.

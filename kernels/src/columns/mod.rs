@@ -27,7 +27,7 @@ pub use spectrum::Spectrum;
 
 /// Lines between neighbouring columns that hold nothing: columns whose distance is a power of two would compete for the
 /// same cache sets.
-const STAGGER: usize = 1;
+const STAGGER: usize = 3;
 
 /// Two batches, a line of the cache: a column begins with one, so that loads of sixteen rows do not cross from one to
 /// the next.

@@ -122,6 +122,14 @@ impl<'q> WorthTable<'q> {
         Self { weight: Column::new_in(arena, rows), factor: Spectrum::new_in(arena, rows, channels) }
     }
 
+    /// Overwrites eight rows from row `at` on with these weights in the sequence `order`, and factors of 1.
+    #[inline(always)]
+    pub fn store_packed(&mut self, at: usize, order: u32x8, weight: f32x8) {
+        f32::store_packed(&mut self.weight, at, order, weight);
+        let factors = self.factor.channels_mut().iter_mut();
+        factors.for_each(|factor| f32::store_packed(factor, at, order, f32x8::ONE));
+    }
+
     /// How many candidates of a bucket count anything.
     pub fn count(&self, bucket: Bucket) -> u64 {
         let of_batch = |(b, rows): (usize, u32)| {

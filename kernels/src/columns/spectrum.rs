@@ -49,8 +49,10 @@ impl<'q> Spectrum<'q> {
     /// Row `row`: red, green and blue, which are the same where one channel is in use.
     #[inline]
     pub fn row(&self, row: usize) -> [f32; 3] {
-        let last = self.channels.len() - 1;
-        [0, 1, 2].map(|channel: usize| self.channels[channel.min(last)].rows()[row])
+        match &*self.channels {
+            [red, green, blue] => [red.rows()[row], green.rows()[row], blue.rows()[row]],
+            channels => [channels[0].rows()[row]; 3],
+        }
     }
 
     /// Overwrites row `row`, in the channels in use.

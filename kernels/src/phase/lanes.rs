@@ -3,8 +3,8 @@
 use wide::f32x8;
 
 use super::HenyeyGreensteinX8;
-use crate::transcendental::sin_cos_turn;
 use crate::real::Real;
+use crate::transcendental::sin_cos_turn;
 use crate::vec3::{Vec3, Vec3x8};
 
 /// An angle to an axis, in [0, pi].

@@ -23,13 +23,22 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
             let emitted = lights.gather(&emitter_of, |emitter| emitter.radiance[channel]);
             brightest = brightest.fast_max(emitted * throughput.gather(&lane_of) * factor.batch(b));
         }
-        let survival = weight * brightest * inverse_threshold;
-        let faint = survival.simd_lt(f32x8::ONE);
-        if lanes::bits(faint) & rows == 0 {
-            continue;
-        }
-        let [.., u] = Sequence::new(step, paths, &lane_of).uniforms(threshold.purpose);
-        let kept = u.simd_lt(survival).select(weight / survival, f32x8::ZERO);
-        worth.weight.set_batch(b, faint.select(kept, weight));
+        let drawn = || {
+            let [.., u] = Sequence::new(step, paths, &lane_of).uniforms(threshold.purpose);
+            u
+        };
+        worth.weight.set_batch(b, play(weight, weight * brightest * inverse_threshold, rows, drawn));
     }
+}
+
+/// The weights of eight candidates after a roulette that they survive with these probabilities, if those are below 1; by
+/// numbers that are `drawn` if that is so of any of the `rows` in use.
+#[inline(always)]
+pub(crate) fn play(weight: f32x8, survival: f32x8, rows: u32, drawn: impl FnOnce() -> f32x8) -> f32x8 {
+    let faint = survival.simd_lt(f32x8::ONE);
+    if lanes::bits(faint) & rows == 0 {
+        return weight;
+    }
+    let kept = drawn().simd_lt(survival).select(weight / survival, f32x8::ZERO);
+    faint.select(kept, weight)
 }

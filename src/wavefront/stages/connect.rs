@@ -2,10 +2,12 @@
 
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::lis::{Lis, sample as lis_sample};
+use fogbow_kernels::connect::nee::SCOPE;
 use fogbow_kernels::connect::nee::in_place::{self, Tally};
 use fogbow_kernels::connect::omnee::sample as omnee_sample;
-use fogbow_kernels::connect::{Technique, light_sample, light_survey};
+use fogbow_kernels::connect::{light_sample, light_survey};
 use fogbow_kernels::pipeline::Stage;
+use fogbow_kernels::roulette::Threshold;
 
 use super::rows;
 use crate::wavefront::Wavefront;
@@ -50,10 +52,14 @@ impl Wavefront<'_> {
         });
     }
 
-    /// Next event estimation at once, where that is all.
-    pub fn nee(&mut self) {
+    /// Next event estimation at once, where that is all; says how many connections there were. Those that something may
+    /// block are listed, where it may.
+    pub fn nee(&mut self, blocked: bool) -> Tally {
         let size = self.stats.lane_rows(&self.live);
         let [ray, _] = self.rays.last_two(self.step.clock);
+        let contribution = self.frame.roulette;
+        let threshold = (contribution > 0.0).then_some(Threshold { contribution, purpose: SCOPE.purpose });
+        self.candidates.connections.len = 0;
         let (mut dropped, mut tally) = (self.stats.dropped, Tally::default());
         self.stats.run(Stage::Nee, size, || {
             let columns = in_place::Columns {
@@ -63,20 +69,23 @@ impl Wavefront<'_> {
                 live: &self.live,
                 paths: &self.paths,
                 outlook: &self.outlook,
+                last_surface: &self.last_surface,
+                solid: self.frame.is_solid(),
+                blocked,
+                threshold,
                 vertex: self.vertices.at(self.step.clock),
                 before: ray,
                 throughput: &self.throughput,
                 radiance: &mut self.radiance,
+                candidates: &mut self.candidates.connections,
+                worth: &mut self.worth,
                 dropped: &mut dropped,
                 tally: &mut tally,
             };
             (self.pipeline.nee)(self.step, columns);
         });
         self.stats.dropped = dropped;
-        let weighted = if self.stats.detailed { tally.weighted } else { 0 };
-        let stats = self.stats.connections(Technique::Nee);
-        stats.tried += tally.tried;
-        stats.weighted += weighted;
+        tally
     }
 
     /// Where the one vertex is that OMNEE inserts into every connection.

@@ -326,13 +326,13 @@ impl Save for Dropped {
 
 impl Save for Tally {
     fn save(&self) -> Saved {
-        let column = [self.tried, self.weighted].map(|count| u32::try_from(count).expect("few connections"));
-        Saved::new(vec![vec![("tally", false, column.to_vec())]])
+        let column = [self.tried, self.weighted, self.kept].map(|count| u32::try_from(count).expect("few connections"));
+        Saved { len: column.len(), ..Saved::new(vec![vec![("tally", false, column.to_vec())]]) }
     }
 
     fn restore(&mut self, saved: &Saved) {
-        let column = &saved.tables[0][0].2;
-        *self = Self { tried: u64::from(column[0]), weighted: u64::from(column[1]) };
+        let count = |i: usize| u64::from(saved.tables[0][0].2[i]);
+        *self = Self { tried: count(0), weighted: count(1), kept: count(2) };
     }
 }
 

@@ -27,21 +27,10 @@ pub(crate) trait LightsIn<F: Real>: Copy {
     fn probability(self, emitters: &Self::Emitters, start: Vec3<F>, sum: F) -> F;
     /// [`Lights::profile`].
     fn profile(self, emitters: &Self::Emitters, cosine: F) -> F;
+    /// Indices of the emitters of eight rows, of which these are number `i` and on.
+    fn indices(self, emitters: &[Self::Emitters], i: usize) -> u32x8;
     /// Radiance of the emitters of eight rows, of which these are number `i` and on, in one channel [W/(m^2 sr)].
     fn radiance(self, emitters: &[Self::Emitters], i: usize, channel: usize) -> f32x8;
-}
-
-/// The same for eight rows, with the indices of their emitters.
-pub(crate) trait LightsX8: LightsIn<f32x8> {
-    /// The indices of emitters.
-    fn indices(self, emitters: &Self::Emitters) -> u32x8;
-}
-
-impl LightsX8 for &Lights {
-    #[inline(always)]
-    fn indices(self, emitters: &[u32; LANES]) -> u32x8 {
-        u32x8::new(*emitters)
-    }
 }
 
 impl LightsIn<f32x8> for &Lights {
@@ -83,6 +72,11 @@ impl LightsIn<f32x8> for &Lights {
     }
 
     #[inline(always)]
+    fn indices(self, emitters: &[[u32; LANES]], i: usize) -> u32x8 {
+        u32x8::new(emitters[i / LANES])
+    }
+
+    #[inline(always)]
     fn radiance(self, emitters: &[[u32; LANES]], i: usize, channel: usize) -> f32x8 {
         self.gather(&emitters[i / LANES], |emitter| emitter.radiance[channel])
     }
@@ -114,13 +108,6 @@ impl<F: Real> OneDisk<F> {
             density: F::splat(density),
             radiance,
         })
-    }
-}
-
-impl LightsX8 for OneDisk<f32x8> {
-    #[inline(always)]
-    fn indices(self, (): &()) -> u32x8 {
-        u32x8::splat(0)
     }
 }
 
@@ -156,6 +143,11 @@ impl<F: Real> LightsIn<F> for OneDisk<F> {
     #[inline(always)]
     fn profile(self, (): &(), _: F) -> F {
         F::ONE
+    }
+
+    #[inline(always)]
+    fn indices(self, _: &[()], _: usize) -> u32x8 {
+        u32x8::splat(0)
     }
 
     #[inline(always)]

@@ -12,7 +12,7 @@
 
 use wide::{f32x8, u32x8};
 
-use super::lights::{LightsIn, LightsX8, OneDisk};
+use super::lights::{LightsIn, OneDisk};
 use super::{Columns, Scope, selection};
 use crate::columns::queues::CandidateBatch;
 use crate::connect::distant;
@@ -41,10 +41,10 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 
 /// Points on `lights` as far as the scope goes.
 #[inline(always)]
-fn sample_within(step: Step, columns: Columns<'_, '_>, lights: impl LightsX8) {
+fn sample_within(step: Step, columns: Columns<'_, '_>, lights: impl LightsIn<f32x8>) {
     let Scope { max_distance, reach, facing, .. } = columns.scope;
     sample(step, columns, |draw, start, light_sum| {
-        let (emitters, point) = draw.light_point(lights, start, light_sum);
+        let (emitters, point, _) = draw.light_point(lights, start, light_sum);
         let to_start = start - point;
         let squared = to_start.length_squared();
         let mut keep = squared.simd_le(f32x8::splat(max_distance * max_distance));
@@ -54,14 +54,18 @@ fn sample_within(step: Step, columns: Columns<'_, '_>, lights: impl LightsX8) {
         if facing {
             keep &= lights.cosine(&emitters, point, -to_start).simd_gt(f32x8::ZERO);
         }
-        (lights.indices(&emitters), point, keep)
+        (lights.indices(&[emitters], 0), point, keep)
     });
 }
 
 /// Connects every vertex that may start with what `connect` draws for it, a start and its light sum: emitter, point, and
 /// whether it is kept.
 #[inline(always)]
-fn sample(step: Step, columns: Columns<'_, '_>, connect: impl Fn(&Draw<u32x8>, Vec3x8, f32x8) -> (u32x8, Vec3x8, f32x8)) {
+fn sample(
+    step: Step,
+    columns: Columns<'_, '_>,
+    connect: impl Fn(&Draw<u32x8>, Vec3x8, f32x8) -> (u32x8, Vec3x8, f32x8),
+) {
     let Columns { lights, scope, live, paths, last_surface, outlook, vertex, before, connections } = columns;
     let n = live.batches();
     let [pixel, sample, birth, last_surface] =
@@ -110,17 +114,19 @@ pub(crate) struct Draw<W> {
 }
 
 impl<W: Word> Draw<W> {
-    /// Emitters and points on them, of lights that are chosen from `start` with the normalisation `sum`.
+    /// Emitters and points on them, of lights that are chosen from `start` with the normalisation `sum`; and what is left
+    /// of the block, the words for the roulette.
     #[inline(always)]
     pub fn light_point<L: LightsIn<W::Real>>(
         &self,
         lights: L,
         start: Vec3<W::Real>,
         sum: W::Real,
-    ) -> (L::Emitters, Vec3<W::Real>) {
-        let [choice, u, v] = self.uniforms();
+    ) -> (L::Emitters, Vec3<W::Real>, W) {
+        let [choice, u, v, last] = self.words(self.purpose);
+        let [choice, u, v] = [choice, u, v].map(uniform_f32);
         let emitters = lights.choose(start, sum, choice, || self.emitter_words()[0]);
-        (emitters, lights.point(&emitters, u, v))
+        (emitters, lights.point(&emitters, u, v), last)
     }
 
     /// Uniform numbers for the light and the point.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use fogbow_kernels::pipeline::{WIDEST, Stage};
+use fogbow_kernels::pipeline::{Stage, WIDEST};
 
 use crate::error::{Error, Result};
 use crate::film::{Film, Region, tile_size};

@@ -47,15 +47,16 @@ pub(super) fn check_light_sample(step: Step, columns: light_sample::Columns<'_, 
     check_queue("light_sample", &both, &[("point", light_point(lights))]);
 }
 
-/// What kernel and twin add to paths that have found nothing so far.
+/// What kernel and twin add to paths that have found nothing so far, or list.
 pub(super) fn check_nee(step: Step, columns: in_place::Columns<'_, '_>) {
-    let in_place::Columns { medium, lights, walk, live, paths, outlook, vertex, before, throughput, .. } = columns;
-    let in_place::Columns { radiance, dropped, tally, .. } = columns;
+    let in_place::Columns { medium, lights, walk, live, paths, outlook, last_surface, solid, .. } = columns;
+    let in_place::Columns { blocked, threshold, vertex, before, throughput, .. } = columns;
+    let in_place::Columns { radiance, candidates, worth, dropped, tally, .. } = columns;
     let found = radiance.save();
     radiance.channels_mut().iter_mut().for_each(|channel| channel.rows_mut().fill(0.0));
-    let [added, dropped, tally] = run_both!(
+    let [added, listed, worths, dropped, tally] = run_both!(
         nee(step),
-        [radiance, dropped, tally],
+        [radiance, candidates, worth, dropped, tally],
         in_place::Columns {
             medium,
             lights,
@@ -63,28 +64,50 @@ pub(super) fn check_nee(step: Step, columns: in_place::Columns<'_, '_>) {
             live,
             paths,
             outlook,
+            last_surface,
+            solid,
+            blocked,
+            threshold,
             vertex,
             before,
             throughput,
             radiance: &mut *radiance,
+            candidates: &mut *candidates,
+            worth: &mut *worth,
             dropped: &mut *dropped,
             tally: &mut *tally,
         }
     );
-    for lane in live.each() {
+    let tolerance = |lane: usize| {
         let depth = paths.depth_of(step.clock, lane);
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = reference::uniforms(pixel, sample, depth, nee::SCOPE.purpose, step.seed);
         let start = glam::DVec3::from(vertex.position.row(lane).map(f64::from));
-        let tolerance =
-            reference::connect(lights, nee::SCOPE, start, u).map_or(tolerances::EXACT, |(emitter, point)| {
-                let extent = [start.length().max(point.length()), start.distance(point)];
-                let conditioning =
-                    weigh::conditioning(lights, emitter, [start, point], weigh::sharpest(medium), extent);
-                let Tolerance { absolute, relative } = tolerances::WEIGHT;
-                Tolerance { absolute, relative: relative + conditioning }
-            });
-        check_row("nee", (0, lane), &added, &[("channels", tolerance)]);
+        reference::connect(lights, nee::SCOPE, start, u).map_or(tolerances::EXACT, |(emitter, point)| {
+            let extent = [start.length().max(point.length()), start.distance(point)];
+            let conditioning = weigh::conditioning(lights, emitter, [start, point], weigh::sharpest(medium), extent);
+            let Tolerance { absolute, relative } = tolerances::WEIGHT;
+            Tolerance { absolute, relative: relative + conditioning }
+        })
+    };
+    for lane in live.each() {
+        let (kernel, twin) = (&added.0.row(0, lane), &added.1.row(0, lane));
+        let brings = |saved: &Saved| saved.vector("channels", lane).into_iter().any(|channel| channel != 0.0);
+        count_rows(1);
+        if threshold.is_some() && brings(&added.0) != brings(&added.1) {
+            count_decisions(1); // The roulette kept only one of them.
+        } else if let Some(text) = difference(kernel, twin, &[("channels", tolerance(lane))]) {
+            fail("nee", lane, &text);
+        }
+    }
+    check_queue("nee", &listed, &[("point", light_point(lights))]);
+    let [kernel_lanes, twin_lanes] = [&listed.0, &listed.1].map(|saved| saved.indices("lane"));
+    for (at, lane) in kernel_lanes.iter().enumerate() {
+        let Some(other) = twin_lanes.iter().position(|other| other == lane) else { continue };
+        let close = &[("weight", tolerance(*lane as usize)), ("factor", tolerances::EXACT)];
+        if let Some(text) = difference(&worths.0.row(0, at), &worths.1.row(0, other), close) {
+            fail("nee", *lane as usize, &text);
+        }
     }
     if dropped.0 != dropped.1 {
         fail("nee", 0, &format!("    dropped {:?} and {:?}", dropped.0, dropped.1));
