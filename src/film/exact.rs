@@ -40,9 +40,14 @@ impl Unit {
     /// The number of units nearest to a value, finite and >= 0.
     #[inline]
     pub fn units(self, value: f32) -> u128 {
-        let value = (f64::from(value) * self.values).round_ties_even();
-        // Nearly all samples fit into 64 bits, and converting to those is many times faster.
-        if value < U64_END { u128::from(value as u64) } else { value as u128 }
+        nearest(f64::from(value) * self.values)
+    }
+
+    /// The square of the nearest number of units of roots, for a value, finite and >= 0; the largest, if it is larger.
+    #[inline]
+    pub fn square_units(self, value: f32) -> u128 {
+        let root = nearest(f64::from(value) * self.roots).min(u128::from(u64::MAX));
+        root * root
     }
 
     /// The power of two above the largest value that is expected.
@@ -56,8 +61,19 @@ const fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
-/// The first number that does not fit into 64 bits.
-const U64_END: f64 = 18_446_744_073_709_551_616.0;
+/// The whole number nearest to a number >= 0, of two the even one; the largest, if it is larger.
+#[inline]
+fn nearest(number: f64) -> u128 {
+    // A sum with 2^52 has no digits behind the point, and ends with the bits of what is added. Converting is slower, even
+    // to 64 bits, and hardly any sample is so large.
+    const SHIFT: f64 = (1_u64 << 52) as f64;
+    const DIGITS: u64 = (1 << 52) - 1;
+    if number < SHIFT / 2.0 {
+        u128::from((number + SHIFT).to_bits() & DIGITS)
+    } else {
+        number.round_ties_even() as u128
+    }
+}
 
 /// Sum of one channel of one pixel, in 12 bytes: little-endian limbs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,8 +152,13 @@ impl ExactSquares {
     /// Adds the square of one sample, which is finite and >= 0.
     #[inline]
     pub fn add(&mut self, unit: Unit, value: f32) {
-        let coarse = (f64::from(value) * unit.roots).round_ties_even() as u64;
-        self.add_raw(u128::from(coarse) * u128::from(coarse));
+        self.add_raw(unit.square_units(value));
+    }
+
+    /// Adds so many units.
+    #[inline]
+    pub fn add_units(&mut self, units: u128) {
+        self.add_raw(units);
     }
 
     /// Adds the squares of other samples.
@@ -145,6 +166,7 @@ impl ExactSquares {
         self.add_raw(other.raw());
     }
 
+    #[inline]
     fn add_raw(&mut self, squares: u128) {
         let squares = self.raw().saturating_add(squares);
         self.0 = [squares, squares >> 32, squares >> 64, squares >> 96].map(|limb| limb as u32);
@@ -203,6 +225,16 @@ mod tests {
             sums.squares.add(unit, *sample);
         });
         sums
+    }
+
+    #[test]
+    fn numbers_of_units_are_the_nearest_ones() {
+        let powers = (0..70).map(|k| 2.0_f64.powi(k - 3));
+        let near = powers.flat_map(|x| [x, x * 1.25, x + 0.5, x + 1.5, x.next_down(), x.next_up(), 1.499 * x]);
+        for number in near.chain([0.0, 0.5, 1.5, 2.5, 0.5_f64.next_down(), 0.5_f64.next_up()]) {
+            assert_eq!(nearest(number), number.round_ties_even() as u128, "{number}");
+        }
+        assert_eq!(Unit::for_exponent(0).square_units(f32::MAX), u128::from(u64::MAX).pow(2));
     }
 
     #[test]

@@ -56,6 +56,17 @@ impl Sums {
         }
     }
 
+    /// Adds samples to `channel` of the pixel at `place`, in a layer whose values are >= 0.
+    #[inline]
+    pub fn add_samples(&mut self, place: usize, channel: usize, values: &[f32]) {
+        let Layer { channels, unit, .. } = self.layer;
+        let index = place * channels + channel;
+        self.values[index].add_units(values.iter().map(|value| unit.units(*value)).fold(0, u128::saturating_add));
+        if let Some(squares) = self.squares.get_mut(index) {
+            squares.add_units(values.iter().map(|value| unit.square_units(*value)).fold(0, u128::saturating_add));
+        }
+    }
+
     /// Adds units of a sample to `channel` of the pixel at `place`, in a layer without squares.
     pub fn add_units(&mut self, place: usize, channel: usize, units: u128) {
         self.values[place * self.layer.channels + channel].add_units(units);

@@ -50,6 +50,23 @@ fn film(layers: &[Layer], tile_size: u32, samples: impl Iterator<Item = u32> + C
     film
 }
 
+#[test]
+fn samples_that_are_added_together_add_up_to_the_same() {
+    let layers = &two_layers()[..1];
+    let [mut together, mut apart] = [(); 2].map(|()| Tile::new(layers, REGION));
+    for place in 0..REGION.pixels() as usize {
+        // Of all sizes up to more than a sum can hold, and nothing.
+        let value = |channel: usize, i: usize| match (place + i) % 11 {
+            0 => 0.0,
+            k => 10.0_f32.powi(4 * k as i32 - 9) * (1.0 + 0.37 * (place + channel) as f32),
+        };
+        let values = |channel: usize| core::array::from_fn::<f32, 8, _>(|i| value(channel, i));
+        together.add_radiance(place, values);
+        (0..8).for_each(|i| apart.add(place, &[[0, 1, 2].map(|channel| value(channel, i))]));
+    }
+    assert!(together == apart);
+}
+
 /// All that is known of a layer's channel, row by row from the top.
 fn estimates(film: &Film, layer: usize, channel: usize) -> Vec<Estimate> {
     let pixels = REGION.rows().flat_map(|y| REGION.columns().map(move |x| (x, y)));

@@ -178,6 +178,14 @@ impl Tile {
         }
     }
 
+    /// Adds some samples to the pixel at `place` of a tile that has no layer but radiance: `values` gives those of a
+    /// channel, finite and >= 0.
+    #[inline]
+    pub fn add_radiance<const N: usize>(&mut self, place: usize, values: impl Fn(usize) -> [f32; N]) {
+        let radiance = &mut self.layers[RADIANCE];
+        (0..radiance.layer().channels).for_each(|channel| radiance.add_samples(place, channel, &values(channel)));
+    }
+
     /// Notes that every pixel has had `samples` more samples.
     pub fn count(&mut self, samples: u32) {
         self.samples += samples;

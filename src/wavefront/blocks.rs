@@ -89,11 +89,11 @@ impl<S: DerefMut<Target = Tile>> InFlight<S> {
         self.work.as_mut().map(|(slot, work)| (*slot as u32, work))
     }
 
-    /// The tile of a path that has ended, which thereby is counted.
+    /// The tile of so many paths that have ended, which thereby are counted.
     #[inline]
-    pub fn count(&mut self, slot: u32) -> &mut Tile {
+    pub fn count(&mut self, slot: u32, paths: u32) -> &mut Tile {
         let open = self.slots[slot as usize].as_mut().expect("a block with a path in flight");
-        open.left -= 1;
+        open.left -= u64::from(paths);
         &mut open.sums
     }
 

@@ -281,19 +281,26 @@ impl<'q> Wavefront<'q> {
     }
 
     /// Hands what ended paths have found to their pixels. Where there are no layers but radiance, nothing has to be told
-    /// of those that have found none.
+    /// of those that have found none, and most of a batch end together, in one pixel.
     fn collect(&mut self, in_flight: &mut InFlight<impl DerefMut<Target = Tile>>) {
         let has_aovs = !self.frame.aovs.list().is_empty();
         for (b, ended) in self.occupied.batches_without(&self.live) {
             let matter = if has_aovs { ended } else { ended & self.radiance.any_of_batch(b) };
-            for i in lanes::each(ended) {
-                let lane = b * LANES + i;
-                let tile = in_flight.count(self.slots.rows()[lane]);
-                if matter >> i & 1 == 0 {
+            let first = b * LANES + ended.trailing_zeros() as usize;
+            if !has_aovs && ended & !self.beside(b, first) == 0 {
+                let tile = in_flight.count(self.slots.rows()[first], ended.count_ones());
+                if matter != 0 {
+                    let place = self.place(first, tile);
+                    tile.add_radiance(place, |channel| self.radiance.rows_of(channel, b, matter));
+                }
+                continue;
+            }
+            for lane in lanes::each(ended).map(|i| b * LANES + i) {
+                let tile = in_flight.count(self.slots.rows()[lane], 1);
+                if matter >> (lane % LANES) & 1 == 0 {
                     continue;
                 }
-                let Request { x, y, .. } = self.requests.row(lane);
-                let place = tile.region().place(x, y);
+                let place = self.place(lane, tile);
                 if has_aovs {
                     self.add_layers(tile, place, lane);
                 } else {
@@ -302,6 +309,19 @@ impl<'q> Wavefront<'q> {
             }
         }
         self.occupied.copy_from(&self.live);
+    }
+
+    /// The place in its tile of the pixel whose sample a lane has taken.
+    fn place(&self, lane: usize, tile: &Tile) -> usize {
+        let Request { x, y, .. } = self.requests.row(lane);
+        tile.region().place(x, y)
+    }
+
+    /// Rows of batch `b` with samples of the pixel of `lane`, in the same block.
+    fn beside(&self, b: usize, lane: usize) -> u32 {
+        let Request { x, y, .. } = self.requests.row(lane);
+        let block = lanes::equal(self.slots.batch(b), self.slots.rows()[lane] as usize);
+        block & lanes::equal(self.requests.x.batch(b), x as usize) & lanes::equal(self.requests.y.batch(b), y as usize)
     }
 
     /// Starts new paths in vacant lanes.

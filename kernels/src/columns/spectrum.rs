@@ -4,7 +4,7 @@ use bumpalo::Bump;
 use wide::f32x8;
 
 use super::{Column, ColumnMut, ColumnRef, ColumnSet};
-use crate::lanes;
+use crate::lanes::{self, LANES};
 
 /// One column for every channel in use: a single one where everything is grey, red, green and blue otherwise.
 pub struct Spectrum<'q> {
@@ -53,6 +53,12 @@ impl<'q> Spectrum<'q> {
             [red, green, blue] => [red.rows()[row], green.rows()[row], blue.rows()[row]],
             channels => [channels[0].rows()[row]; 3],
         }
+    }
+
+    /// The rows of batch `b` set in `bits`, in one channel in use; 0 in the others.
+    #[inline(always)]
+    pub fn rows_of(&self, channel: usize, b: usize, bits: u32) -> [f32; LANES] {
+        lanes::mask(bits).select(self.channels[channel].batch(b), f32x8::ZERO).to_array()
     }
 
     /// Overwrites row `row`, in the channels in use.

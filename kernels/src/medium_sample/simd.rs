@@ -21,44 +21,48 @@ use crate::media::field::Field;
 use crate::media::field::tracking::{self, FlightsX8};
 use crate::media::homogeneous::{ColouredLanes, Homogeneous};
 use crate::media::spectral::CHANNELS;
-use crate::media::{Kind, MediumLanes};
+use crate::media::{Kind, Medium, MediumLanes};
 use crate::random::{self, Stream, uniform_f32};
 use crate::survival::Survival;
 use crate::transcendental::neg_ln;
 use crate::{Step, lanes};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
-pub fn run(step: Step, columns: Columns<'_, '_>) {
-    fly(step, columns);
+pub fn run(step: Step, mut columns: Columns<'_, '_>) {
+    sample(step, &mut columns);
+    finish(step, columns);
 }
 
 /// The same, for the widest registers that there are.
-pub fn run_widest(step: Step, columns: Columns<'_, '_>) {
+pub fn run_widest(step: Step, mut columns: Columns<'_, '_>) {
     match Avx512::detect() {
         Some(avx512) => avx512.run(
             #[inline(always)]
-            || fly(step, columns),
+            || sample(step, &mut columns),
         ),
-        None => fly(step, columns),
+        None => sample(step, &mut columns),
+    }
+    finish(step, columns);
+}
+
+/// The mean free path `[m]`, if it is the same everywhere and in all channels; else 1, as if depths were flights.
+fn mean_free_path(medium: &Medium) -> f32 {
+    match &medium.kind {
+        Kind::Homogeneous(medium) if medium.is_grey() => medium.mean_free_path(0),
+        _ => 1.0,
     }
 }
 
-#[inline(always)]
-fn fly(step: Step, mut columns: Columns<'_, '_>) {
+/// Turns optical depths into flights, where they are none yet.
+fn finish(step: Step, columns: Columns<'_, '_>) {
     match &columns.medium.kind {
-        Kind::Homogeneous(medium) if medium.is_grey() => sample(step, &mut columns, medium.mean_free_path(0)),
-        Kind::Homogeneous(medium) => {
-            sample(step, &mut columns, 1.0);
-            lengthen(columns, medium);
-        }
-        Kind::Field(field) => {
-            sample(step, &mut columns, 1.0);
-            track(step, columns, field);
-        }
+        Kind::Homogeneous(medium) if medium.is_grey() => {}
+        Kind::Homogeneous(medium) => lengthen(columns, medium),
+        Kind::Field(field) => track(step, columns, field),
     }
 }
 
-/// Turns optical depths into flights, each in the channel of its path's hero.
+/// Turns optical depths into flights in a homogeneous medium, each in the channel of its path's hero.
 fn lengthen(columns: Columns<'_, '_>, medium: &Homogeneous) {
     let Columns { live, immersion, flights, .. } = columns;
     let heroes = immersion.hero.view(live.batches());
@@ -105,10 +109,11 @@ fn track(step: Step, columns: Columns<'_, '_>, field: &Field) {
     tracking::simd::flights(field, live.each_batch().map(|(b, live)| batch(b, live, hue(b))), stream, end);
 }
 
-/// Draws the words of the segment, and flights of this `mean_free_path` `[m]`; 1 makes them optical depths.
+/// Draws the words of the segment, and flights or, where it is not known how long these are, optical depths.
 #[inline(always)]
-fn sample(step: Step, columns: &mut Columns<'_, '_>, mean_free_path: f32) {
-    let Columns { walk, live, paths, flights, .. } = columns;
+fn sample(step: Step, columns: &mut Columns<'_, '_>) {
+    let Columns { medium, walk, live, paths, flights, .. } = columns;
+    let mean_free_path = mean_free_path(medium);
     let ends_walks = !walk.survival.is_certain();
     let mut last = [u32x8::splat(0); STRETCH];
     for k in 0..live.stretches() {

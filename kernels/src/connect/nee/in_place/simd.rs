@@ -37,29 +37,36 @@ use crate::{Step, WalkLimits, lanes, random, with_phase};
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
     let (lights, phase) = (columns.lights, &columns.medium.phase);
-    match (OneDisk::of(lights), OneDisk::of(lights), phase) {
-        (Some(disk), _, PhaseFunction::HenyeyGreenstein(lobe)) => connect(step, columns, disk, Lobe::<f32>::new(*lobe)),
-        (_, Some(disk), _) => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, disk, phase)),
-        (_, None, _) => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, lights, phase)),
+    if let Some((disk, lobe)) = disk_and_lobe(&columns) {
+        return connect(step, columns, disk, lobe);
+    }
+    match OneDisk::of(lights) {
+        Some(disk) => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, disk, phase)),
+        None => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, lights, phase)),
     }
 }
 
 /// The same, for the widest registers that there are.
 pub fn run_widest(step: Step, columns: Columns<'_, '_>) {
-    let (Some(avx512), Some(disk), PhaseFunction::HenyeyGreenstein(lobe)) =
-        (Avx512::detect(), OneDisk::of(columns.lights), &columns.medium.phase)
-    else {
+    let (Some(avx512), Some((disk, lobe))) = (Avx512::detect(), disk_and_lobe(&columns)) else {
         return run(step, columns);
     };
     avx512.run(
         #[inline(always)]
-        || connect(step, columns, disk, Lobe::<f32>::new(*lobe)),
+        || connect(step, columns, disk, lobe),
     );
 }
 
+/// The one light, if it is a plain disk, and the phase function, if it is a single lobe.
+fn disk_and_lobe(columns: &Columns<'_, '_>) -> Option<(OneDisk<f32>, Lobe<f32>)> {
+    match columns.medium.phase {
+        PhaseFunction::HenyeyGreenstein(lobe) => Some((OneDisk::of(columns.lights)?, Lobe::new(lobe))),
+        _ => None,
+    }
+}
+
 #[inline(always)]
-fn connect<F: Real, L: LightsIn<F>>(step: Step, columns: Columns<'_, '_>, lights: L, phase: impl Turns<F>) {
-    let mut columns = columns;
+fn connect<F: Real, L: LightsIn<F>>(step: Step, mut columns: Columns<'_, '_>, lights: L, phase: impl Turns<F>) {
     let Columns { medium, walk, live, paths, outlook, last_surface, solid, vertex, before, .. } = columns;
     let Kind::Homogeneous(medium) = &medium.kind else { unreachable!("where extinction varies there is more to it") };
     let extinction = F::splat(medium.extinction(0));
