@@ -28,6 +28,11 @@ fn number<W: Word>(word: W) -> W::Real {
     (uniform_f32(word) - W::Real::splat(0.5)) * W::Real::splat(100.0)
 }
 
+/// Products and sums that may be rounded together.
+fn products<F: Real>(x: F) -> F {
+    x.mul_add(x, x) + x.mul_sub(x, x * x) - x.mul_neg_add(x * x, x)
+}
+
 /// The whole number next to [`number`]; a zero without a sign.
 fn whole<W: Word>(word: W) -> W::Real {
     number(word).rounded().0 + W::Real::ZERO
@@ -44,10 +49,7 @@ fn arithmetic_on_single_rows_is_that_on_eight() {
     assert_alike!("words", |w| words(w, w ^ w.shifted_right(3), block(w, crate::random::SEGMENT), 7)[2]);
     assert_alike!("shifts", |w| w.shifted_left(3).wrapping_sub(w.shifted_right_signed(5)));
     assert_alike!("uniform", |w| uniform_f32(w));
-    assert_alike!("products", |w| {
-        let x = number(w);
-        x.mul_add(x, x) + x.mul_sub(x, x * x) - x.mul_neg_add(x * x, x)
-    });
+    assert_alike!("products", |w| products(number(w)));
     assert_alike!("quotient and root", |w| number(w) / (number(w) * number(w)).sqrt());
     assert_alike!("bounds", |w| number(w).fast_max(uniform_f32(w)).fast_min(-number(w)).copysign(number(w)));
     assert_alike!("choice", |w| {
