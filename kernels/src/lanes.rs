@@ -159,7 +159,7 @@ impl<'q> LaneSet<'q> {
         self.bytes().iter().enumerate().filter(|(_, byte)| **byte != 0).map(|(b, byte)| (b, u32::from(*byte)))
     }
 
-    /// Number of stretches: [`STRETCH`] batches each, but for the last one.
+    /// Number of stretches, of [`STRETCH`] batches each but for the last one.
     #[inline(always)]
     pub fn stretches(&self) -> usize {
         self.batches.div_ceil(STRETCH)
@@ -171,6 +171,12 @@ impl<'q> LaneSet<'q> {
         let batches = k * STRETCH..self.batches.min((k + 1) * STRETCH);
         let words = batches.start / WORD..batches.end.div_ceil(WORD);
         self.words[words].iter().any(|word| *word != 0).then_some(batches)
+    }
+
+    /// The batches of all stretches that have rows in the set.
+    #[inline(always)]
+    pub fn each_stretch(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        (0..self.stretches()).filter_map(|k| self.stretch(k))
     }
 
     /// The rows in the set, ascending.

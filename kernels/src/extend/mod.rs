@@ -1,6 +1,6 @@
 //! Rays against lights and surfaces: what each path meets before its flight ends.
 
-mod open;
+pub mod open;
 pub mod reference;
 pub mod simd;
 

@@ -33,7 +33,7 @@ pub fn extend(step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, live, paths, vertex, ray, flight, on_surface, hits, .. } = columns;
     on_surface.clear();
     let mut found = Found { body: [u32x8::splat(0); STRETCH], distance: [f32x8::ZERO; STRETCH] };
-    for batches in (0..live.stretches()).filter_map(|k| live.stretch(k)) {
+    for batches in live.each_stretch() {
         let beams = Beams {
             clock: step.clock,
             birth: paths.birth.stretch::<f32>(batches.clone()),

@@ -73,7 +73,7 @@ fn turn_there(columns: &mut Columns<'_, '_>, phase: impl PhaseX8, is_there: impl
 #[inline(always)]
 fn scatter<F: Real>(step: Step, columns: &mut Columns<'_, '_>, phase: impl Turns<F>) {
     let Columns { live, paths, flights, vertex, next, ray, next_ray, .. } = columns;
-    for batches in (0..live.stretches()).filter_map(|k| live.stretch(k)) {
+    for batches in live.each_stretch() {
         let steps = Steps::<F> {
             clock: step.clock,
             birth: paths.birth.stretch::<F>(batches.clone()),

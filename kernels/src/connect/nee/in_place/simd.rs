@@ -73,7 +73,7 @@ fn connect<F: Real, L: LightsIn<F>>(step: Step, mut columns: Columns<'_, '_>, li
     let depends_on_start = columns.lights.selection_depends_on_start();
     let survival = LogSurvival::of(&walk.survival);
     let mut lines = Lines::<F, L>::new();
-    for batches in (0..live.stretches()).filter_map(|k| live.stretch(k)) {
+    for batches in live.each_stretch() {
         let starts = Starts {
             step,
             paths: paths.stretch::<F>(batches.clone()),
@@ -257,7 +257,7 @@ impl<F: Real, L: LightsIn<F>> Lines<F, L> {
         if kept == 0 {
             return;
         }
-        let [x, y, z] = self.point;
+        let [x, y, z] = &self.point;
         columns.worth.store_packed(columns.candidates.len, lanes::pack_order(kept), weight);
         let candidates = CandidateBatch {
             lane: lanes::indices(b),
