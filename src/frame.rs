@@ -88,7 +88,7 @@ impl Frame {
         !self.surfaces.is_empty()
     }
 
-    /// Whether connections need no queues: see [`in_place`].
+    /// Whether connections are weighed as soon as they are drawn: see [`in_place`].
     pub fn connects_in_place(&self) -> bool {
         let Self { medium, lights, techniques, walk, lengths, .. } = self;
         in_place::suffices(medium, lights, techniques, walk, *lengths)

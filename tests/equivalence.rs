@@ -12,6 +12,7 @@ use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::agreement::assert_whole_paths_agree;
 use fogbow_testing::checked::{CHECKED, Log, take_log};
 use fogbow_testing::frames::{self, Active};
+use fogbow_testing::not_run::not_run;
 use fogbow_testing::render::{render, render_here};
 use fogbow_testing::tolerances;
 
@@ -108,7 +109,7 @@ fn whole_paths_agree_with_the_scalar_integrator_pixel_by_pixel() {
 #[test]
 fn the_widest_registers_change_no_bit() {
     if Avx512::detect().is_none() {
-        println!("this processor has no AVX-512, so that there is nothing wider than eight rows");
+        not_run("this processor has no AVX-512: there is nothing wider than eight rows");
     }
     let size = [24, 24];
     for (name, frame) in frames::variety(size) {

@@ -85,7 +85,7 @@ pipeline! {
     light_survey (LightSurvey): light_survey::Kernel = light_survey::simd::run, light_survey::reference::run;
     /// A light point for every vertex that may connect.
     light_sample (LightSample): light_sample::Kernel = light_sample::simd::run, light_sample::reference::run;
-    /// Next event estimation at once, where nothing else connects and nothing hides a light.
+    /// Next event estimation at once, where nothing else connects.
     nee (Nee): nee::in_place::Kernel = nee::in_place::simd::run, nee::in_place::reference::run;
     /// How many vertices each MVNEE connection inserts.
     mvnee_count (MvneeCount): mvnee::sample::CountKernel = mvnee::sample::simd::count, mvnee::sample::reference::count;

@@ -65,7 +65,8 @@ impl Wavefront<'_> {
         stats.occluded += detailed * (kept - free);
     }
 
-    /// Whether connections need no queues: nobody asks for more of them than the radiance that they bring.
+    /// Whether connections are weighed as soon as they are drawn: nobody asks for more of them than the radiance that they
+    /// bring.
     fn connects_in_place(&self) -> bool {
         let Stats { work, light_by_length, by_depth, .. } = &self.stats;
         let is_asked = work.is_some() || light_by_length.is_some() || by_depth.is_some() || !self.parts.is_empty();

@@ -138,12 +138,9 @@ impl<'q, T: Scalar> Column<'q, T> {
 /// Rows or batches of three columns, to read.
 #[derive(Clone, Copy)]
 pub struct View3<'a, F = f32x8> {
-    /// First components.
-    pub x: &'a [F],
-    /// Second components.
-    pub y: &'a [F],
-    /// Third components.
-    pub z: &'a [F],
+    x: &'a [F],
+    y: &'a [F],
+    z: &'a [F],
 }
 
 impl<F: Real> View3<'_, F> {

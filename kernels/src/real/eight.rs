@@ -11,65 +11,28 @@ impl Real for f32x8 {
     const ZERO: Self = Self::ZERO;
     const ONE: Self = Self::ONE;
 
+    its_own! {
+        fn mul_add(self, a, b) -> Self;
+        fn mul_sub(self, a, b) -> Self;
+        fn mul_neg_add(self, a, b) -> Self;
+        fn sqrt(self) -> Self;
+        fn copysign(self, sign) -> Self;
+        fn fast_max(self, other) -> Self;
+        fn fast_min(self, other) -> Self;
+        fn simd_lt(self, other) -> Self;
+        fn simd_le(self, other) -> Self;
+        fn simd_gt(self, other) -> Self;
+    }
+
     #[inline(always)]
     fn splat(number: f32) -> Self {
         Self::splat(number)
     }
 
     #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        self.mul_add(a, b)
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, a: Self, b: Self) -> Self {
-        self.mul_sub(a, b)
-    }
-
-    #[inline(always)]
-    fn mul_neg_add(self, a: Self, b: Self) -> Self {
-        self.mul_neg_add(a, b)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        self.copysign(sign)
-    }
-
-    #[inline(always)]
-    fn fast_max(self, other: Self) -> Self {
-        self.fast_max(other)
-    }
-
-    #[inline(always)]
-    fn fast_min(self, other: Self) -> Self {
-        self.fast_min(other)
-    }
-
-    #[inline(always)]
     fn rounded(self) -> (Self, u32x8) {
         let whole = self.round_ties_even();
         (whole, bytemuck::cast(whole.fast_trunc_int()))
-    }
-
-    #[inline(always)]
-    fn simd_lt(self, other: Self) -> Self {
-        self.simd_lt(other)
-    }
-
-    #[inline(always)]
-    fn simd_le(self, other: Self) -> Self {
-        self.simd_le(other)
-    }
-
-    #[inline(always)]
-    fn simd_gt(self, other: Self) -> Self {
-        self.simd_gt(other)
     }
 }
 

@@ -5,6 +5,16 @@
 //! mathematics, and the compiler puts as many of them side by side as the registers of the processor hold. Both give
 //! the same bits: every operation is exact, or rounded once, whatever the width.
 
+/// Declares operations that a type has by itself, under the same names.
+macro_rules! its_own {
+    ($(fn $name:ident($self:ident $(, $argument:ident)*) -> $Result:ty;)*) => {$(
+        #[inline(always)]
+        fn $name($self $(, $argument: Self)*) -> $Result {
+            $self.$name($($argument),*)
+        }
+    )*};
+}
+
 mod eight;
 mod one;
 #[cfg(test)]

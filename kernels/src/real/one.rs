@@ -13,6 +13,11 @@ impl Real for f32 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
 
+    its_own! {
+        fn sqrt(self) -> Self;
+        fn copysign(self, sign) -> Self;
+    }
+
     #[inline(always)]
     fn splat(number: f32) -> Self {
         number
@@ -31,16 +36,6 @@ impl Real for f32 {
     #[inline(always)]
     fn mul_neg_add(self, a: Self, b: Self) -> Self {
         Real::mul_add(-self, a, b)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        self.copysign(sign)
     }
 
     #[inline(always)]
@@ -81,24 +76,15 @@ impl Real for f32 {
 impl Word for u32 {
     type Real = f32;
 
+    its_own! {
+        fn wrapping_add(self, other) -> Self;
+        fn wrapping_sub(self, other) -> Self;
+        fn wrapping_mul(self, other) -> Self;
+    }
+
     #[inline(always)]
     fn splat(word: u32) -> Self {
         word
-    }
-
-    #[inline(always)]
-    fn wrapping_add(self, other: Self) -> Self {
-        self.wrapping_add(other)
-    }
-
-    #[inline(always)]
-    fn wrapping_sub(self, other: Self) -> Self {
-        self.wrapping_sub(other)
-    }
-
-    #[inline(always)]
-    fn wrapping_mul(self, other: Self) -> Self {
-        self.wrapping_mul(other)
     }
 
     #[inline(always)]

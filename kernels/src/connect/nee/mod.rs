@@ -8,7 +8,7 @@
 //! r_{n-1} = p_A P_l s^2 exp(mu_t s) / (p_w cos_light),      r_i = 0 for all other starts
 //! ```
 //!
-//! Where nothing else competes and nothing can hide a light, all of it happens [in place](in_place).
+//! Where nothing else competes it happens [in place](in_place), all but tracing what may be hidden.
 
 pub mod in_place;
 pub mod reference;

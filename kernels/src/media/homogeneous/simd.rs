@@ -104,12 +104,6 @@ impl HomogeneousX8 {
     pub fn mean_free_path(self) -> f32x8 {
         self.mean_free_path
     }
-
-    /// Free flight that a share `rest` of all flights outlasts, in (0, 1] `[m]`; endless in vacuum.
-    #[inline(always)]
-    pub fn flight(self, rest: f32x8) -> f32x8 {
-        neg_ln(rest) * self.mean_free_path
-    }
 }
 
 impl MediumX8 for HomogeneousX8 {

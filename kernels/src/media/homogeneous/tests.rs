@@ -5,6 +5,7 @@ use crate::media::reference::Medium as _;
 use crate::media::spectral::{Hues, largest};
 use crate::media::{Medium, MediumLanes, MediumX8};
 use crate::phase::PhaseFunction;
+use crate::transcendental::neg_ln;
 use crate::vec3::Vec3x8;
 use crate::{with_homogeneous, with_medium};
 
@@ -27,7 +28,8 @@ fn lanes_are_those_of_the_twin_in_every_channel() {
             let [from, to] = [from, to].map(Vec3x8::splat);
             let depth = lanes.optical_depth(from, to, f32x8::splat(5.0));
             let along = lanes.optical_depth_along(f32x8::splat(5.0), f32x8::ZERO);
-            [lanes.flight(f32x8::splat(0.25)), depth, along, lanes.extinction(from)].map(f32x8::to_array)
+            let flight = neg_ln(f32x8::splat(0.25)) * lanes.mean_free_path();
+            [flight, depth, along, lanes.extinction(from)].map(f32x8::to_array)
         });
         let [from, to] = [from, to].map(|v| DVec3::from(v.map(f64::from)));
         for row in 0..6 {
