@@ -1,7 +1,7 @@
 //! The connections of one bounce: light points, counts, chains, one technique after the other.
 
 use fogbow_kernels::columns::queues::Bucket;
-use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns};
+use fogbow_kernels::connect::buckets::{BuildColumns, CountColumns, LookBack, Since};
 use fogbow_kernels::connect::lis::{self, Connector, Lis};
 use fogbow_kernels::connect::nee::in_place::Tally;
 use fogbow_kernels::connect::{Chain, Connection, Technique};
@@ -111,7 +111,15 @@ impl Wavefront<'_> {
             T::count_kernel(&self.pipeline)(step, columns);
         });
         let candidates = &mut self.candidates.bridged;
-        candidates.len = self.buckets.sort(connections.len);
+        let since = if self.frame.techniques.look_back_near() {
+            Since::Near(&self.outlook)
+        } else if solid {
+            Since::Surface(last_surface)
+        } else {
+            Since::Birth
+        };
+        let look_back = LookBack { clock: self.step.clock, connections, paths, since };
+        candidates.len = self.buckets.sort(connections.len, |b| look_back.of(b));
         self.stats.run(T::BUILD, rows(candidates.len), || {
             let (buckets, chains) = (&self.buckets, &mut self.chains);
             let columns = BuildColumns {

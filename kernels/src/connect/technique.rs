@@ -159,6 +159,11 @@ impl Techniques {
         self.rows().map(|(_, row)| row.most_edges_near).max().unwrap_or(0)
     }
 
+    /// Whether weights look no farther back than to the first vertex near a light.
+    pub fn look_back_near(&self) -> bool {
+        self.near().is_finite() && self.most_edges() == 1
+    }
+
     /// Where they ask for phase functions.
     pub fn densities(&self) -> Densities {
         self.rows().map(|(_, row)| row.densities).max().unwrap_or(Densities::None)
