@@ -262,9 +262,15 @@ impl<P: PhaseX8> Batch<'_, P> {
         suffix: &mut Suffix<'_>,
         needed: usize,
     ) -> f32x8 {
-        let normal = last_surface.normal.gather(&self.lane_of);
         let mut outside = lanes::mask(lanes::ALL);
-        for a in 1..=needed.max(self.inserted + 1) {
+        let last = needed.max(self.inserted + 1);
+        suffix.vertices[1..=last].iter_mut().for_each(|vertex| vertex.on_surface = f32x8::ZERO);
+        let first = starts.first_on_surface();
+        if first > last {
+            return outside;
+        }
+        let normal = last_surface.normal.gather(&self.lane_of);
+        for a in first..=last {
             let vertex = &mut suffix.vertices[a];
             vertex.on_surface = starts.surface & lanes::as_mask(starts.most_edges.simd_eq(u32x8::splat(a as u32)));
             if !vertex.on_surface.any() {

@@ -52,6 +52,13 @@ impl Starts {
         lanes::as_integer_mask(self.live).select(self.fewest_edges, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
     }
 
+    /// The fewest edges to the light from a start on a surface; more than any path has if there is none.
+    #[inline(always)]
+    pub fn first_on_surface(&self) -> usize {
+        let on_surface = lanes::as_integer_mask(self.surface & self.live);
+        on_surface.select(self.most_edges, u32x8::splat(u32::MAX)).reduce_min().max(1) as usize
+    }
+
     /// The most edges to the light from a start of any row.
     #[inline(always)]
     pub fn most_edges(&self) -> usize {
