@@ -5,8 +5,8 @@
 //! T   = T * albedo
 //! ```
 //!
-//! 1. Triangles differ from row to row: corners, normals, which take f64, and albedos are fetched one by one, all else is
-//!    done eight at a time.
+//! 1. Triangles differ from row to row: corners, normals and albedos are fetched one by one, all else is done eight at a
+//!    time.
 
 use wide::{f32x8, u32x8};
 
@@ -85,7 +85,7 @@ impl Met {
     fn set(&mut self, i: usize, surfaces: &Surfaces, found: SurfaceHit) {
         let SurfaceHit { triangle, distance, second, third, .. } = found;
         let corners = surfaces.geometry().corners(triangle as usize);
-        let front = surface::normal(corners);
+        let front = surfaces.geometry().normal(triangle as usize, corners);
         let albedo = surfaces.albedo(&TriangleHit { triangle, distance, barycentric: [second, third] });
         self.black |= u32::from(albedo == [0.0; 3]) << i;
         self.one_sided |= u32::from(!surfaces.material(triangle).double_sided) << i;

@@ -9,7 +9,7 @@ use super::few::{around, ends};
 use super::nodes::Leaf;
 
 /// Most planes that are worth a look before the tree.
-const MOST: usize = 12;
+pub const MOST: usize = 12;
 /// Fewest triangles to a plane, in the mean. Where there are fewer, the tree's boxes say as much.
 const FEWEST: usize = 2;
 /// Most triangles among which planes are looked for.
@@ -20,7 +20,7 @@ const FLAT: f64 = 8.0 * f32::EPSILON as f64;
 const LEAN: f64 = 1e-3;
 
 /// Triangles in one plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Facet {
     /// Lower x, y, z, then upper x, y, z of the box around them `[m]`.
     pub planes: [f32; 6],
@@ -34,6 +34,8 @@ pub struct Facet {
     pub aspect: f32,
     /// Whether the box is flat: whatever reaches it crosses the plane.
     pub is_upright: bool,
+    /// Indices of the triangles in the table, in no order.
+    pub triangles: Vec<u32>,
 }
 
 impl Facet {
@@ -44,7 +46,8 @@ impl Facet {
         if count > SMALL {
             return Vec::new();
         }
-        let in_leaf = |leaf: &Leaf| (0..leaf.count()).map(|lane| Triangle::new(leaf.at(lane))).collect::<Vec<_>>();
+        let triangle = |leaf: &Leaf, lane| Triangle::new(leaf.at(lane), leaf.triangles.as_array()[lane]);
+        let in_leaf = |leaf: &Leaf| (0..leaf.count()).map(|lane| triangle(leaf, lane)).collect::<Vec<_>>();
         let mut triangles: Vec<_> = leaves.iter().flat_map(in_leaf).collect();
         // The plane of a large triangle is known best.
         triangles.sort_by(|a, b| b.area.total_cmp(&a.area));
@@ -71,10 +74,17 @@ impl Facet {
             margin: f32::MIN_POSITIVE,
             aspect: 0.0,
             is_upright: false,
+            triangles: Vec::new(),
         };
-        let mut facet = Self { offset: through_zero.distance(triangle.corners[0]) as f32, ..through_zero };
+        let offset = through_zero.distance(triangle.corners[0]) as f32;
+        let mut facet = Self { offset, ..through_zero };
         facet.add(triangle);
         facet
+    }
+
+    /// Memory in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&*self.triangles)
     }
 
     /// Signed distance of a point from the plane `[m]`.
@@ -95,6 +105,7 @@ impl Facet {
         self.margin = self.margin.max((off as f32).next_up());
         self.aspect = self.aspect.max(triangle.aspect() as f32);
         self.is_upright = (0..3).any(|axis| self.planes[axis] == self.planes[3 + axis]);
+        self.triangles.push(triangle.index);
     }
 }
 
@@ -107,14 +118,15 @@ struct Triangle {
     corners: [DVec3; 3],
     normal: DVec3,
     area: f64,
+    index: u32,
 }
 
 impl Triangle {
-    fn new(corners: [[f32; 3]; 3]) -> Self {
+    fn new(corners: [[f32; 3]; 3], index: u32) -> Self {
         let corners = corners.map(|corner| DVec3::from(corner.map(f64::from)));
         let [a, b, c] = corners;
         let across = (b - a).cross(c - a);
-        Self { corners, normal: across.normalize_or_zero(), area: 0.5 * across.length() }
+        Self { corners, normal: across.normalize_or_zero(), area: 0.5 * across.length(), index }
     }
 
     /// The square of its longest edge over its area.

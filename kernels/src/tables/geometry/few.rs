@@ -2,6 +2,7 @@
 
 use wide::f32x8;
 
+use super::facets::Facet;
 use super::nodes::{Leaf, Tree};
 
 /// Most triangles for which full lanes do without a tree. With more of them it is as fast (BENCHMARKS.md, *Few
@@ -15,6 +16,8 @@ pub struct Few {
     pub clusters: Vec<Cluster>,
     /// Size of the largest coordinate `[m]`.
     pub extent: f32,
+    /// The triangles of each [facet](super::Facet) by themselves; none where there are no facets, and in the parts.
+    pub parts: Vec<Self>,
 }
 
 /// Up to eight neighbours.
@@ -40,7 +43,15 @@ pub struct Triangle {
 impl Few {
     /// The triangles of a tree, however many.
     pub fn new(tree: &Tree) -> Self {
-        Self { clusters: tree.leaves.rows().iter().map(Cluster::new).collect(), extent: tree.extent }
+        let whole = Self::among(tree, |_| true);
+        let part = |facet: &Facet| Self::among(tree, |index| facet.triangles.contains(&index));
+        Self { parts: tree.facets.iter().map(part).collect(), ..whole }
+    }
+
+    /// Those of the triangles of a tree that are `kept`, by index.
+    fn among(tree: &Tree, kept: impl Fn(u32) -> bool) -> Self {
+        let clusters = tree.leaves.rows().iter().filter_map(|leaf| Cluster::new(leaf, &kept)).collect();
+        Self { clusters, extent: tree.extent, parts: Vec::new() }
     }
 
     /// The triangles of a tree if they are few.
@@ -51,15 +62,20 @@ impl Few {
 
     /// Memory in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.clusters) + self.clusters.iter().map(|c| size_of_val(&*c.triangles)).sum::<usize>()
+        let triangles: usize = self.clusters.iter().map(|cluster| size_of_val(&*cluster.triangles)).sum();
+        let parts: usize = self.parts.iter().map(|part| size_of_val(part) + part.bytes()).sum();
+        size_of_val(&*self.clusters) + triangles + parts
     }
 }
 
 impl Cluster {
-    fn new(leaf: &Leaf) -> Self {
-        let triangle = |lane: usize| Triangle::new(leaf.at(lane), leaf.triangles.to_array()[lane]);
-        let triangles: Vec<_> = (0..leaf.count()).map(triangle).collect();
-        Self { planes: around(triangles.iter().flat_map(|triangle| ends(triangle.planes))), triangles }
+    /// Those of a leaf that are `kept`, if there are any.
+    fn new(leaf: &Leaf, kept: impl Fn(u32) -> bool) -> Option<Self> {
+        let index = |lane: &usize| leaf.triangles.as_array()[*lane];
+        let lanes = (0..leaf.count()).filter(|lane| kept(index(lane)));
+        let triangles: Vec<_> = lanes.map(|lane| Triangle::new(leaf.at(lane), index(&lane))).collect();
+        let planes = around(triangles.iter().flat_map(|triangle| ends(triangle.planes)));
+        (!triangles.is_empty()).then_some(Self { planes, triangles })
     }
 }
 

@@ -8,7 +8,7 @@
 //! | nodes | 256 per 8 boxes and fewer, of which 7 are taken as a rule: about 9 |
 //!
 //! Together about 90 to 140 bytes ([`Geometry::bytes`] says how many); up to [`FEW`] triangles are there once more, without
-//! a tree. The corners in the leaves repeat the positions,
+//! a tree, and with their normals, which take f64 to find. The corners in the leaves repeat the positions,
 //! so that a ray meets eight triangles without a gather; the indexed ones serve shading.
 
 mod build;
@@ -19,10 +19,12 @@ mod groups;
 mod nodes;
 mod pages;
 
-pub use facets::Facet;
+pub use facets::{Facet, MOST as MOST_FACETS};
 pub use few::{Cluster, FEW, Few, Triangle};
 pub use nodes::{Child, DEPTH, Leaf, Node, Tree};
 pub use pages::Pages;
+
+use crate::trace::surface;
 
 /// All triangles of the scene, by index.
 #[derive(Clone, Debug)]
@@ -31,6 +33,8 @@ pub struct Geometry {
     corners: Vec<[u32; 3]>,
     tree: Tree,
     few: Option<Few>,
+    /// Unit normals of few triangles.
+    normals: Vec<[f32; 3]>,
 }
 
 /// Where a ray meets a triangle.
@@ -55,7 +59,9 @@ impl Geometry {
     pub fn new(positions: Vec<[f32; 3]>, corners: Vec<[u32; 3]>) -> Self {
         let tree = build::tree(&positions, &corners);
         let few = Few::of(&tree);
-        Self { positions, corners, tree, few }
+        let normal = |corners: &[u32; 3]| surface::normal(corners.map(|corner| positions[corner as usize]));
+        let normals = if few.is_some() { corners.iter().map(normal).collect() } else { Vec::new() };
+        Self { positions, corners, tree, few, normals }
     }
 
     /// Number of triangles.
@@ -78,6 +84,12 @@ impl Geometry {
     #[inline(always)]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
         self.corners[i].map(|corner| self.positions[corner as usize])
+    }
+
+    /// [Unit normal](surface::normal) of triangle `i`, whose corners these are.
+    #[inline(always)]
+    pub fn normal(&self, i: usize, corners: [[f32; 3]; 3]) -> [f32; 3] {
+        self.normals.get(i).copied().unwrap_or_else(|| surface::normal(corners))
     }
 
     /// Lower and upper corner of the box around all triangles that have an area `[m]`; `None` where there is none.
@@ -103,7 +115,8 @@ impl Geometry {
             + size_of_val(&*self.corners)
             + size_of_val(self.tree.nodes.rows())
             + size_of_val(self.tree.leaves.rows())
-            + size_of_val(&*self.tree.facets)
+            + self.tree.facets.iter().map(Facet::bytes).sum::<usize>()
             + self.few.as_ref().map_or(0, Few::bytes)
+            + size_of_val(&*self.normals)
     }
 }
