@@ -7,6 +7,7 @@ use fogbow::reference;
 use fogbow::stats::Stats;
 use fogbow::wavefront::{Candidates, Wavefront};
 use fogbow_avx512::Avx512;
+use fogbow_kernels::extend;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage, WIDEST};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::agreement::assert_whole_paths_agree;
@@ -119,6 +120,22 @@ fn the_widest_registers_change_no_bit() {
             assert!(eight == widest, "{name}, {lanes} lanes: another image");
         }
     }
+}
+
+/// Where triangles lie in few planes, rays look for these row by row, and wait by the plane.
+#[test]
+fn rays_among_few_planes_meet_what_they_meet_eight_at_a_time() {
+    let size = [24, 24];
+    let by_eight = Pipeline { extend: extend::simd::run_by_eight, ..SIMD };
+    let mut flat = 0;
+    for (name, frame) in frames::variety(size) {
+        flat += usize::from(!frame.surfaces.geometry().tree().facets.is_empty());
+        for lanes in [8, 136] {
+            let [eight, rows] = [&by_eight, &SIMD].map(|pipeline| first_samples(&frame, pipeline, lanes, size));
+            assert!(eight == rows, "{name}, {lanes} lanes: another image");
+        }
+    }
+    assert!(flat > 1, "{flat} scenes have few planes");
 }
 
 /// Nobody asks whether the disks of a wall hide each other, but the scalar integrator does.

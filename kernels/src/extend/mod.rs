@@ -1,7 +1,9 @@
 //! Rays against lights and surfaces: what each path meets before its flight ends.
 
-pub mod open;
+mod flat;
+mod open;
 pub mod reference;
+mod rows;
 pub mod simd;
 
 use crate::Step;
@@ -32,7 +34,7 @@ pub struct Columns<'a, 'q> {
     pub on_surface: &'a mut LaneSet<'q>,
     /// Filled, in lane order.
     pub hits: &'a mut HitQueue<'q>,
-    /// Filled, in lane order.
+    /// Filled, in any order.
     pub surface_hits: &'a mut SurfaceHitQueue<'q>,
 }
 

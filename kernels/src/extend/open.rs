@@ -13,7 +13,7 @@ use core::ops::Range;
 use wide::{f32x8, u32x8};
 
 use super::Columns;
-use crate::columns::View3;
+use super::rows::Beams;
 use crate::columns::queues::{HitBatch, HitQueue};
 use crate::lanes::{LANES, LaneSet, STRETCH};
 use crate::real::Real;
@@ -32,28 +32,13 @@ pub fn suffices(lights: &Lights, surfaces: &Surfaces) -> bool {
 pub fn extend(step: Step, columns: Columns<'_, '_>) {
     let Columns { lights, live, paths, vertex, ray, flight, on_surface, hits, .. } = columns;
     on_surface.clear();
-    let mut found = Found { body: [u32x8::splat(0); STRETCH], distance: [f32x8::ZERO; STRETCH] };
+    let mut found = Found::new();
     for batches in live.each_stretch() {
-        let beams = Beams {
-            clock: step.clock,
-            birth: paths.birth.stretch::<f32>(batches.clone()),
-            origin: vertex.position.stretch(batches.clone()),
-            direction: ray.direction.stretch(batches.clone()),
-            flight: flight.stretch::<f32>(batches.clone()),
-        };
+        let beams = Beams::new(step, batches.clone(), paths, vertex, ray, flight);
         if beams.meet(lights.bodies(), &mut found) {
             list(&beams, batches, live, &found, hits);
         }
     }
-}
-
-/// Rays on their way.
-struct Beams<'a> {
-    clock: u32,
-    birth: &'a [u32],
-    origin: View3<'a, f32>,
-    direction: View3<'a, f32>,
-    flight: &'a [f32],
 }
 
 /// What they meet.
@@ -64,13 +49,20 @@ struct Found {
     distance: [f32x8; STRETCH],
 }
 
-impl Beams<'_> {
-    /// Where the flight of a row ends: nowhere, if it leaves the camera.
-    #[inline(always)]
-    fn end(&self, i: usize) -> f32 {
-        if self.birth[i] == self.clock { f32::INFINITY } else { self.flight[i] }
+impl Found {
+    fn new() -> Self {
+        Self { body: [u32x8::splat(0); STRETCH], distance: [f32x8::ZERO; STRETCH] }
     }
 
+    /// The rays of batch `k` of the stretch that meet anything, as bits.
+    #[inline(always)]
+    fn met(&self, beams: &Beams<'_>, k: usize) -> u32 {
+        let end = f32x8::new(core::array::from_fn(|i| beams.end(k * LANES + i)));
+        lanes::bits(self.distance[k].simd_lt(end))
+    }
+}
+
+impl Beams<'_> {
     /// The nearest bodies, and whether any ray meets one.
     #[inline(always)]
     fn meet(&self, bodies: &[Emitter], found: &mut Found) -> bool {
@@ -113,8 +105,7 @@ impl Beams<'_> {
 #[inline(never)]
 fn list(beams: &Beams<'_>, batches: Range<usize>, live: &LaneSet<'_>, found: &Found, hits: &mut HitQueue<'_>) {
     for (k, b) in batches.enumerate() {
-        let end = f32x8::new(core::array::from_fn(|i| beams.end(k * LANES + i)));
-        let met = lanes::bits(found.distance[k].simd_lt(end)) & live.batch(b);
+        let met = found.met(beams, k) & live.batch(b);
         hits.push_batch(met, HitBatch { lane: lanes::indices(b), emitter: found.body[k], distance: found.distance[k] });
     }
 }

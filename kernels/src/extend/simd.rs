@@ -8,18 +8,19 @@
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
-//! 3. Rays that are near one of few surfaces wait until they are eight ([`Waiting`]). A batch of which any ray has met a
-//!    light, or goes on to infinity, does not wait, nor do others where triangles shine.
+//! 3. Flights that are near one of few surfaces wait until they are eight ([`Waiting`]). A batch of which any ray has met
+//!    a light, or goes on to infinity, does not wait, nor do others where triangles shine.
 //! 4. In fog most batches meet nothing, and have nothing to list. Few lights in nothing but fog are met row by row
-//!    ([`open`]).
+//!    ([`open`]), and so are few planes ([`flat`]).
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
 use fogbow_avx512::Avx512;
 use wide::{f32x8, u32x8};
 
-use super::{Columns, open};
-use crate::columns::View3;
+use super::{Columns, flat, open};
+use crate::columns::paths::{RayColumns, VertexColumns};
 use crate::columns::queues::{Hit, HitBatch, HitQueue, SurfaceHitBatch, SurfaceHitQueue};
+use crate::columns::{Column, View3};
 use crate::lanes::{LANES, LaneSet};
 use crate::tables::lights::{FAR, Lights};
 use crate::trace::bodies::{self, Nearest};
@@ -32,6 +33,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     if open::suffices(columns.lights, columns.surfaces) {
         return open::extend(step, columns);
     }
+    match flat::triangles(columns.lights, columns.surfaces) {
+        Some(few) => flat::extend(step, columns, few),
+        None => run_by_eight(step, columns),
+    }
+}
+
+/// The same, eight rows at a time, whatever there is.
+pub fn run_by_eight(step: Step, columns: Columns<'_, '_>) {
     let geometry = columns.surfaces.geometry();
     match (geometry.few(), columns.lights.tree().is_some()) {
         (Some(few), false) => run_with::<false, _>(few, step, columns),
@@ -43,10 +52,17 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
 
 /// The same, for the widest registers that there are.
 pub fn run_widest(step: Step, columns: Columns<'_, '_>) {
-    match Avx512::detect().filter(|_| open::suffices(columns.lights, columns.surfaces)) {
-        Some(avx512) => avx512.run(
+    let Some(avx512) = Avx512::detect() else { return run(step, columns) };
+    if open::suffices(columns.lights, columns.surfaces) {
+        return avx512.run(
             #[inline(always)]
             || open::extend(step, columns),
+        );
+    }
+    match flat::triangles(columns.lights, columns.surfaces) {
+        Some(few) => avx512.run(
+            #[inline(always)]
+            || flat::extend(step, columns, few),
         ),
         None => run(step, columns),
     }
@@ -59,8 +75,9 @@ fn run_with<const MANY: bool, S: Search>(search: &S, step: Step, columns: Column
     on_surface.clear();
     let n = live.batches();
     let (origins, directions) = (vertex.position.view(n), ray.direction.view(n));
+    let flights = Flights { vertex, ray, flight };
     let (birth, flight) = (paths.birth.view(n), flight.view(n));
-    let mut waiting = Waiting::new();
+    let mut waiting = Waiting::default();
     for (b, live) in live.each_batch() {
         let (origin, direction) = (origins.at(b), directions.at(b));
         let at_camera = lanes::as_mask(birth[b].simd_eq(u32x8::splat(step.clock)));
@@ -85,15 +102,11 @@ fn run_with<const MANY: bool, S: Search>(search: &S, step: Step, columns: Column
             let beams = Beams { b, origin, direction, flight: flight[b], at_camera: lanes::bits(at_camera) };
             if S::WAITS && (found.bits | found.open) == 0 && !lights.has_meshes() {
                 // Nothing but surfaces ends these flights.
-                let rays = Rays { origin, direction, max: flight[b] };
-                waiting.add(&rays, lanes::indices(b), may_meet(surfaces.geometry(), &rays, live));
-                if let Some(waited) = waiting.full() {
-                    listed.settle(search, &waited);
+                let rays = flights.batch(b);
+                if let Some(waited) = waiting.add(b, may_meet(surfaces.geometry(), &rays, live)) {
+                    listed.push_waited(&waited, &search.closest(&flights.gather(&waited.lane), waited.live));
                 }
                 continue;
-            }
-            if let Some(waited) = waiting.rest() {
-                listed.settle(search, &waited);
             }
             beams.trace(search, lights, live, &mut found, &mut listed);
         }
@@ -105,7 +118,8 @@ fn run_with<const MANY: bool, S: Search>(search: &S, step: Step, columns: Column
         hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter, distance });
     }
     if let Some(waited) = waiting.rest() {
-        Listed { on_surface, surface_hits }.settle(search, &waited);
+        let hits = search.closest(&flights.gather(&waited.lane), waited.live);
+        Listed { on_surface, surface_hits }.push_waited(&waited, &hits);
     }
 }
 
@@ -198,21 +212,59 @@ impl Beams {
     }
 }
 
+/// All flights.
+pub(super) struct Flights<'a, 'q> {
+    pub vertex: &'a VertexColumns<'q>,
+    pub ray: &'a RayColumns<'q>,
+    pub flight: &'a Column<'q, f32>,
+}
+
+impl Flights<'_, '_> {
+    #[inline(always)]
+    pub fn batch(&self, b: usize) -> Rays {
+        let Self { vertex, ray, flight } = self;
+        Rays { origin: vertex.position.batch(b), direction: ray.direction.batch(b), max: flight.batch(b) }
+    }
+
+    #[inline(always)]
+    pub fn gather(&self, lane: &[u32; LANES]) -> Rays {
+        let Self { vertex, ray, flight } = self;
+        Rays { origin: vertex.position.gather(lane), direction: ray.direction.gather(lane), max: flight.gather(lane) }
+    }
+}
+
+/// Traces batch `b` of `rays`, which are bounded by their flights and of which some have met a body, some are at the
+/// camera: lists all that they meet.
+#[inline(never)]
+pub(super) fn trace_batch(
+    search: &impl Search,
+    lights: &Lights,
+    (b, live, at_camera): (usize, u32, u32),
+    rays: &Rays,
+    (met, body, distance): (u32, u32x8, f32x8),
+    listed: &mut Listed<'_, '_>,
+    hits: &mut HitQueue<'_>,
+) {
+    let distance = lanes::mask(met).select(distance, f32x8::splat(f32::INFINITY));
+    let mut found = Found { bits: met, open: 0, emitter: body.to_array(), distance: distance.to_array() };
+    let Rays { origin, direction, max: flight } = *rays;
+    Beams { b, origin, direction, flight, at_camera }.trace(search, lights, live, &mut found, listed);
+    hits.push_batch(found.bits, HitBatch { lane: lanes::indices(b), emitter: body, distance });
+}
+
 /// Flights that end on surfaces.
-struct Listed<'a, 'q> {
-    on_surface: &'a mut LaneSet<'q>,
-    surface_hits: &'a mut SurfaceHitQueue<'q>,
+pub(super) struct Listed<'a, 'q> {
+    pub on_surface: &'a mut LaneSet<'q>,
+    pub surface_hits: &'a mut SurfaceHitQueue<'q>,
 }
 
 impl Listed<'_, '_> {
-    /// Lists those of rays that have waited.
+    /// Lists those of flights that have waited.
     #[inline(always)]
-    fn settle(&mut self, search: &impl Search, waited: &Waited) {
-        let hits = search.closest(&waited.rays, waited.live);
+    pub(super) fn push_waited(&mut self, waited: &Waited, hits: &Hits) {
         let met = lanes::bits(hits.met);
-        let lane = waited.lane.to_array();
-        lanes::each(met).for_each(|i| self.on_surface.insert(lane[i] as usize));
-        self.push(waited.lane, met, &hits);
+        lanes::each(met).for_each(|i| self.on_surface.insert(waited.lane[i] as usize));
+        self.push(u32x8::new(waited.lane), met, hits);
     }
 
     #[inline(always)]

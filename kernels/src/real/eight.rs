@@ -16,6 +16,7 @@ impl Real for f32x8 {
         fn mul_sub(self, a, b) -> Self;
         fn mul_neg_add(self, a, b) -> Self;
         fn sqrt(self) -> Self;
+        fn abs(self) -> Self;
         fn copysign(self, sign) -> Self;
         fn fast_max(self, other) -> Self;
         fn fast_min(self, other) -> Self;

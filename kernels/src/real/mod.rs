@@ -55,6 +55,8 @@ pub trait Real:
     fn mul_neg_add(self, a: Self, b: Self) -> Self;
     /// The square root, rounded once.
     fn sqrt(self) -> Self;
+    /// Its magnitude.
+    fn abs(self) -> Self;
     /// Its magnitude with the sign of another number.
     fn copysign(self, sign: Self) -> Self;
     /// The larger of two numbers; the second, if one is none.

@@ -15,6 +15,7 @@ impl Real for f32 {
 
     its_own! {
         fn sqrt(self) -> Self;
+        fn abs(self) -> Self;
         fn copysign(self, sign) -> Self;
     }
 

@@ -32,9 +32,11 @@ pub(super) fn near(geometry: &Geometry, rays: &Rays, live: u32) -> Option<(u32, 
     if tree.leaves.rows().is_empty() {
         return None;
     }
-    let reach = Reach::new(rays, tree.extent);
+    let Rays { origin, direction, max } = *rays;
+    let reach = Reach::new(origin, direction, max, tree.extent);
     if !tree.facets.is_empty() {
-        let bits = live & reach.crosses_any(rays, &tree.facets);
+        let crosses = |facet| reach.crosses(origin, direction, max, facet);
+        let bits = live & lanes::bits(tree.facets.iter().fold(f32x8::ZERO, |any, facet| any | crosses(facet)));
         return (bits != 0).then(|| (bits, Slabs::new(rays, tree.extent)));
     }
     let reached = live & over_boxes(tree, |planes| lanes::bits(reach.overlaps(planes)));

@@ -69,14 +69,15 @@ struct Among<'a> {
     sights: &'a Sights<'a>,
     /// Those that look for anything, as a mask.
     live: f32x8,
-    reach: Reach,
+    reach: Reach<f32x8>,
 }
 
 impl<'a> Among<'a> {
     #[inline(always)]
     fn new(few: &Few, sights: &'a Sights<'a>, live: u32) -> Self {
         let live = lanes::mask(live) & sights.views.directed;
-        Self { sights, live, reach: Reach::new(sights.rays, few.extent) }
+        let Rays { origin, direction, max } = *sights.rays;
+        Self { sights, live, reach: Reach::new(origin, direction, max, few.extent) }
     }
 
     /// Whether any ray reaches the box around neighbours. One triangle is no neighbour.

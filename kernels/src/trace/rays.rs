@@ -9,7 +9,8 @@ use wide::{f32x8, u32x8};
 
 use super::Ray;
 use super::ray::{LEAST, Line, Ready, VIEWS, WIDENING};
-use crate::vec3::Vec3x8;
+use crate::real::Real;
+use crate::vec3::{Vec3, Vec3x8};
 
 /// Eight rays: the points `origin + t direction` for t in `(0, max)`.
 #[derive(Clone, Copy, Debug)]
@@ -146,11 +147,11 @@ impl<'a> Sights<'a> {
 
 /// Size of the largest component.
 #[inline(always)]
-pub(super) fn largest(v: Vec3x8) -> f32x8 {
+pub(super) fn largest<F: Real>(v: Vec3<F>) -> F {
     v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs())
 }
 
 #[inline(always)]
-pub(super) fn by_axis(v: Vec3x8) -> [f32x8; 3] {
+pub(super) fn by_axis<F: Real>(v: Vec3<F>) -> [F; 3] {
     [v.x, v.y, v.z]
 }

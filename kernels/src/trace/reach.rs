@@ -1,4 +1,4 @@
-//! How far eight rays reach, and which boxes that is far from.
+//! How far rays reach, and which boxes that is far from.
 //!
 //! ```text
 //! a ray is between o and e = o + max d along every axis, so that it is in no box with
@@ -21,72 +21,66 @@
 //! S^2 / A). A triangle of a facet may be off its plane by the margin, and lean out of it by as much over its height: we
 //! allow 2 margin (1 + S^2 / A).
 
-use wide::f32x8;
-
-use super::rays::{Rays, by_axis, largest};
-use crate::lanes;
+use super::rays::{by_axis, largest};
+use crate::real::{Mask, Real};
 use crate::tables::geometry::Facet;
-use crate::vec3::Vec3x8;
+use crate::vec3::Vec3;
 
 /// How much wider reaches are than what is between the ends of rays, in units of the largest coordinates.
 const WIDENING: f32 = 12.0 * f32::EPSILON;
 /// How far from its plane a triangle may meet rays, in units of L (1 + S^2 / A): 32 u.
 const SLACK: f32 = 16.0 * f32::EPSILON;
 
-/// The boxes around eight rays, up to their bounds.
-pub struct Reach {
+/// The boxes around a ray, or around eight, up to their bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach<F> {
     /// Lower x, y and z `[m]`.
-    lower: [f32x8; 3],
+    pub lower: [F; 3],
     /// Upper x, y and z `[m]`.
-    upper: [f32x8; 3],
+    pub upper: [F; 3],
     /// L: how large coordinates are `[m]`.
-    scale: f32x8,
+    pub scale: F,
 }
 
-impl Reach {
-    /// Of rays among boxes whose coordinates have sizes of up to `extent`.
+impl<F: Real> Reach<F> {
+    /// Of the points `origin + t direction`, t up to `max`, among boxes whose coordinates have sizes of up to `extent`.
     #[inline(always)]
-    pub fn new(rays: &Rays, extent: f32) -> Self {
-        let scale = f32x8::splat(extent) + largest(rays.origin);
-        let widening = f32x8::splat(WIDENING) * scale;
-        let (origin, direction) = (by_axis(rays.origin), by_axis(rays.direction));
+    pub fn new(origin: Vec3<F>, direction: Vec3<F>, max: F, extent: f32) -> Self {
+        let scale = F::splat(extent) + largest(origin);
+        let widening = F::splat(WIDENING) * scale;
+        let (origin, direction) = (by_axis(origin), by_axis(direction));
         let ends = |axis: usize| {
             let (o, d) = (origin[axis], direction[axis]);
             // Across an axis even an endless ray gets nowhere.
-            let e = d.simd_eq(f32x8::ZERO).select(o, rays.max.mul_add(d, o));
+            let e = d.abs().simd_le(F::ZERO).select(o, max.mul_add(d, o));
             [o.fast_min(e) - widening, o.fast_max(e) + widening]
         };
         let [x, y, z] = [ends(0), ends(1), ends(2)];
         Self { lower: [x[0], y[0], z[0]], upper: [x[1], y[1], z[1]], scale }
     }
 
-    /// The rays that reach the box with these lower and upper planes, as a mask.
+    /// The rays that reach the box with these lower and upper planes.
     #[inline(always)]
-    pub fn overlaps(&self, planes: &[f32; 6]) -> f32x8 {
-        let begins = |axis: usize| self.lower[axis].simd_le(f32x8::splat(planes[3 + axis]));
-        let ends = |axis: usize| self.upper[axis].simd_ge(f32x8::splat(planes[axis]));
+    pub fn overlaps(&self, planes: &[f32; 6]) -> F::Mask {
+        let begins = |axis: usize| self.lower[axis].simd_le(F::splat(planes[3 + axis]));
+        let ends = |axis: usize| F::splat(planes[axis]).simd_le(self.upper[axis]);
         begins(0) & ends(0) & begins(1) & ends(1) & begins(2) & ends(2)
     }
 
-    /// The `rays` that reach any of the facets, and do not stay on one side of its plane, as bits.
+    /// The rays that reach a facet, and do not stay on one side of its plane; they are those of [`Self::new`].
     #[inline(always)]
-    pub fn crosses_any(&self, rays: &Rays, facets: &[Facet]) -> u32 {
-        lanes::bits(facets.iter().fold(f32x8::ZERO, |all, facet| all | self.crosses(rays, facet)))
-    }
-
-    /// The same for one of them, as a mask.
-    #[inline(always)]
-    fn crosses(&self, rays: &Rays, facet: &Facet) -> f32x8 {
+    pub fn crosses(&self, origin: Vec3<F>, direction: Vec3<F>, max: F, facet: &Facet) -> F::Mask {
+        let overlaps = self.overlaps(&facet.planes);
         if facet.is_upright {
-            return self.overlaps(&facet.planes);
+            return overlaps;
         }
-        let normal = Vec3x8::splat(facet.normal);
-        let from = normal.dot(rays.origin) - f32x8::splat(facet.offset);
-        let to = rays.max.mul_add(normal.dot(rays.direction), from);
+        let normal = Vec3::splat(facet.normal);
+        let from = normal.dot(origin) - F::splat(facet.offset);
+        let to = max.mul_add(normal.dot(direction), from);
         let wide = 1.0 + facet.aspect;
-        let slack = f32x8::splat(SLACK * wide).mul_add(self.scale, f32x8::splat(2.0 * wide * facet.margin));
-        let above = from.simd_gt(slack) & to.simd_gt(slack);
+        let slack = F::splat(SLACK * wide).mul_add(self.scale, F::splat(2.0 * wide * facet.margin));
+        let above = slack.simd_lt(from) & slack.simd_lt(to);
         let below = from.simd_lt(-slack) & to.simd_lt(-slack);
-        self.overlaps(&facet.planes) & !(above | below)
+        overlaps & !(above | below)
     }
 }

@@ -2,6 +2,7 @@
 
 use fogbow_kernels::lanes::{self, LANES};
 use fogbow_kernels::tables::geometry::{Few, Geometry, TriangleHit};
+use fogbow_kernels::trace::reach::Reach;
 use fogbow_kernels::trace::{self, Hits, OneByOne, Ray, Rays, Search};
 use fogbow_kernels::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
@@ -56,6 +57,7 @@ pub fn assert_same_both_ways(name: &str, geometry: &Geometry, rays: &[Ray]) {
         let (batch, live) = batch(rays, order, POISON[i % POISON.len()]);
         assert_same(&format!("{name}, without a tree"), geometry, &few, rays, (&batch, live, order));
         assert_same(&format!("{name}, one by one"), geometry, &OneByOne(geometry), rays, (&batch, live, order));
+        assert_same_by_facet(name, geometry, &few, rays, (&batch, live, order));
         assert_same_hidden(name, geometry, rays, (&batch, live, order));
     }
 }
@@ -77,6 +79,30 @@ fn assert_same(
     let near = trace::may_meet(geometry, batch, live);
     assert_eq!(near & !live, 0, "{name}: dead lanes are near something");
     assert_eq!(lanes::bits(hits.met) & !near, 0, "{name}: near {near:08b}, but {hits:?}, of {rays:?}");
+}
+
+/// Asserts that rays which are near one facet alone hit there what they hit anywhere.
+fn assert_same_by_facet(
+    name: &str,
+    geometry: &Geometry,
+    few: &Few,
+    rays: &[Ray],
+    (batch, live, order): (&Rays, u32, Order),
+) {
+    let (facets, Rays { origin, direction, max }) = (&geometry.tree().facets, *batch);
+    assert_eq!(few.parts.len(), facets.len(), "{name}");
+    let reach = Reach::new(origin, direction, max, few.extent);
+    let near: Vec<_> =
+        facets.iter().map(|facet| live & lanes::bits(reach.crosses(origin, direction, max, facet))).collect();
+    for (k, part) in few.parts.iter().enumerate() {
+        let others = (0..near.len()).filter(|other| *other != k).fold(0, |all, other| all | near[other]);
+        let alone = near[k] & !others;
+        let hits = part.closest(batch, alone);
+        for (place, ray) in rays.iter().enumerate().filter(|(place, _)| alone >> order[*place] & 1 == 1) {
+            let (found, expected) = (hit(&hits, order[place]), trace::closest(geometry, ray));
+            assert_eq!(bits(found), bits(expected), "{name}: {found:?} in facet {k} for {expected:?} on {ray:?}");
+        }
+    }
 }
 
 /// Asserts that of eight rays those hit anything, and anything but the closest, that do so alone.

@@ -82,7 +82,7 @@ pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
     check_queue("extend", &hits_both, &[("distance", tolerances::DISTANCE)]);
     let met =
         [("distance", tolerances::DISTANCE), ("second", tolerances::BARYCENTRIC), ("third", tolerances::BARYCENTRIC)];
-    check_queue("extend", &surface_hits_both, &met);
+    check_rows("extend", &surface_hits_both, &met);
     for (found, listed) in [(&on_surface_both.0, &surface_hits_both.0), (&on_surface_both.1, &surface_hits_both.1)] {
         for lane in lanes(live) {
             if found.contains(lane) != listed.indices("lane").contains(&(lane as u32)) {
