@@ -6,8 +6,8 @@
 //! closest hits of those that are left are looked for in one of two ways, which is chosen once, outside the loop
 //! ([`Search`]):
 //!
-//! - **Few triangles** meet eight rays each ([`few`]), which wait until they are eight ([`waiting`]), by the plane that
-//!   they cross if it is one: lanes are full, and nothing has to be found.
+//! - **Few triangles** meet eight rays each ([`few`]), which wait until they are eight ([`waiting`]), in a pile for each
+//!   plane where everything lies in few: lanes are full, and nothing has to be found.
 //! - **Many triangles** are in a tree. Rays of a scattering medium are short and point everywhere, so neighbours in a
 //!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time.
 //!
