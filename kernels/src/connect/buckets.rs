@@ -195,6 +195,6 @@ mod tests {
         assert_eq!(sorted(&|_| 99), in_sequence);
         let nearest_first = [vec![5, 1], vec![], vec![12, 11, 10, 9, 8, 7, 6, 0, 3], vec![4]];
         // The first rows look back farther than there are parts.
-        assert_eq!(sorted(&|row| 20 - row as u32), nearest_first);
+        assert_eq!(sorted(&|row| 19 - row as u32), nearest_first);
     }
 }
