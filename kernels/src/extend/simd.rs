@@ -11,7 +11,7 @@
 //! 3. Flights that are near one of few surfaces wait until they are eight ([`Waiting`]). A batch of which any ray has met
 //!    a light, or goes on to infinity, does not wait, nor do others where triangles shine.
 //! 4. In fog most batches meet nothing, and have nothing to list. Few lights in nothing but fog are met row by row
-//!    ([`open`]), and so are few planes ([`flat`]).
+//!    (`open`), and so are few planes (`flat`).
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
 use fogbow_avx512::Avx512;
