@@ -42,7 +42,7 @@ pub(super) fn extend(step: Step, columns: Columns<'_, '_>, few: &Few) {
     on_surface.clear();
     let facets = &surfaces.geometry().tree().facets;
     let bodies = lights.bodies();
-    let extent = bodies.iter().flat_map(around).fold(few.extent, |extent, plane| extent.max(plane.abs()));
+    let extent = bodies.iter().flat_map(box_around).fold(few.extent, |extent, plane| extent.max(plane.abs()));
     let flights = Flights { vertex, ray, flight };
     let mut piles = Piles { few, flights: &flights, waiting: [Waiting::default(); PILES] };
     let mut listed = Listed { on_surface, surface_hits };
@@ -50,32 +50,54 @@ pub(super) fn extend(step: Step, columns: Columns<'_, '_>, few: &Few) {
     for batches in live.each_stretch() {
         let beams = Beams::new(step, batches.clone(), paths, vertex, ray, flight);
         near.find(&beams, facets, bodies, extent);
-        let first = batches.start * LANES;
-        let (mut waiting, mut count) = ([0; ROWS + LANES], 0);
-        for (k, b) in batches.enumerate() {
+        let mut to_wait = ToWait::new();
+        for (k, b) in batches.clone().enumerate() {
             let (live, marks) = (live.batch(b), near.marks[k]);
             if lanes::bits(lanes::as_mask(marks)) & live != 0 {
-                let at_camera = paths.birth.batch(b).simd_eq(u32x8::splat(step.clock));
-                let rays = flights.batch(b);
-                if meet_light(few, lights, (b, live), &rays, lanes::as_mask(at_camera), &mut listed, hits) {
+                let at_camera = lanes::as_mask(paths.birth.batch(b).simd_eq(u32x8::splat(step.clock)));
+                if meet_light(few, lights, (b, live), &flights.batch(b), at_camera, &mut listed, hits) {
                     continue;
                 }
             }
-            let planes = live & !lanes::equal(marks & u32x8::splat(!LIGHT), 0);
-            let packed = lanes::indices(b).shuffle(lanes::pack_order(planes));
-            waiting[count..count + LANES].copy_from_slice(packed.as_array());
-            count += planes.count_ones() as usize;
+            to_wait.add(b, live & !lanes::equal(marks & u32x8::splat(!LIGHT), 0));
         }
         let marks: &[u32] = bytemuck::cast_slice(&near.marks);
-        for lane in &waiting[..count] {
-            piles.add(*lane, marks[*lane as usize - first] & !LIGHT, &mut listed);
+        for lane in to_wait.lanes() {
+            piles.add(*lane, marks[*lane as usize - batches.start * LANES] & !LIGHT, &mut listed);
         }
     }
     piles.settle_rest(&mut listed);
 }
 
-/// The box around the ball of a body [m]: whatever meets it is in there, wherever rounding takes it.
-fn around(body: &Emitter) -> [f32; 6] {
+/// Flights of a stretch that are to wait. They are listed without a branch: a loop over those of a batch would end where
+/// no processor foresees it.
+struct ToWait {
+    count: usize,
+    lane: [u32; ROWS + LANES],
+}
+
+impl ToWait {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { count: 0, lane: [0; ROWS + LANES] }
+    }
+
+    /// Those of batch `b` in the set `bits`.
+    #[inline(always)]
+    fn add(&mut self, b: usize, bits: u32) {
+        let packed = lanes::indices(b).shuffle(lanes::pack_order(bits));
+        self.lane[self.count..self.count + LANES].copy_from_slice(packed.as_array());
+        self.count += bits.count_ones() as usize;
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> &[u32] {
+        &self.lane[..self.count]
+    }
+}
+
+/// The box around the ball of a body `[m]`: whatever meets it is in there, wherever rounding takes it.
+fn box_around(body: &Emitter) -> [f32; 6] {
     let reach = body.radius * (1.0 + 1e-4);
     let [[x, y, z], [u, v, w]] = [-reach, reach].map(|reach| body.origin.map(|center| center + reach));
     [x, y, z, u, v, w]
@@ -124,7 +146,7 @@ impl Near {
         reach_out(beams, extent, &mut self.reach);
         let marks: &mut [u32] = bytemuck::cast_slice_mut(&mut self.marks);
         mark_at_camera(beams, marks);
-        bodies.iter().for_each(|body| mark_within(&self.reach, &around(body), LIGHT, marks));
+        bodies.iter().for_each(|body| mark_within(&self.reach, &box_around(body), LIGHT, marks));
         for (k, facet) in facets.iter().enumerate() {
             if facet.is_upright {
                 mark_within(&self.reach, &facet.planes, 1 << k, marks);

@@ -34,7 +34,7 @@ pub struct Columns<'a, 'q> {
     pub on_surface: &'a mut LaneSet<'q>,
     /// Filled, in lane order.
     pub hits: &'a mut HitQueue<'q>,
-    /// Filled, in any order.
+    /// Filled, in any order, every lane once at most.
     pub surface_hits: &'a mut SurfaceHitQueue<'q>,
 }
 

@@ -83,6 +83,13 @@ pub(super) fn check_extend(step: Step, columns: extend::Columns<'_, '_>) {
     let met =
         [("distance", tolerances::DISTANCE), ("second", tolerances::BARYCENTRIC), ("third", tolerances::BARYCENTRIC)];
     check_rows("extend", &surface_hits_both, &met);
+    for listed in [&surface_hits_both.0, &surface_hits_both.1] {
+        let mut lanes = listed.indices("lane").to_vec();
+        lanes.sort_unstable();
+        if let Some(pair) = lanes.windows(2).find(|pair| pair[0] == pair[1]) {
+            fail("extend", pair[0] as usize, "    a flight ends on surfaces twice");
+        }
+    }
     for (found, listed) in [(&on_surface_both.0, &surface_hits_both.0), (&on_surface_both.1, &surface_hits_both.1)] {
         for lane in lanes(live) {
             if found.contains(lane) != listed.indices("lane").contains(&(lane as u32)) {
