@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::children::{has_signal, ignores_sighup, send};
-use super::support::{Folder, header, plane, program};
+use super::support::{Folder, Run, header, plane, program};
 
 /// How much slower a build without optimisation is.
 const SLOWNESS: u32 = if cfg!(debug_assertions) { 20 } else { 1 };
@@ -42,11 +42,12 @@ fn interrupted(child: Child) -> (Option<i32>, String, String) {
     ended_by("-INT", child)
 }
 
+/// Sends the signal, which is to end the child without a wait for what takes minutes or never comes.
+#[track_caller]
 pub fn ended_by(signal: &str, child: Child) -> (Option<i32>, String, String) {
     send(signal, &child);
-    let output = child.wait_with_output().expect("a child");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+    let run = Run::until_end(child, format!("a render that was sent {signal}"));
+    (run.code, run.stdout, run.stderr)
 }
 
 #[test]
@@ -84,17 +85,15 @@ fn ctrl_c_ends_a_render_of_unlimited_time() {
 }
 
 #[test]
-fn ctrl_c_does_not_wait_long_for_twins() {
+fn ctrl_c_does_not_wait_for_twins() {
     let folder = Folder::with_scene();
-    let long_paths = ["--set", "medium.scattering=3", "--max-segments", "60", "--technique", "nee"];
-    let flags = ["--samples", "1000000", "--size", "64x64", "--reference", "--progress", "none"];
-    let child = started(&folder, &[&flags[..], &long_paths].concat());
-    let start = Instant::now();
+    // One sample of every pixel takes the twins a quarter of an hour.
+    let slow = ["--set", "medium.scattering=30", "--max-segments", "300", "--technique", "bridge"];
+    let flags = ["--samples", "1000000", "--size", "256x256", "--reference", "--progress", "none"];
+    let child = started(&folder, &[&flags[..], &slow].concat());
     let (code, stdout, stderr) = interrupted(child);
     assert_eq!((code, stdout.as_str()), (Some(130), ""), "{stderr}");
-    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(6), "took {:?}", start.elapsed());
-    // Twins may not have finished a single sample by then.
-    assert!(folder.names() == ["scene.toml"] || folder.image("a.exr").width == 64);
+    assert!(folder.names() == ["scene.toml"] || plane(&folder.image("a.exr"), "N").contains(&0.0), "{stderr}");
 }
 
 #[test]
@@ -148,10 +147,8 @@ fn one_signal_ends_the_wait_for_a_reader() {
         make_pipe(&folder, "pipe");
         let child = started(&folder, &[flags, &["--progress", "none"]].concat());
         wait_for(&folder, "a.png");
-        let start = Instant::now();
         let (code, _, stderr) = ended_by("-TERM", child);
         assert_eq!(code, Some(143), "{stderr}");
-        assert!(start.elapsed() < SLOWNESS * Duration::from_secs(4), "took {:?}", start.elapsed());
         let error =
             "error: pipe: is a pipe that nobody had opened for reading when a signal came, so nothing was written\n";
         assert!(stderr.starts_with(error), "{stderr}");
@@ -183,10 +180,8 @@ fn a_signal_ends_a_long_preparation_at_once() {
     let child = program(&folder).args(flags).args(settings).spawn().expect("the program starts");
     wait_for_handlers(&child);
     sleep(SLOWNESS * Duration::from_millis(200));
-    let start = Instant::now();
     let (code, _, stderr) = ended_by("-TERM", child);
     assert_eq!(code, Some(143), "{stderr}");
-    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(3), "took {:?}", start.elapsed());
     assert!(stderr.contains("stopped before the first sample; nothing is written"), "{stderr}");
     assert!(!stderr.contains("are left out"), "nothing is known of it yet\n{stderr}");
 }
@@ -200,11 +195,9 @@ fn a_signal_ends_loading_at_once() {
         let child = program(&folder).args(["render", "pipe.toml"]).spawn().expect("the program starts");
         wait_for_handlers(&child);
         sleep(Duration::from_millis(100));
-        let start = Instant::now();
         let (code, stdout, stderr) = ended_by(signal, child);
         assert_eq!((code, stdout.as_str()), (Some(expected), ""), "{stderr}");
         assert_eq!(stderr, "stopped before the first sample; nothing is written\n");
-        assert!(start.elapsed() < SLOWNESS * Duration::from_secs(2), "took {:?}", start.elapsed());
         assert_eq!(folder.names(), ["pipe.toml"]);
     }
 }
@@ -255,18 +248,19 @@ fn a_signal_that_comes_twice_is_one() {
     }
 }
 
+/// Of a reader that has opened the pipe the program can't tell whether it will read on.
 #[test]
 fn a_second_signal_ends_it_at_once() {
     let folder = Folder::with_scene();
-    // A sample of a tile takes the twins seconds.
-    let slow = ["--set", "medium.scattering=30", "--max-segments", "300", "--technique", "bridge"];
-    let flags = ["--samples", "1000000", "--size", "64x64", "--reference", "--progress", "none"];
-    let child = started(&folder, &[&flags[..], &slow].concat());
+    make_pipe(&folder, "pipe");
+    // Larger than what a pipe holds.
+    let mut child = started(&folder, &["-o", "exr:pipe", "--samples", "1", "--size", "200x200", "--progress", "none"]);
+    let pipe = std::fs::File::open(folder.path("pipe")).expect("a pipe");
     send("-TERM", &child);
     // The first of them may be sent twice.
     sleep(Duration::from_millis(1500));
-    let start = Instant::now();
+    assert_eq!(child.try_wait().expect("a child"), None, "the first waits for the reader");
     let (code, ..) = ended_by("-TERM", child);
     assert_eq!(code, Some(143));
-    assert!(start.elapsed() < SLOWNESS * Duration::from_secs(2), "took {:?}", start.elapsed());
+    drop(pipe);
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 #[cfg(unix)]
 use std::sync::{Arc, Once, atomic::AtomicBool};
 use std::thread;
@@ -179,7 +179,12 @@ impl Run {
     /// Runs `command`, whose outputs are pipes, to its end.
     #[track_caller]
     pub fn of(command: &mut Command) -> Self {
-        let mut child = command.spawn().expect("the program starts");
+        Self::until_end(command.spawn().expect("the program starts"), format!("{command:?}"))
+    }
+
+    /// Waits for the end of `child`, whose outputs are pipes, as long as no run here takes.
+    #[track_caller]
+    pub fn until_end(mut child: Child, command: String) -> Self {
         let (stdout, stderr) = (drain(child.stdout.take()), drain(child.stderr.take()));
         let start = Instant::now();
         let status = loop {
@@ -188,13 +193,12 @@ impl Run {
             }
             if start.elapsed() > PATIENCE {
                 child.kill().expect("a child");
-                panic!("{command:?} hangs");
+                panic!("{command} hangs");
             }
             thread::sleep(Duration::from_millis(1));
         };
         let text = |thread: thread::JoinHandle<String>| thread.join().expect("a reader");
-        let run =
-            Self { command: format!("{command:?}"), code: status.code(), stdout: text(stdout), stderr: text(stderr) };
+        let run = Self { command, code: status.code(), stdout: text(stdout), stderr: text(stderr) };
         assert!(!run.stderr.contains("panicked"), "{run}");
         run
     }
