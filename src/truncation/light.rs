@@ -21,6 +21,10 @@ pub struct Light {
     sees_far: bool,
     /// What becomes of the longest.
     fate: Fate,
+    /// Whether enough was found to say anything at all.
+    is_sound: bool,
+    /// Whether there is an end to it in sight.
+    is_known: bool,
     /// That of all looks together.
     all: Beyond,
     /// The same without each of them.
@@ -30,8 +34,12 @@ pub struct Light {
 impl Light {
     /// Of `short` up to the length to which it goes, of `long` from there on.
     pub fn new(short: &[Vec<f64>], long: &[Vec<f64>], fate: Fate) -> Self {
+        Self::joined(short, long, true, fate)
+    }
+
+    fn joined(short: &[Vec<f64>], long: &[Vec<f64>], sees_far: bool, fate: Fate) -> Self {
         let join = |(short, long): (&Vec<f64>, &Vec<f64>)| [short, &long[short.len()..]].concat();
-        Self::of(short.iter().zip(long).map(join).collect(), true, fate)
+        Self::of(short.iter().zip(long).map(join).collect(), sees_far, fate)
     }
 
     /// The same where either may miss what the other sees: up to that length it is, of every doubling, that of those who
@@ -53,7 +61,7 @@ impl Light {
         let (all, _) = mean_and_error(sums(&brighter, 0..longest + 1));
         let surely = found - SURE * error;
         let sees_far = surely <= TOLERATED * all || by_long + SURE * error_by_long > SEEN * surely;
-        Self { sees_far, ..Self::new(&brighter, long, fate) }
+        Self::joined(&brighter, long, sees_far, fate)
     }
 
     fn of(looks: Vec<Vec<f64>>, sees_far: bool, fate: Fate) -> Self {
@@ -63,7 +71,10 @@ impl Light {
             let rest: Vec<f64> = all.iter().zip(look).map(|(all, one)| (all - one).max(0.0)).collect();
             Beyond::of(&rest, fate)
         };
-        Self { without: looks.iter().map(without).collect(), all: Beyond::of(&all, fate), looks, sees_far, fate }
+        let (without, all) = (looks.iter().map(without).collect(), Beyond::of(&all, fate));
+        let is_sound = sees_far && is_found(&looks);
+        let is_known = is_sound && !grows(&looks);
+        Self { looks, sees_far, fate, is_sound, is_known, all, without }
     }
 
     /// Whether no look found any.
@@ -73,18 +84,18 @@ impl Light {
 
     /// Whether there is an end to it in sight.
     pub fn is_known(&self) -> bool {
-        self.is_sound() && !self.grows()
+        self.is_known
     }
 
     /// The share of the light on paths of more than `limit` segments.
     pub fn share(&self, limit: u32) -> Share {
-        if self.is_known() {
+        if self.is_known {
             let (share, error) = self.jackknife(|beyond| beyond.share(limit));
             return Share::About { share, error };
         }
         let (share, error) = self.jackknife(|beyond| beyond.share_seen(limit));
         let least = share - SURE * error;
-        if self.is_sound() && least > TOLERATED { Share::AtLeast(least) } else { Share::Unknown }
+        if self.is_sound && least > TOLERATED { Share::AtLeast(least) } else { Share::Unknown }
     }
 
     /// Whether `limit` leaves out no more than is tolerated if the estimate is right.
@@ -118,27 +129,27 @@ impl Light {
         limits.into_iter().find(is_enough)
     }
 
-    /// Whether enough was found to say anything at all.
-    fn is_sound(&self) -> bool {
-        let (mean, error) = mean_and_error(self.looks.iter().map(|look| look.iter().sum()));
-        self.sees_far && mean > 0.0 && error < UNKNOWN * mean
-    }
-
-    /// Whether the last doublings surely bring more than they may where light fades.
-    fn grows(&self) -> bool {
-        let excess = |look: &Vec<f64>| {
-            let [early, .., last] = octaves(look);
-            last - SLOWEST * SLOWEST * early
-        };
-        let (excess, error) = mean_and_error(self.looks.iter().map(excess));
-        excess > SURE * error
-    }
-
     /// A figure of all looks together, and its standard error from what it is without each of them.
     fn jackknife(&self, figure: impl Fn(&Beyond) -> f64) -> (f64, f64) {
         let (_, error) = mean_and_error(self.without.iter().map(&figure));
         (figure(&self.all), error * (self.looks.len() - 1) as f64)
     }
+}
+
+/// Whether looks found light enough to say anything of it.
+fn is_found(looks: &[Vec<f64>]) -> bool {
+    let (mean, error) = mean_and_error(looks.iter().map(|look| look.iter().sum()));
+    mean > 0.0 && error < UNKNOWN * mean
+}
+
+/// Whether the last doublings surely bring more than they may where light fades.
+fn grows(looks: &[Vec<f64>]) -> bool {
+    let excess = |look: &Vec<f64>| {
+        let [early, .., last] = octaves(look);
+        last - SLOWEST * SLOWEST * early
+    };
+    let (excess, error) = mean_and_error(looks.iter().map(excess));
+    excess > SURE * error
 }
 
 /// The light beyond each length.

@@ -64,6 +64,11 @@ impl Tail {
 
     /// Light beyond so many more doublings.
     pub fn after(&self, skipped: usize) -> f64 {
+        if let 1.0 = self.curve {
+            // A geometric series.
+            let ratio = self.fall * (1.0 + self.fall);
+            return self.last * ratio.powf(skipped as f64 + 1.0) / (1.0 - ratio);
+        }
         let falls = core::iter::successors(Some(self.fall), |fall| Some(fall.powf(self.curve))).skip(1);
         let amounts = falls.scan(self.last, |amount, fall| {
             *amount *= fall * (1.0 + fall);
@@ -76,6 +81,20 @@ impl Tail {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The series by itself is what its terms add up to, from whichever doubling on.
+    #[test]
+    fn a_power_law_is_a_geometric_series() {
+        for amounts in [[1.0, 0.5, 0.25], [1.0, 0.9, 0.8], [8.0, 0.1, 1e-3], [1.0, 0.0, 0.0]] {
+            let tail = Tail::of(amounts, Fate::Stays);
+            let ratio = tail.fall * (1.0 + tail.fall);
+            let terms: Vec<f64> = (1..200).map(|k| amounts[2] * ratio.powi(k)).collect();
+            for skipped in [0, 1, 7, 100] {
+                let (found, sum) = (tail.after(skipped), terms[skipped..].iter().sum::<f64>());
+                assert!((found - sum).abs() <= 1e-12 * sum, "{found} of {sum}, {amounts:?}, without {skipped}");
+            }
+        }
+    }
 
     /// Of a few bright samples the last doubling may have much more than those before, or all.
     #[test]
