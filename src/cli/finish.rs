@@ -70,7 +70,7 @@ pub fn finish(
     }
     if stopped.is_none() {
         plan.remove(reporter);
-        if session.film.mean().0 == [0.0; 3] {
+        if session.film.is_black() {
             reporter.warn("the image is black: no path reached a light");
         }
     }

@@ -157,6 +157,19 @@ impl Film {
         self.tile_at(x, y).pixel(x, y)
     }
 
+    /// Samples of pixel (x, y) of the whole image.
+    ///
+    /// # Panics
+    /// If the film does not cover it.
+    pub fn samples_of(&self, x: u32, y: u32) -> u32 {
+        self.tile_at(x, y).samples_of(x, y)
+    }
+
+    /// Whether no pixel has any light.
+    pub fn is_black(&self) -> bool {
+        self.pixels().all(|pixel| pixel.mean == [0.0; 3])
+    }
+
     /// The radiance of all pixels, row by row from the top.
     pub fn pixels(&self) -> impl Iterator<Item = Pixel> + '_ {
         self.region.rows().flat_map(move |y| self.region.columns().map(move |x| self.pixel(x, y)))

@@ -117,6 +117,23 @@ fn every_layer_has_the_exact_means_of_its_samples() {
 }
 
 #[test]
+fn a_film_is_black_until_one_pixel_is_not() {
+    let film = film(&two_layers(), 8, 0..0);
+    let (x, y) = (REGION.x1 - 1, REGION.y1 - 1);
+    let sample = |radiance: [f32; 3]| {
+        let mut tile = film.tile(film.tile_count() - 1);
+        let place = tile.region().place(x, y);
+        tile.add(place, &[radiance.as_slice(), &[2.0]]);
+        tile.count(1);
+    };
+    assert!(film.is_black() && film.samples_of(x, y) == 0);
+    sample([0.0; 3]);
+    assert!(film.is_black() && film.samples_of(x, y) == 1, "what is deep may be black");
+    sample([0.0, 0.0, 1.0]);
+    assert!(!film.is_black() && film.samples_of(x, y) == 2 && film.samples_of(REGION.x0, y) == 0);
+}
+
+#[test]
 fn order_tiles_and_merging_leave_no_trace_in_any_layer() {
     let radiance = |film: &Film| [0, 1, 2].map(|channel| estimates(film, RADIANCE, channel));
     let layers = two_layers();

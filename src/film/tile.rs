@@ -254,6 +254,11 @@ impl Tile {
         size_of::<u32>() as u64 + pixels * layers.iter().map(Sums::bytes).sum::<usize>() as u64
     }
 
+    /// Samples of pixel (x, y) of the whole image.
+    pub fn samples_of(&self, x: u32, y: u32) -> u32 {
+        self.samples_at(self.region.place(x, y))
+    }
+
     /// The radiance of pixel (x, y) of the whole image.
     pub fn pixel(&self, x: u32, y: u32) -> Pixel {
         let rgb = [0, 1, 2].map(|channel| self.estimate(RADIANCE, channel, x, y));

@@ -66,7 +66,7 @@ impl Plane<'_> {
             Shown::Estimate { layer, channel, part } => {
                 line.write_samples(|x| part(self.film.estimate(layer, channel, at(x), y)) as f32)
             }
-            Shown::Samples => line.write_samples(|x| self.film.pixel(at(x), y).samples as f32),
+            Shown::Samples => line.write_samples(|x| self.film.samples_of(at(x), y) as f32),
             Shown::Limb { layer, channel, limb } => line.write_samples(|x| {
                 let Exact { sum, squares } = self.film.exact(layer, channel, at(x), y);
                 *sum.limbs().iter().chain(&squares.limbs()).nth(limb).expect("a limb that there is")
