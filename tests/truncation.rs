@@ -1,12 +1,17 @@
 //! What a limit on the length of paths leaves out, as it is estimated before a render.
 
 use std::path::Path;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use fogbow::film::{Film, Region};
 use fogbow::render::{Monitor, Renderer, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow::stats::Stats;
 use fogbow::truncation::{Share, Truncation, estimate};
+use fogbow_kernels::pipeline::{Pipeline, SIMD};
+use fogbow_kernels::{Step, scatter};
 use fogbow_testing::frames::clouds::white_ball;
 use fogbow_testing::render::WORKERS;
 
@@ -183,6 +188,44 @@ fn who_stops_it_gets_no_estimate() {
         estimate.join().expect("an estimate")
     });
     assert_eq!(found, Some(Truncation::unknown(1024)), "it was not done");
+}
+
+/// Segments after which a look is stopped.
+const FEW: u32 = 5;
+static SEGMENTS: AtomicU32 = AtomicU32::new(0);
+static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+
+/// Has paths go on, and says stop once they have often enough.
+fn scatter_until_stop(step: Step, columns: scatter::Columns<'_, '_>) {
+    scatter::simd::run(step, columns);
+    if SEGMENTS.fetch_add(1, Ordering::Relaxed) + 1 == FEW {
+        STOP.get().expect("a monitor").store(true, Ordering::Relaxed);
+    }
+}
+
+/// Walks of the look go on for hundreds of segments; it ends with the one at hand.
+#[test]
+fn a_look_that_is_stopped_is_not_taken_to_its_end() {
+    let scene = scene("fog-facing", &["render.max_segments=256"]);
+    let renderer = Renderer::new(Workers { threads: 1, ..WORKERS }).expect("threads start");
+    let film = Film::new(&scene.frame, Region::whole(8, 8), 8);
+    let pipeline = Pipeline { scatter: scatter_until_stop, ..SIMD };
+    let monitor = Monitor::default();
+    STOP.set(Arc::clone(&monitor.stop)).expect("the only test that stops so");
+    let segments = |look: &dyn Fn(&Monitor)| {
+        SEGMENTS.store(0, Ordering::Relaxed);
+        monitor.stop.store(false, Ordering::Relaxed);
+        look(&monitor.of_looks());
+        SEGMENTS.load(Ordering::Relaxed)
+    };
+    let (empty, frame) = (Stats::new(false), &scene.frame);
+    let looks = segments(&|monitor| {
+        assert!(renderer.looks(&empty, frame, &pipeline, &film, (8, 4), monitor).is_none(), "nothing is known");
+    });
+    let pilot = segments(&|monitor| {
+        renderer.render_counting(empty.clone(), frame, &pipeline, &film, 0..4, monitor);
+    });
+    assert_eq!((looks, pilot), (FEW, FEW));
 }
 
 #[test]

@@ -173,7 +173,7 @@ fn a_reader_that_comes_late_gets_the_whole_image() {
 /// What long paths would bring takes seconds to find out, so it is not found yet, however late the signal is sent where
 /// other tests run beside this one.
 #[test]
-fn a_signal_ends_a_long_preparation_at_once() {
+fn a_signal_ends_a_long_preparation() {
     let folder = Folder::with_scene();
     let settings = ["--max-segments", "1024", "--set", "medium.scattering=600", "--size", "200x200"];
     let flags = ["render", "scene.toml", "-o", "a.exr", "--technique", "bridge", "--progress", "json"];
@@ -248,7 +248,7 @@ fn a_signal_that_comes_twice_is_one() {
     }
 }
 
-/// Of a reader that has opened the pipe the program can't tell whether it will read on.
+/// Whoever has opened a pipe may read on, so the program waits, until it is told again.
 #[test]
 fn a_second_signal_ends_it_at_once() {
     let folder = Folder::with_scene();
