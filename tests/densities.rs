@@ -79,6 +79,7 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
                     bridge::reference::density(&poisson_bridge(case, roll), medium, 1000, &from, chain, light);
                 density.times(1.0 / count_quotient(case, start.start))
             };
+            let chosen = end_factor(case, start.start);
             let nee = nee::reference::density(chain, normal, light).over(traced);
             let mvnee = mvnee::reference::density(&settings, medium, chain, light).over(traced);
             let [uniform, aligned] = [Roll::Uniform, Roll::Aligned].map(|roll| bridge(roll).over(traced));
@@ -87,7 +88,7 @@ fn full_densities_of_the_twins_match_recorded_ratios() {
                 ("nee", quotient(nee, start.nee), 1e-9),
                 ("mvnee", quotient(mvnee, start.mvnee), 1e-9),
                 ("bridge", quotient(uniform, start.bridge), 1e-9),
-                ("aligned bridge", quotient(aligned, start.aligned_bridge), 1e-9),
+                ("aligned bridge", quotient(aligned, start.aligned_bridge * chosen), 1e-9),
             ] {
                 let place = format!("case {index}, start {}: {name}", start.start);
                 assert!((quotient - 1.0).abs() < tolerance, "{place} is off by a factor {quotient}");
@@ -124,11 +125,28 @@ fn count_quotient(case: &Case, start: usize) -> f64 {
     tabled / poisson
 }
 
+/// 2 P(first): by how much likelier the choice of an end makes the bridge from vertex `start` on, which was recorded
+/// without it.
+fn end_factor(case: &Case, start: usize) -> f64 {
+    let path = vertices(case);
+    let edge = |k: usize| path[k + 1] - path[k];
+    let g = f64::from(case.g as f32);
+    let axis = path[path.len() - 1] - path[start];
+    let gamma = edge(start - 1).angle_between(axis);
+    let h = |angle: f64| 1.0 + g * g - 2.0 * g * angle.cos();
+    let [first, last] = [edge(start), edge(path.len() - 2)].map(|end| {
+        let angle = end.angle_between(axis);
+        1.0 / (h(angle - gamma) * h(angle + gamma).sqrt())
+    });
+    2.0 * first / (first + last)
+}
+
 /// The techniques whose ratios were recorded, and their sum over the starts from `first` on.
 fn recorded(case: &Case, first: usize) -> [(Techniques, f64); 6] {
     let mvnee = Some(Mvnee::new(&medium(case), f64::INFINITY, Offset::Ggx));
     let bridge = |roll: Roll| Techniques { bridge: Some(poisson_bridge(case, roll)), ..Techniques::default() };
-    let aligned = |start: &Start| start.aligned_bridge * count_quotient(case, start.start);
+    let aligned =
+        |start: &Start| start.aligned_bridge * count_quotient(case, start.start) * end_factor(case, start.start);
     let sum = |ratio: &dyn Fn(&Start) -> f64| case.starts.iter().filter(|start| start.start >= first).map(ratio).sum();
     [
         (Techniques { nee: true, ..Techniques::default() }, sum(&|start| start.nee)),

@@ -45,6 +45,16 @@ impl<F: Real> Vec3<F> {
         self.x.mul_add(v.x, self.y.mul_add(v.y, self.z * v.z))
     }
 
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(self, v: Self) -> Self {
+        Self::new(
+            self.y.mul_sub(v.z, self.z * v.y),
+            self.z.mul_sub(v.x, self.x * v.z),
+            self.x.mul_sub(v.y, self.y * v.x),
+        )
+    }
+
     /// Squared length.
     #[inline(always)]
     pub fn length_squared(self) -> F {

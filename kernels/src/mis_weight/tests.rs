@@ -143,7 +143,8 @@ fn bridges_and_once_more_estimation_have_the_ratios_of_their_closed_forms() {
         let uniform = common * count * factorial * extinction * s.powi(3) * (extinction * length).exp()
             / (extinction * length).powi(n);
         let roll = bridge::reference::roll_density(phase, direction(start - 1), axis, direction(start));
-        for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll)] {
+        let ends = bridge::reference::first_share(phase, direction(start - 1), axis, direction(start), direction(4));
+        for (kind, expected) in [(Roll::Uniform, uniform), (Roll::Aligned, uniform * roll * 2.0 * ends)] {
             let bridge = Bridge { roll: kind, ..aligned.clone() };
             let found = sum(&Techniques { bridge: Some(bridge), ..Techniques::default() }, start);
             assert!((found / expected - 1.0).abs() < 1e-6, "{kind:?} from {start}: {found}, expected {expected}");

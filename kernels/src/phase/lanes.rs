@@ -16,6 +16,16 @@ pub struct PlaneAngle {
     pub sine: f32x8,
 }
 
+impl PlaneAngle {
+    /// That of a unit `direction` to the unit vector `axis`. The sine comes from what is left of the direction across
+    /// the axis; `1 - cos^2` would lose the small angles on which a forward peak depends.
+    #[inline(always)]
+    pub fn between(direction: Vec3x8, axis: Vec3x8) -> Self {
+        let cosine = direction.dot(axis);
+        Self { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
+    }
+}
+
 /// How scattering events turn directions: those of eight rows, or of one.
 #[derive(Clone, Copy)]
 pub struct Deflection<F = f32x8> {

@@ -6,17 +6,19 @@
 //! so that it runs from x to the light point, and roll it about the axis. With L the length of the bridge,
 //!
 //! ```text
-//! p = p_A P_l P(N) s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)
+//! p = p_A P_l P(N) s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi) * 2 P(first)
 //! ```
 //!
-//! in vertex-volume and vertex-area measure, where `2 pi p(psi)` is 1 for a uniform roll. Path tracing's own densities
-//! of the same suffix hold the same phase functions and the same `1 / l^2`, so that the ratio is one line for every N:
+//! in vertex-volume and vertex-area measure, where the last two factors are 1 for a uniform roll. Path tracing's own
+//! densities of the same suffix hold the same phase functions and the same `1 / l^2`, so that the ratio is one line for
+//! every N:
 //!
 //! ```text
-//! r_i = p_A P_l P(N) (N-1)! mu_t s^3 e^{mu_t L} / ((mu_t L)^N p_w(i) cos_light) * 2 pi p(psi)
+//! r_i = p_A P_l P(N) (N-1)! mu_t s^3 e^{mu_t L} / ((mu_t L)^N p_w(i) cos_light) * 2 pi p(psi) * 2 P(first)
 //! ```
 //!
-//! Neither the shape of the walk nor its phase functions enter, only N, L, s and the turn at the start.
+//! Neither the shape of the walk nor its phase functions enter, only N, L, s, the turn at the start and the directions
+//! of both ends.
 //!
 //! **Counts.** Edges of a bridge from a start at depth i, with `room = min(K - i, max_inserted + 1)`:
 //!
@@ -42,10 +44,14 @@
 //! serves any phase function that can be sampled; another phase function gets an aligned roll by a density in psi of
 //! its own, which replaces these two lines, and a turn of its own by which its [counts] are tabulated.
 //!
-//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly, p_w is the density of the
-//! reflection, and the table has a row of its own for it.
+//! **Ends.** A walk is as likely read from its end as from its beginning. Where the roll is aligned, the end that suits
+//! the turn at the start comes first more often, with probability [P(first)](ends).
+//!
+//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn,
+//! p_w is the density of the reflection, and the table has a row of its own for it.
 
 pub mod counts;
+pub mod ends;
 pub mod reference;
 pub mod sample;
 pub mod simd;
@@ -65,9 +71,10 @@ pub const DEFENSIVE: f32 = 0.05;
 /// How a bridge is rolled about its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Roll {
-    /// In proportion to one over h of the turn at the start: the Henyey-Greenstein function to the power 2/3.
+    /// In proportion to one over h of the turn at the start, the Henyey-Greenstein function to the power 2/3, and with
+    /// the end first that suits that turn.
     Aligned,
-    /// All angles alike.
+    /// All angles alike, and walks as they are drawn.
     Uniform,
 }
 

@@ -3,17 +3,24 @@
 //! A chain x_i .. x_n of N edges of lengths l_j, L in all, whose ends are at distance s along the axis w, is made with
 //!
 //! ```text
-//! p = p_A P_l P(N) * s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi)   (volume, area measure)
+//! p = p_A P_l P(N) * s^3 (N-1)! / L^N * prod_inner phase(c_j) * prod_j 1 / l_j^2 * 2 pi p(psi) * 2 P(first)
 //! P(N) = (1 - e) P_table(N; tau(s), gamma) + e / room,      1 <= N <= room
 //! ```
 //!
-//! and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start and d_0 that of the first
-//! edge, at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the density of wrapped Cauchy
-//! distributions, one per lobe by which the phase function rolls, of its g and its share w,
+//! in volume and area measure and, if it is a single edge, p_A P_l P(1). With d the direction of arrival at the start
+//! and d_0 that of the first edge, at angles gamma and beta to the axis, the aligned roll by psi from d to d_0 has the
+//! density of wrapped Cauchy distributions, one per lobe by which the phase function rolls, of its g and its share w,
 //!
 //! ```text
 //! a = 1 + g^2 - 2 g cos beta cos gamma,   b = 2 g sin beta sin gamma
 //! 2 pi p(psi) = sum over the lobes of w sqrt(a^2 - b^2) / (a - b cos psi)
+//! ```
+//!
+//! With an aligned roll, which end of a walk comes first is chosen as well. With a and b of the lobe of the table, for
+//! the first edge, and for the last in its place,
+//!
+//! ```text
+//! P(first) = A(first) / (A(first) + A(last)),      A = 1 / ((a - b) sqrt(a + b))
 //! ```
 
 use glam::DVec3;
@@ -105,6 +112,17 @@ pub fn roll_density(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec
     phase.roll_lobes().into_iter().map(|(share, g)| share * lobe_density(g)).sum()
 }
 
+/// P(first): the probability that a walk whose ends have the unit directions `first` and `last` is taken with that one
+/// first where the roll is aligned; `arriving` and `axis` are unit vectors, too. Ends of a walk are read in the same
+/// sense: it runs along both.
+pub fn first_share(phase: &dyn Phase, arriving: DVec3, axis: DVec3, first: DVec3, last: DVec3) -> f64 {
+    let [first, last] = [first, last].map(|end| {
+        let (a, b) = roll_coefficients(f64::from(phase.lobe().g), arriving, axis, end);
+        1.0 / ((a - b) * (a + b).sqrt())
+    });
+    first / (first + last)
+}
+
 /// Density of making `chain`, the vertices from the start to the point on the light.
 ///
 /// Paths have at most `longest` segments; `light_density` is p_A P_l at the start. Zero if the chain is longer than the
@@ -146,7 +164,11 @@ pub fn density(
     }
     match start.roll(bridge) {
         Roll::Uniform => density,
-        Roll::Aligned => density.times(roll_density(phase, start.arriving, way / distance, edges[0].normalize())),
+        Roll::Aligned => {
+            let (axis, [first, last]) = (way / distance, [edges[0], edges[edges.len() - 1]].map(DVec3::normalize));
+            let chosen = 2.0 * first_share(phase, start.arriving, axis, first, last);
+            density.times(chosen).times(roll_density(phase, start.arriving, axis, first))
+        }
     }
 }
 

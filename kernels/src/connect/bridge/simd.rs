@@ -2,23 +2,22 @@
 //! for each start a, counted from the light (N = a edges), near enough:
 //!     x = tau(L),   crowding = (x / L)^N / M
 //!     r += p_A P_l crowding s^3 / cos_light * [ (1 - eps) P_table(N; tau(s), gamma) + eps / room ] (N - 1)! e^x / x^N * turn
-//!     turn = 1 / phase  (uniform roll),   2 pi p(psi) / phase  (aligned roll),   1 / p_w  (start on a surface)
+//!     turn = 1 / phase  (uniform roll),   2 P(first) 2 pi p(psi) / phase  (aligned),   1 / p_w  (start on a surface)
 //! ```
 //!
 //! 1. One start costs a logarithm, an exponential and four entries of the table, whatever lies between it and the
 //!    light. All lanes have the same N at a time, so what depends on N alone is a scalar.
 //! 2. `(N - 1)! e^x / x^N = exp(N (y - 1 - ln y) + c_N)` with `y = x / N` and `c_N = N - N ln N + ln (N - 1)!`: the
 //!    exponent is small where the bridge is likely, and nothing of the size of N ln N cancels.
-//! 3. Sines of the angles to the axis come from what is left of a direction across it; `1 - cos^2` would lose the small
-//!    angles on which a forward peak depends.
+//! 3. A single edge has but one end, and P(first) is 1/2.
 
 use wide::f32x8;
 
+use super::ends::Ends;
 use super::{Bridge, Roll};
 use crate::connect::suffix::{Arrival, Suffix};
 use crate::media::MediumX8;
 use crate::phase::{PhaseX8, PlaneAngle};
-use crate::vec3::Vec3x8;
 
 /// Sum of the ratios of `starts`, counted from the light; `room(a)` are the most edges that a bridge from start `a` may
 /// have.
@@ -47,7 +46,15 @@ pub fn ratios<M: MediumX8>(
         let arriving = suffix.vertices[a + 1].leaving;
         let turn = match bridge.roll {
             Roll::Aligned => {
-                phase.rolled_shape([arriving, start.leaving], [angle(arriving, axis), angle(start.leaving, axis)])
+                let [before, first] = [arriving, start.leaving].map(|direction| PlaneAngle::between(direction, axis));
+                let rolled = phase.rolled_shape([arriving, start.leaving], [before, first]);
+                if a == 1 {
+                    rolled
+                } else {
+                    let last = PlaneAngle::between(suffix.vertices[1].leaving, axis);
+                    let share = Ends { lobe: &lobe, arriving: before }.share(first, last);
+                    rolled * (share + share)
+                }
             }
             Roll::Uniform => phase.inverse_shape(arriving, start.leaving),
         };
@@ -77,11 +84,4 @@ pub fn ratios<M: MediumX8>(
         sum += possible.select(ratio, f32x8::ZERO);
     }
     sum * phase.scale() * arrival.inverse_area / arrival.cos_light
-}
-
-/// The angle between unit vectors.
-#[inline(always)]
-fn angle(direction: Vec3x8, axis: Vec3x8) -> PlaneAngle {
-    let cosine = direction.dot(axis);
-    PlaneAngle { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
 }

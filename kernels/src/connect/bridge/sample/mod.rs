@@ -23,9 +23,13 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 /// inverse of the [phase function](crate::phase)'s distribution) and azimuth of the turn at its end, the latter counted
 /// in a frame that is that of the axes in the beginning and is [carried](crate::phase::Deflection::carry) along.
 ///
-/// With e the unit vector to the end of the walk, p the unit part of z perpendicular to e, and q = e x p, a walk vertex
-/// v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a and b = w x a are unit
-/// vectors across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the azimuth of the arriving
-/// direction (0 if that lies on the axis), and psi the roll of [`bridge`](super) for u, the third word of block
-/// `BRIDGE_COUNT`.
+/// Where the roll is aligned, the walk's first edge stays the first with the probability [P(first)](super::ends), for the
+/// fourth word of the last edge's block; otherwise the edges follow each other in the opposite sequence, each in its own
+/// direction: vertex y_k becomes y_N - y_{N-k}.
+///
+/// With e the unit vector to the end of the walk, p the unit part of its first edge's direction perpendicular to e, and
+/// q = e x p, a walk vertex v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis, and a
+/// and b = w x a are unit vectors across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the
+/// azimuth of the arriving direction (0 if that lies on the axis), and psi the roll of [`bridge`](super) for u, the
+/// third word of block `BRIDGE_COUNT`.
 pub type BuildKernel = fn(Step, BuildColumns<'_, '_, Bridge>);

@@ -3,6 +3,7 @@
 //! ```text
 //! count:  u < e:  N = 1 + floor(v room);      else  N from the table at mu_t s and gamma
 //! walk:   y_0 = 0,  d_0 = z;      y_{k+1} = y_k - ln(1 - u) d_k,    d_{k+1} = d_k turned by the phase function
+//! ends:   y_k = y_N - y_{N-k}  if  u >= P(first)
 //! bridge: x_k = x + s / |y_N| * ((y_k . e) w + (y_k . p) a + (y_k . q) b)
 //! roll:   tan(psi / 2) = sqrt((a - b) / (a + b)) tan(pi (u - 1/2)),       a = 1 + g^2 - 2 g cos beta cos gamma,
 //!                                                                         b = 2 g sin beta sin gamma
@@ -17,7 +18,7 @@ use core::f64::consts::{PI, TAU};
 use glam::{DMat3, DVec3};
 
 use crate::columns::paths::LastSurfaceColumns;
-use crate::connect::bridge::reference::{Start, cell, roll_coefficients, room};
+use crate::connect::bridge::reference::{Start, cell, first_share, roll_coefficients, room};
 use crate::connect::bridge::{Bridge, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
@@ -54,6 +55,8 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
             let lane = connection.lane as usize;
             let [start, arriving, point] =
                 [connection.start, connection.arriving, connection.point].map(|v| DVec3::from(v.map(f64::from)));
+            // A length that is off by a rounding of f32 would hide how sharply the roll depends on small angles.
+            let arriving = arriving.normalize();
             let draws = Draws::new(step, paths, lane);
             inserted.clear();
             inserted.resize(bucket.inserted, DVec3::ZERO);
@@ -92,6 +95,11 @@ impl Draws {
         let [length, cosine, azimuth, _] = self.uniforms(random::BRIDGE_WALK.nth(k as u32));
         [length, cosine, azimuth]
     }
+
+    /// The number behind which end of a walk of several `edges` comes first.
+    pub fn end(&self, edges: usize) -> f64 {
+        self.uniforms(random::BRIDGE_WALK.nth(edges as u32 - 1))[3]
+    }
 }
 
 /// Number of vertices to insert, one less than edges, from `start` to the light `point` `[m]`; None if that exceeds
@@ -121,17 +129,17 @@ pub fn count_edges(
 /// Fills `inserted` with the inner vertices of a bridge from `start` to `point` `[m]`.
 pub fn place(bridge: &Bridge, phase: &dyn Phase, from: &Start, point: DVec3, draws: &Draws, inserted: &mut [DVec3]) {
     let Start { position: start, arriving, .. } = *from;
-    let walk = free_walk(phase, inserted.len() + 1, draws);
+    let axis = (point - start).normalize_or_zero();
+    let walk = suited_walk(phase, inserted.len() + 1, from.roll(bridge), arriving, axis, draws);
     let reached = walk[inserted.len()];
-    let end = reached.normalize();
-    let across_end = (DVec3::Z - DVec3::Z.dot(end) * end).try_normalize().unwrap_or_else(|| frame(end).0);
+    let (end, first) = (reached.normalize(), walk[0].normalize());
+    let across_end = (first - first.dot(end) * end).try_normalize().unwrap_or_else(|| frame(end).0);
     let third = end.cross(across_end);
 
-    let axis = (point - start).normalize_or_zero();
     let (tangent, bitangent) = frame(axis);
     let arriving_azimuth = arriving.dot(bitangent).atan2(arriving.dot(tangent));
-    // Any roll will do to measure the angle between first edge and axis, which is that between z and the walk's end.
-    let unrolled = DVec3::Z.dot(end) * axis + DVec3::Z.dot(across_end) * tangent;
+    // Any roll will do to measure the angle between first edge and axis, which is that between it and the walk's end.
+    let unrolled = first.dot(end) * axis + first.dot(across_end) * tangent;
     let azimuth = arriving_azimuth + psi(from.roll(bridge), phase, arriving, axis, unrolled, draws.roll());
     let side = azimuth.cos() * tangent + azimuth.sin() * bitangent;
     let other_side = axis.cross(side);
@@ -140,6 +148,29 @@ pub fn place(bridge: &Bridge, phase: &dyn Phase, from: &Start, point: DVec3, dra
     for (vertex, free) in inserted.iter_mut().zip(&walk) {
         *vertex = start + scale * (free.dot(end) * axis + free.dot(across_end) * side + free.dot(third) * other_side);
     }
+}
+
+/// The ends of the edges of a free walk, the end first that suits a bridge along `axis` from a start at which the path
+/// is `arriving`.
+fn suited_walk(phase: &dyn Phase, edges: usize, roll: Roll, arriving: DVec3, axis: DVec3, draws: &Draws) -> Vec<DVec3> {
+    let walk = free_walk(phase, edges, draws);
+    let [.., before, reached] = walk[..] else {
+        return walk;
+    };
+    let end = reached.normalize();
+    let frame_of = |axis: DVec3| {
+        let (tangent, bitangent) = frame(axis);
+        DMat3::from_cols(tangent, bitangent, axis)
+    };
+    // The frame does not matter: only angles to the axis are asked for.
+    let to_axis = frame_of(axis) * frame_of(end).transpose();
+    let [first, last] = [walk[0], reached - before].map(|edge| to_axis * edge.normalize());
+    let kept = match roll {
+        Roll::Uniform => true,
+        Roll::Aligned => draws.end(edges) < first_share(phase, arriving, axis, first, last),
+    };
+    let turned = |k: usize| if k == edges { reached } else { reached - walk[edges - 1 - k] };
+    if kept { walk } else { (1..=edges).map(turned).collect() }
 }
 
 /// The ends of `edges` edges of a walk that starts at the origin along z, with flights of unit rate. Azimuths are those
@@ -322,33 +353,40 @@ mod tests {
     }
 
     #[test]
-    fn bridges_keep_the_shape_of_their_walk() {
+    fn bridges_keep_the_shape_of_their_walk_from_one_of_its_ends() {
         let (start, point) = (DVec3::new(0.1, -0.4, 2.0), DVec3::new(1.0, 3.0, -1.0));
         let (bridge, phase) = (bridge(0.5), HenyeyGreenstein { g: 0.5 });
         let from = Start { position: start, ..self::start(DVec3::X) };
+        let mut turned = 0;
         for pixel in 0..50 {
             let mut chain = [start; 6];
             place(&bridge, &phase, &from, point, &draws(pixel), &mut chain[1..5]);
             chain[5] = point;
             let walk = [vec![DVec3::ZERO], free_walk(&phase, 5, &draws(pixel))].concat();
             let scale = (point - start).length() / walk[5].length();
-            for (i, j) in (0..6).flat_map(|i| (0..i).map(move |j| (i, j))) {
-                let (found, free) = ((chain[i] - chain[j]).length(), (walk[i] - walk[j]).length());
-                assert!((found - scale * free).abs() < 1e-9 * scale * free.max(1.0), "{found} from {i} to {j}");
-            }
-            // Handedness: a mirror image has the same distances.
-            let volume = |v: &[DVec3]| (v[1] - v[0]).cross(v[2] - v[1]).dot(v[3] - v[2]);
-            assert!(volume(&chain) * volume(&walk) > 0.0);
+            let keeps = |at: &dyn Fn(usize) -> DVec3| {
+                let pairs = (0..6).flat_map(|i| (0..i).map(move |j| (i, j)));
+                let distances = pairs.map(|(i, j)| ((chain[i] - chain[j]).length(), (at(i) - at(j)).length()));
+                // Handedness: a mirror image has the same distances.
+                let volume = |at: &dyn Fn(usize) -> DVec3| (at(1) - at(0)).cross(at(2) - at(1)).dot(at(3) - at(2));
+                let same_hand = volume(&|k| chain[k]) * volume(at) > 0.0;
+                let mut far = distances.map(|(found, free)| (found - scale * free).abs() / (scale * free.max(1.0)));
+                same_hand && far.all(|error| error < 1e-9)
+            };
+            let [as_drawn, from_its_end] = [keeps(&|k| walk[k]), keeps(&|k| walk[5] - walk[5 - k])];
+            assert!(as_drawn != from_its_end, "{pixel}");
+            turned += u32::from(from_its_end);
         }
+        assert!((10..40).contains(&turned), "{turned} of 50");
     }
 
     /// E[h / p] = 1 for a density h of the inserted vertices: each uniform in a ball between the ends, small enough for
-    /// the ratio to vary little.
+    /// the ratio to vary little, and nearer to one of them, which walks from the other end are not.
     #[test]
     fn bridges_follow_their_density() {
         let (start, point) = (DVec3::ZERO, DVec3::new(0.0, 0.6, 0.8));
         let arriving = DVec3::new(0.8, 0.0, 0.6);
-        let (center, radius) = (0.5 * (start + point), 0.5_f64);
+        let (center, radius) = (start.lerp(point, 0.3), 0.5_f64);
         let h = 1.0 / (4.0 / 3.0 * PI * radius.powi(3));
         for (roll, g, inserted) in
             [(Roll::Uniform, 0.3, 1), (Roll::Aligned, 0.5, 1), (Roll::Aligned, -0.4, 1), (Roll::Aligned, 0.25, 2)]

@@ -1,7 +1,8 @@
 //! ```text
 //! count: u < eps ? floor(v room) : drawn from the table at tau(s) and gamma
 //! build: x = 0, (t, b, d) = unit vectors; per edge: x += -ln(1 - u) d, (t, b, d) turned by the phase function
-//!        e = x_N / |x_N|, p = (z - (z.e) e) / |..|, q = e x p
+//! ends:  x_k = x_N - x_{N-k} where u >= P(first);  f, the direction of the first edge, is then that of the last
+//! place: e = x_N / |x_N|, p = (f - (f.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
 //! roll:  psi as the phase function has it,  or tan(psi / 2) = tan(pi (u - 1/2)) at a surface
 //! ```
@@ -10,14 +11,14 @@
 //! 2. The walk's vertices wait in the chain's own columns for the rotation, which is known only at its end. Before them
 //!    the numbers that make its edges are there: edges need each other's directions, but not each other's numbers, whose
 //!    logarithms would hold up the turns.
-//! 3. p and q have closed forms because the walk leaves along z: `p = (-x z, -y z, r^2) / r`, `q = (y, -x, 0) / r` for
-//!    `e = (x, y, z)`, `r^2 = x^2 + y^2`.
-//! 4. Rotation, scale and roll are one matrix, multiplied once per vertex.
+//! 3. Rotation, scale and roll are one matrix, multiplied once per vertex.
+//! 4. Vertices k and N - k change places where the walk's ends do, so that they are placed together.
 
 use wide::{f32x8, u32x8};
 
 use crate::columns::Column3;
 use crate::columns::queues::CandidateBatch;
+use crate::connect::bridge::ends::Ends;
 use crate::connect::bridge::{Bridge, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
@@ -87,27 +88,37 @@ fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl Ph
                 let sequence = Sequence::new(step, paths, &lane_of);
                 let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
                 let chain = &mut chains.vertices[..bucket.inserted];
-                let end = walk(&sequence, &phase, chain, b);
+                let free = walk(&sequence, &phase, chain, b);
                 let [.., roll, _] = sequence.uniforms(random::BRIDGE_COUNT);
-                let placement = Placement::new(&phase, bridge.roll, on_surface, &candidate, end, roll);
+                let placement = Placement::new(&phase, bridge.roll, on_surface, &candidate, &free, roll);
                 place(&placement, candidate.start, chain, b);
             }
         }
     }
 }
 
-/// Fills batch `b` of the chain with the inner vertices of a free walk along z; returns its end.
+/// What a free walk that leaves along z comes to.
+struct FreeWalk {
+    /// Where it ends, x_N.
+    end: Vec3x8,
+    /// Unit direction of its last edge.
+    last: Vec3x8,
+    /// Uniform number that chooses which end comes first.
+    choice: f32x8,
+}
+
+/// Fills batch `b` of the chain with the inner vertices of a free walk.
 #[inline(always)]
-fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> Vec3x8 {
-    // Length of an edge, and cosine and azimuth of the turn at its end, as uniform numbers.
+fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> FreeWalk {
+    // Length of an edge, cosine and azimuth of the turn at its end, and a fourth uniform number.
     let edge = |k: u32| {
-        let [length, cosine, azimuth, _] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
-        Vec3x8::new(neg_ln(f32x8::ONE - length), cosine, azimuth)
+        let [length, cosine, azimuth, more] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
+        (Vec3x8::new(neg_ln(f32x8::ONE - length), cosine, azimuth), more)
     };
     for (k, vertex) in (0..).zip(&mut *chain) {
-        vertex.set_batch(b, edge(k));
+        vertex.set_batch(b, edge(k).0);
     }
-    let last = edge(chain.len() as u32).x;
+    let (last, choice) = edge(chain.len() as u32);
     let mut frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3x8::splat);
     let mut position = Vec3x8::ZERO;
     for vertex in chain {
@@ -116,35 +127,41 @@ fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b:
         vertex.set_batch(b, position);
         frame = phase.sample(cosine).carry(frame, azimuth);
     }
-    frame[2].mul_add(last, position)
+    FreeWalk { end: frame[2].mul_add(last.x, position), last: frame[2], choice }
 }
 
 /// Moves the vertices of a walk to their places.
 #[inline(always)]
 fn place(placement: &Placement, start: Vec3x8, chain: &mut [Column3<'_>], b: usize) {
-    for vertex in chain {
-        let Vec3x8 { x, y, z } = vertex.batch(b);
-        vertex.set_batch(b, placement.x.mul_add(x, placement.y.mul_add(y, placement.z.mul_add(z, start))));
+    let inner = chain.len();
+    for k in 0..inner.div_ceil(2) {
+        let opposite = inner - 1 - k;
+        let (this, other) = (chain[k].batch(b), chain[opposite].batch(b));
+        chain[k].set_batch(b, placement.of(start, this, other));
+        chain[opposite].set_batch(b, placement.of(start, other, this));
     }
 }
 
-/// Rotation, scale and roll of a walk: where its unit vectors go.
+/// Where a walk goes.
 struct Placement {
-    x: Vec3x8,
-    y: Vec3x8,
-    z: Vec3x8,
+    /// Rotation, scale and roll: where its unit vectors go.
+    axes: [Vec3x8; 3],
+    /// Whether its last edge comes first.
+    turned: f32x8,
+    /// Its end.
+    end: Vec3x8,
 }
 
 impl Placement {
-    /// The one that takes a walk to `end` along z from the candidate's start to its light point; starts `on_surface`
-    /// roll uniformly.
+    /// The one that takes a walk from the candidate's start to its light point; starts `on_surface` roll uniformly, by
+    /// the number u.
     #[inline(always)]
     fn new(
         phase: &impl PhaseX8,
         roll: Roll,
         on_surface: f32x8,
         candidate: &CandidateBatch,
-        end: Vec3x8,
+        free: &FreeWalk,
         u: f32x8,
     ) -> Self {
         let (distance, axis) = (candidate.point - candidate.start).length_and_direction();
@@ -152,11 +169,23 @@ impl Placement {
         let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
         let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
 
-        let (span, along) = end.length_and_direction();
-        let leaving = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
+        let (span, along) = free.end.length_and_direction();
+        let first = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
+        let last = PlaneAngle::between(free.last, along);
+        let turned = match roll {
+            Roll::Aligned => {
+                let kept = free.choice.simd_lt(Ends { lobe: &phase.lobe(), arriving }.share(first, last));
+                !(kept | on_surface)
+            }
+            Roll::Uniform => f32x8::ZERO,
+        };
+        let leaving =
+            PlaneAngle { cosine: turned.select(last.cosine, first.cosine), sine: turned.select(last.sine, first.sine) };
+        let forward = Vec3x8::select(turned, free.last, Vec3x8::splat([0.0, 0.0, 1.0]));
+        // In this order they are perpendicular to each other, however little is left of the first edge across the axis.
+        let (_, beside) = along.cross(forward).length_and_direction();
+        let aside = beside.cross(along);
         let least = f32x8::splat(LEAST);
-        let inverse_sine = f32x8::ONE / leaving.sine.fast_max(least);
-        let (px, py) = (along.x * inverse_sine, along.y * inverse_sine);
 
         // Azimuth of the first edge in the frame of the axis: that of the arriving direction plus the roll.
         let (sin, cos) = match roll {
@@ -177,11 +206,21 @@ impl Placement {
 
         let scale = distance / span.fast_max(least);
         let (axis, a, b) = (axis * scale, a * scale, b * scale);
-        Self {
-            x: axis.mul_add(along.x, b.mul_add(py, -(a * (px * along.z)))),
-            y: axis.mul_add(along.y, b.mul_neg_add(px, -(a * (py * along.z)))),
-            z: axis.mul_add(along.z, a * leaving.sine),
-        }
+        let column = |e: f32x8, p: f32x8, q: f32x8| axis.mul_add(e, a.mul_add(p, b * q));
+        let axes = [
+            column(along.x, aside.x, beside.x),
+            column(along.y, aside.y, beside.y),
+            column(along.z, aside.z, beside.z),
+        ];
+        Self { axes, turned, end: free.end }
+    }
+
+    /// The place of the vertex of a bridge from `start` that is `this` in the walk, and as many edges from its end as
+    /// `other` is from its beginning.
+    #[inline(always)]
+    fn of(&self, start: Vec3x8, this: Vec3x8, other: Vec3x8) -> Vec3x8 {
+        let Vec3x8 { x, y, z } = Vec3x8::select(self.turned, self.end - other, this);
+        self.axes[0].mul_add(x, self.axes[1].mul_add(y, self.axes[2].mul_add(z, start)))
     }
 }
 
