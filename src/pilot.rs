@@ -33,7 +33,7 @@ use crate::stats::Stats;
 use cost::cost;
 
 /// Numbers of starts to try; the last is all.
-const STARTS: [u32; 5] = [1, 2, 4, 8, u32::MAX];
+const STARTS: [u32; 6] = [1, 2, 3, 4, 8, u32::MAX];
 /// Longest paths, in segments, for which all starts are tried: their cost grows with the square of that number, and
 /// beyond it is more than a hundred times that of eight starts.
 const LONGEST_FOR_ALL: u32 = 128;
@@ -191,10 +191,10 @@ impl Trial {
 ///
 /// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
 /// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
-/// starts with that. All starts are tried before numbers in between, as means are judged by theirs, and these until one is
-/// worse. What is far from the best ends after half of its samples. Walks of any length, and those in volumes, end by their depth: in something dense, which bridges from
-/// outside rarely get deep into, the few walks of an early end that get there would count as much as all of those that
-/// did not.
+/// starts with that. All starts are tried before numbers in between, as means are judged by theirs, and these until one
+/// is worse. What is far from the best ends after half of its samples. Walks of any length, and those in volumes, end by
+/// their depth: in something dense, which bridges from outside rarely get deep into, the few walks of an early end that
+/// get there would count as much as all of those that did not.
 ///
 /// `size` is that of the whole image. Choices that make no difference to the frame are not tried. Once `monitor` says
 /// stop no further setting is tried, and the one at hand does not count.
