@@ -39,3 +39,49 @@ impl Ends<'_> {
         near * far.sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::connect::bridge::reference::first_share;
+    use crate::phase::HenyeyGreenstein;
+
+    const ANGLES: [f64; 6] = [0.0, 0.05, 0.4, 1.2, 2.5, core::f64::consts::PI];
+
+    fn plane_angle(angle: f64) -> PlaneAngle {
+        PlaneAngle { cosine: f32x8::splat(angle.cos() as f32), sine: f32x8::splat(angle.sin().max(0.0) as f32) }
+    }
+
+    #[test]
+    fn shares_are_those_of_the_twin_and_both_ends_have_one_together() {
+        let tilted = |angle: f64| DVec3::new(angle.sin(), 0.0, angle.cos());
+        for g in [0.95, 0.6, 0.0, -0.8] {
+            let phase = HenyeyGreenstein { g };
+            let lobe = HenyeyGreensteinX8::new(phase);
+            for (gamma, this) in ANGLES.into_iter().flat_map(|gamma| ANGLES.map(|this| (gamma, this))) {
+                let ends = Ends { lobe: &lobe, arriving: plane_angle(gamma) };
+                for other in ANGLES {
+                    let share = |a: f64, b: f64| ends.share(plane_angle(a), plane_angle(b)).to_array()[0];
+                    let found = f64::from(share(this, other));
+                    let expected = first_share(&phase, tilted(gamma), DVec3::Z, tilted(this), tilted(other));
+                    let case = format!("g = {g}: {gamma}, {this} or {other}: {found}, expected {expected}");
+                    assert!((found / expected - 1.0).abs() < 2e-5, "{case}");
+                    assert!((found + f64::from(share(other, this)) - 1.0).abs() < 1e-6, "{case}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_that_goes_on_where_the_path_arrives_comes_first_more_often() {
+        let lobe = HenyeyGreensteinX8::new(HenyeyGreenstein { g: 0.9 });
+        let share = |gamma: f64, this: f64, other: f64| {
+            let ends = Ends { lobe: &lobe, arriving: plane_angle(gamma) };
+            ends.share(plane_angle(this), plane_angle(other)).to_array()[0]
+        };
+        assert!(share(0.5, 0.5, 0.1) > 0.9 && share(0.5, 0.1, 0.5) < 0.1, "{}", share(0.5, 0.5, 0.1));
+        assert_eq!(share(0.5, 0.3, 0.3), 0.5);
+    }
+}

@@ -107,6 +107,41 @@ struct FreeWalk {
     choice: f32x8,
 }
 
+/// The edge of a free walk that comes first in the bridge.
+struct Lead {
+    /// Whether that is its last.
+    turned: f32x8,
+    /// Its unit direction.
+    direction: Vec3x8,
+    /// Its angle to the walk's axis.
+    angle: PlaneAngle,
+}
+
+impl FreeWalk {
+    /// The walk's own first edge; `along` is the unit vector to its end.
+    #[inline(always)]
+    fn as_drawn(&self, along: Vec3x8) -> Lead {
+        let angle = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
+        Lead { turned: f32x8::ZERO, direction: Vec3x8::splat([0.0, 0.0, 1.0]), angle }
+    }
+
+    /// That of the end which the walk's number chooses, but its own first where the start is `on_surface`.
+    #[inline(always)]
+    fn lead(&self, along: Vec3x8, on_surface: f32x8, ends: &Ends<'_>) -> Lead {
+        let (first, last) = (self.as_drawn(along), PlaneAngle::between(self.last, along));
+        let turned = !(self.choice.simd_lt(ends.share(first.angle, last)) | on_surface);
+        let either = |last: f32x8, first: f32x8| turned.select(last, first);
+        Lead {
+            turned,
+            direction: Vec3x8::select(turned, self.last, first.direction),
+            angle: PlaneAngle {
+                cosine: either(last.cosine, first.angle.cosine),
+                sine: either(last.sine, first.angle.sine),
+            },
+        }
+    }
+}
+
 /// Fills batch `b` of the chain with the inner vertices of a free walk.
 #[inline(always)]
 fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> FreeWalk {
@@ -170,20 +205,12 @@ impl Placement {
         let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
 
         let (span, along) = free.end.length_and_direction();
-        let first = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
-        let last = PlaneAngle::between(free.last, along);
-        let turned = match roll {
-            Roll::Aligned => {
-                let kept = free.choice.simd_lt(Ends { lobe: &phase.lobe(), arriving }.share(first, last));
-                !(kept | on_surface)
-            }
-            Roll::Uniform => f32x8::ZERO,
+        let Lead { turned, direction, angle: leaving } = match roll {
+            Roll::Aligned => free.lead(along, on_surface, &Ends { lobe: &phase.lobe(), arriving }),
+            Roll::Uniform => free.as_drawn(along),
         };
-        let leaving =
-            PlaneAngle { cosine: turned.select(last.cosine, first.cosine), sine: turned.select(last.sine, first.sine) };
-        let forward = Vec3x8::select(turned, free.last, Vec3x8::splat([0.0, 0.0, 1.0]));
         // In this order they are perpendicular to each other, however little is left of the first edge across the axis.
-        let (_, beside) = along.cross(forward).length_and_direction();
+        let (_, beside) = along.cross(direction).length_and_direction();
         let aside = beside.cross(along);
         let least = f32x8::splat(LEAST);
 
