@@ -149,14 +149,14 @@ fn connections(c: &mut Criterion) {
         let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
         w.light_sample(mvnee.scope());
         group.throughput(Throughput::Elements(w.candidates.connections.len as u64));
-        group.bench_function(name, |b| b.iter(|| w.join(&mvnee, frame.lengths, w.step)));
+        group.bench_function(name, |b| b.iter(|| w.join(&mvnee, Some(&frame.lights), frame.lengths, w.step)));
     }
     let frame = frames::with_techniques(&cloud, Active::Bridge, 4.0);
     let bridge = frame.techniques.bridge.clone().expect("a frame with bridges");
     let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
     w.light_sample(bridge.scope());
     group.throughput(Throughput::Elements(w.candidates.connections.len as u64));
-    group.bench_function("bridges", |b| b.iter(|| w.join(&bridge, frame.lengths, w.step)));
+    group.bench_function("bridges", |b| b.iter(|| w.join(&bridge, Some(&frame.lights), frame.lengths, w.step)));
     group.finish();
 }
 

@@ -178,7 +178,7 @@ fn join<T: Joint>(c: &mut Criterion, name: &str, w: &mut Wavefront<'_>, techniqu
     group.throughput(Throughput::Elements(edges as u64));
     for (name, pipeline) in PIPELINES {
         w.pipeline = pipeline;
-        group.bench_function(name, |b| b.iter(|| w.join(technique, w.frame.lengths, w.step)));
+        group.bench_function(name, |b| b.iter(|| w.join(technique, Some(&w.frame.lights), w.frame.lengths, w.step)));
     }
     group.finish();
 }

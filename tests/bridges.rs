@@ -62,8 +62,8 @@ fn settings(frame: &Frame) -> Bridge {
 }
 
 /// Bridges from the vertices after `events` scattering events, built by the kernels: the direction in which the path
-/// arrives, and the chain from the start to the light point.
-fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(DVec3, &[DVec3])) {
+/// arrives, the chain from the start to the light point, and its resampling weight.
+fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(DVec3, &[DVec3], f64)) {
     after_walks(frame, samples, events, |wavefront| {
         recorded::build_bridges(wavefront, &settings(frame));
         for bucket in wavefront.buckets.buckets() {
@@ -73,7 +73,7 @@ fn bridges(frame: &Frame, samples: usize, events: usize, mut visit: impl FnMut(D
                     wavefront.chains.vertices[..bucket.inserted].iter().map(|vertex| vector(vertex.row(row)));
                 let ends = [candidate.start, candidate.point].map(vector);
                 let chain: Vec<_> = [ends[0]].into_iter().chain(inserted).chain([ends[1]]).collect();
-                visit(vector(candidate.arriving), &chain);
+                visit(vector(candidate.arriving), &chain, f64::from(wavefront.chains.resampling.rows()[row]));
             }
         }
     });
@@ -148,21 +148,23 @@ fn walk_density(phase: &dyn Phase, chain: &[DVec3], flight: f64) -> f64 {
 
 #[test]
 fn any_density_over_that_of_bridges_has_mean_one() {
-    // E[h / p] = 1 for every density h of the inner vertices, where p is the twin's density of what the kernels make.
+    // E[w h / p] = 1 for every density h of the inner vertices, where p is the twin's density of what the kernels draw,
+    // and w the resampling weight with which they choose among it.
     let mut p_values = Vec::new();
     for (roll, g) in [(Roll::Aligned, 0.5), (Roll::Uniform, 0.4), (Roll::Aligned, -0.3)] {
         // All counts from 1 to 8 alike: h / p is conditional on the count.
         let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
         let (bridge, phase, longest) = (settings(&frame), frame.medium.phase.twin(), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
-        bridges(&frame, 16 * SAMPLES, 2, |arriving, chain| {
+        bridges(&frame, 16 * SAMPLES, 2, |arriving, chain, resampling| {
             let edges = chain.len() - 1;
             let start = start(2, chain[0], arriving);
             let made = density(&bridge, &medium(&frame), longest, &start, chain, 1.0).value();
             let count = count_probability(&bridge, &medium(&frame), longest, &start, chain[edges], edges as u32);
             // A very short edge may be rounded to nothing.
             degenerate += u32::from(made == 0.0);
-            quotients[edges].add(if made > 0.0 { walk_density(phase, chain, 0.3) * count / made } else { 0.0 });
+            let quotient = resampling * walk_density(phase, chain, 0.3) * count / made;
+            quotients[edges].add(if made > 0.0 { quotient } else { 0.0 });
         });
         assert!(degenerate < 20, "{degenerate} edges without length");
         for (edges, quotient) in quotients.iter().enumerate().skip(2) {
@@ -195,7 +197,7 @@ fn rolls_follow_their_density() {
         // Weak, middling and strong concentration apart: a roll may be right on average only.
         let limits = [0.3, 0.7, 0.95];
         let mut found = vec![0.0; (limits.len() + 1) * SHARES];
-        bridges(&frame, SAMPLES, 2, |arriving, chain| {
+        bridges(&frame, SAMPLES, 2, |arriving, chain, _| {
             if chain.len() > 2 {
                 let (concentration, _) = roll(g, arriving, chain);
                 // A uniform roll is the aligned one of an isotropic medium.
@@ -226,7 +228,7 @@ fn one_vertex_of_a_bridge_matches_its_density() {
             SKEW * at(x, LONG) + at(y, SKEW)
         };
         let (mut found, mut total) = (vec![0.0; LONG * SKEW], 0.0);
-        bridges(&frame, 2 * SAMPLES, 1, |_, chain| {
+        bridges(&frame, 2 * SAMPLES, 1, |_, chain, _| {
             if let [start, vertex, point] = chain {
                 let [l1, l2] = [*start, *point].map(|end| end.distance(*vertex) / start.distance(*point));
                 let (x, skew) = ((1.0 - 1.0 / (l1 + l2)).max(0.0).sqrt(), (l1 - l2).clamp(-1.0, 1.0));

@@ -149,7 +149,7 @@ fn a_cloud_is_connected_through_up_to_the_depth_of_the_axis_that_mesc_says() {
     let (mut nearer, mut deeper) = (0, 0);
     after_walks(&frame, 1 << 14, 1, |wavefront| {
         wavefront.light_sample(Scope::new(random::MVNEE_LIGHT));
-        wavefront.join(&mvnee, frame.lengths, wavefront.step);
+        wavefront.join(&mvnee, Some(&frame.lights), frame.lengths, wavefront.step);
         let Wavefront { buckets, candidates: Candidates { connections, bridged, .. }, .. } = &*wavefront;
         let rows = buckets.buckets().iter().flat_map(|bucket| bucket.rows());
         let joined: BTreeSet<u32> = rows.map(|row| bridged.lane.rows()[row]).collect();

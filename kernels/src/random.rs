@@ -129,8 +129,8 @@ purposes! {
     MVNEE_FLIGHTS = Purpose::row(0x100, LONGEST_BRIDGED_PATH / 4);
     /// The seeds' perturbations: block k has radius and azimuth of seed 2 k, then of seed 2 k + 1.
     MVNEE_OFFSETS = Purpose::row(0x200, LONGEST_BRIDGED_PATH / 2);
-    /// A bridge's free walk: block k has length of edge k, cosine and azimuth of the turn at its end; of the
-    /// last edge, which end comes first, behind them.
+    /// A bridge's free walks: block k has length of edge k, azimuth of the turn at its end, and a cosine for each
+    /// alternative; of the last edge, which walk is chosen, and which end comes first, in the place of cosines.
     BRIDGE_WALK = Purpose::row(0x400, LONGEST_BRIDGED_PATH);
 }
 

@@ -7,6 +7,7 @@ use fogbow_kernels::{extend, medium_sample, random};
 use glam::DVec3;
 
 use super::Walk;
+use super::connect::Joined;
 use crate::frame::Frame;
 
 /// A path that ends on a light.
@@ -49,7 +50,7 @@ pub fn connected(
     }
     let Frame { techniques, lengths, lights, .. } = frame;
     let own = techniques.connections(*lengths, lights).filter(|connection| connection.technique == technique);
-    let (emitter, rest) = own.into_iter().find_map(|connection| path.join(&connection))?;
+    let Joined { emitter, rest, .. } = own.into_iter().find_map(|connection| path.join(&connection))?;
     let is_free = path.is_free(emitter, &[&[path.last()], rest.as_slice()].concat());
     let walked = path.path.len();
     Some(Chain { vertices: [path.path, rest].concat(), walked, emitter, is_free })

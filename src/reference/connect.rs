@@ -1,7 +1,7 @@
 //! The connections of a vertex, one technique after the other.
 
 use fogbow_kernels::connect::bridge::Bridge;
-use fogbow_kernels::connect::bridge::sample::reference as bridge_sample;
+use fogbow_kernels::connect::bridge::sample::reference::{self as bridge_sample, End};
 use fogbow_kernels::connect::light_sample::{Scope, reference as light_sample};
 use fogbow_kernels::connect::lis::{Connector, Lis, sample::reference as lis_sample};
 use fogbow_kernels::connect::mvnee::Mvnee;
@@ -9,12 +9,26 @@ use fogbow_kernels::connect::mvnee::sample::reference as mvnee_sample;
 use fogbow_kernels::connect::omnee::sample::reference as omnee_sample;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::connect::{Chain, Connection, bridge, lis};
+use fogbow_kernels::emission::reference::normal;
 use fogbow_kernels::random;
 use fogbow_kernels::{PathLengths, occlusion, phase_quotient, roulette};
 use glam::DVec3;
 
 use super::Walk;
 use crate::frame::Frame;
+
+/// What joins a vertex with an emitter.
+pub(super) struct Joined {
+    /// The emitter.
+    pub emitter: usize,
+    /// The vertices after the joined one, the last of which is the point on the emitter.
+    pub rest: Vec<DVec3>,
+    /// Resampling weight: 1 where they were not chosen among others.
+    pub resampling: f64,
+}
+
+/// Inserted vertices, and their resampling weight.
+type Inserted = (Vec<DVec3>, f64);
 
 impl Walk<'_> {
     /// Tries every active technique from the last vertex.
@@ -27,25 +41,24 @@ impl Walk<'_> {
 
     /// Draws a light point and joins the last vertex with it.
     fn try_technique(&mut self, connection: &Connection<'_>) {
-        if let Some((emitter, rest)) = self.join(connection) {
-            self.try_connection(connection, emitter, &rest);
+        if let Some(joined) = self.join(connection) {
+            self.try_connection(connection, &joined);
         }
     }
 
-    /// The emitter that the last vertex is joined with, and the vertices after it, the last of which is the point on
-    /// that emitter.
-    pub(super) fn join(&self, connection: &Connection<'_>) -> Option<(usize, Vec<DVec3>)> {
+    /// Joins the last vertex with an emitter.
+    pub(super) fn join(&self, connection: &Connection<'_>) -> Option<Joined> {
         let Frame { lengths, seed, .. } = *self.frame;
         let (emitter, point) = self.light_point(connection.scope)?;
-        let mut rest = match connection.chain {
-            Chain::Straight => Vec::new(),
-            Chain::OnceMore => vec![self.once_more(point)],
+        let (mut rest, resampling) = match connection.chain {
+            Chain::Straight => (Vec::new(), 1.0),
+            Chain::OnceMore => (vec![self.once_more(point)], 1.0),
             Chain::Mvnee(mvnee) => self.seeds_to(mvnee, point, lengths, seed)?,
-            Chain::Bridge(bridge) => self.bridge_to(bridge, point, lengths, seed)?,
+            Chain::Bridge(bridge) => self.bridge_to(bridge, Some(emitter), point, lengths, seed)?,
             Chain::FromLight(lis) => self.vertices_from_light(lis, emitter, point)?,
         };
         rest.push(point);
-        Some((emitter, rest))
+        Some(Joined { emitter, rest, resampling })
     }
 
     /// The vertex that once-more next event estimation inserts between the last one and `point`.
@@ -56,17 +69,25 @@ impl Walk<'_> {
 
     /// The vertices that multiple-vertex next event estimation inserts between the last one and `point`, in a path of
     /// `lengths` up to there.
-    fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
+    fn seeds_to(&self, mvnee: &Mvnee, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Inserted> {
         let (start, medium) = (self.last(), self.medium());
         let draws = Draws { seed, ..self.draws() };
         let count = mvnee_sample::count_seeds(&mvnee.into(), &medium, start, point, lengths, &draws)?;
         let mut inserted = vec![point; count as usize];
         mvnee_sample::place(&mvnee.into(), &medium, start, point, &draws, &mut inserted);
-        Some(inserted)
+        Some((inserted, 1.0))
     }
 
-    /// The vertices of a bridge between the last one and `point`, in a path of `lengths` up to there.
-    fn bridge_to(&self, bridge: &Bridge, point: DVec3, lengths: PathLengths, seed: u32) -> Option<Vec<DVec3>> {
+    /// The vertices of a bridge between the last one and `point`, which is on an emitter if there is one, in a path of
+    /// `lengths` up to there.
+    fn bridge_to(
+        &self,
+        bridge: &Bridge,
+        emitter: Option<usize>,
+        point: DVec3,
+        lengths: PathLengths,
+        seed: u32,
+    ) -> Option<Inserted> {
         let (start, medium) = (self.last(), self.medium());
         let draws = Draws { seed, ..self.draws() };
         let arriving = self.arriving();
@@ -74,12 +95,17 @@ impl Walk<'_> {
         let from = bridge::reference::Start { depth: self.depth(), position: start, arriving, on_surface };
         let count = bridge_sample::count_edges(bridge, &medium, lengths, &from, point, &draws)?;
         let mut inserted = vec![point; count as usize];
-        bridge_sample::place(bridge, self.frame.medium.phase.twin(), &from, point, &draws, &mut inserted);
-        Some(inserted)
+        let end = End {
+            point,
+            normal: emitter.map(|emitter| normal(&self.frame.lights.emitters()[emitter], point, point - start)),
+        };
+        let (phase, solid) = (self.frame.medium.phase.twin(), self.frame.is_solid());
+        let resampling = bridge_sample::place(bridge, phase, solid, &from, &end, &draws, &mut inserted);
+        Some((inserted, resampling))
     }
 
     /// The vertices between the last one and `point` on a light, of which the last is made from there.
-    fn vertices_from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Vec<DVec3>> {
+    fn vertices_from_light(&self, lis: &Lis, emitter: usize, point: DVec3) -> Option<Inserted> {
         let Frame { lights, lengths, seed, .. } = self.frame;
         let u = lis_sample::uniforms(self.pixel, self.sample, self.depth(), *seed);
         let vertex = lis_sample::place(&lights.emitters()[emitter], &self.medium(), point, u)?;
@@ -87,12 +113,12 @@ impl Walk<'_> {
             return None;
         }
         let (lengths, seed) = (lis::before_last(*lengths), random::lis_seed(*seed));
-        let mut inserted = match &lis.connector {
-            Connector::Bridge(bridge) => self.bridge_to(bridge, vertex, lengths, seed),
+        let (mut inserted, resampling) = match &lis.connector {
+            Connector::Bridge(bridge) => self.bridge_to(bridge, None, vertex, lengths, seed),
             Connector::Mvnee(mvnee) => self.seeds_to(mvnee, vertex, lengths, seed),
         }?;
         inserted.push(vertex);
-        Some(inserted)
+        Some((inserted, resampling))
     }
 
     /// The light, and the point on it, that a technique connects the last vertex with, if that is a start.
@@ -104,15 +130,15 @@ impl Walk<'_> {
         light_sample::connect(&self.frame.lights, scope, self.last(), u)
     }
 
-    /// Adds the path that goes on from the last vertex through `rest`, whose last point is on the light, if it survives
-    /// the roulette and is free.
-    fn try_connection(&mut self, connection: &Connection<'_>, emitter: usize, rest: &[DVec3]) {
+    /// Adds the path that goes on from the last vertex as it was `joined`, if it survives the roulette and is free.
+    fn try_connection(&mut self, connection: &Connection<'_>, joined: &Joined) {
         let Connection { technique, scope: Scope { purpose, .. }, .. } = *connection;
+        let Joined { emitter, ref rest, resampling } = *joined;
         let mut worth = self.weigh(emitter, rest);
         let mut chain = vec![self.last()];
         chain.extend_from_slice(rest);
         let quotient = self.turns(&chain);
-        worth.factor = worth.factor.map(|factor| factor * quotient);
+        worth.factor = worth.factor.map(|factor| factor * quotient * resampling);
         let contribution = roulette::reference::largest(&self.contribution(emitter, worth));
         let survival = roulette::reference::survival(f64::from(self.frame.roulette), contribution);
         let (pixel, sample, seed) = (self.pixel, self.sample, self.frame.seed);

@@ -7,6 +7,7 @@ use fogbow_kernels::connect::nee::in_place::Tally;
 use fogbow_kernels::connect::{Chain, Connection, Technique};
 use fogbow_kernels::pipeline::Joint;
 use fogbow_kernels::random;
+use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{PathLengths, Step};
 
 use super::stages::rows;
@@ -82,7 +83,8 @@ impl Wavefront<'_> {
 
     /// Joins through as many vertices as the technique draws.
     fn join_and_settle<T: Joint>(&mut self, connection: &Connection<'_>, settings: &T) {
-        self.join(settings, self.frame.lengths, self.step);
+        let frame = self.frame;
+        self.join(settings, Some(&frame.lights), frame.lengths, self.step);
         self.settle_buckets(connection, 0);
     }
 
@@ -93,14 +95,15 @@ impl Wavefront<'_> {
         let step = Step { seed: random::lis_seed(self.step.seed), ..self.step };
         let lengths = lis::before_last(self.frame.lengths);
         match &lis.connector {
-            Connector::Bridge(bridge) => self.join(bridge, lengths, step),
-            Connector::Mvnee(mvnee) => self.join(mvnee, lengths, step),
+            Connector::Bridge(bridge) => self.join(bridge, None, lengths, step),
+            Connector::Mvnee(mvnee) => self.join(mvnee, None, lengths, step),
         }
         self.lis_join();
     }
 
-    /// Counts and places the vertices between the ends of the connections, for paths of `lengths` up to there.
-    pub fn join<T: Joint>(&mut self, technique: &T, lengths: PathLengths, step: Step) {
+    /// Counts and places the vertices between the ends of the connections, which are on `lights` if there are any, for
+    /// paths of `lengths` up to there.
+    pub fn join<T: Joint>(&mut self, technique: &T, lights: Option<&Lights>, lengths: PathLengths, step: Step) {
         let connections = &self.candidates.connections;
         let (medium, solid) = (&self.frame.medium, self.frame.is_solid());
         let (paths, immersion, last_surface) = (&self.paths, &self.immersion, &self.last_surface);
@@ -121,10 +124,11 @@ impl Wavefront<'_> {
         let look_back = LookBack { clock: self.step.clock, connections, paths, since };
         candidates.len = self.buckets.sort(connections.len, |b| look_back.of(b));
         self.stats.run(T::BUILD, rows(candidates.len), || {
-            let (buckets, chains) = (&self.buckets, &mut self.chains);
+            let (buckets, chains, pieces) = (&self.buckets, &mut self.chains, &mut self.pieces);
             let columns = BuildColumns {
                 technique,
                 medium,
+                lights,
                 solid,
                 paths,
                 immersion,
@@ -133,6 +137,7 @@ impl Wavefront<'_> {
                 buckets,
                 candidates,
                 chains,
+                pieces,
             };
             T::build_kernel(&self.pipeline)(step, columns);
         });

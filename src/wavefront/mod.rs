@@ -29,6 +29,7 @@ use fogbow_kernels::columns::queues::{
 };
 use fogbow_kernels::columns::trail::{PassageTrail, TrailTable};
 use fogbow_kernels::columns::{Column, Spectrum};
+use fogbow_kernels::connect::bridge::sample::walk::Pieces;
 use fogbow_kernels::connect::buckets::BucketTable;
 use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::{self, LANES, LaneSet};
@@ -170,6 +171,8 @@ pub struct Wavefront<'q> {
     pub buckets: BucketTable<'q>,
     /// The inserted vertices of the candidates at hand.
     pub chains: ChainTable<'q>,
+    /// Scratch of bridge_build.
+    pub pieces: Pieces<'q>,
     /// Scratch of mis_weight.
     pub suffix: Suffix<'q>,
 }
@@ -235,6 +238,7 @@ impl<'q> Wavefront<'q> {
             ends: EndQueue::new_in(arena, lanes),
             buckets: BucketTable::new_in(arena, lanes, longest),
             chains: ChainTable::new_in(arena, bridged, longest),
+            pieces: Pieces::new_in(arena, longest),
             suffix: Suffix::new_in(arena, longest_suffix(frame)),
         }
     }

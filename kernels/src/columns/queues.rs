@@ -110,8 +110,8 @@ pub struct WorthTable<'q> {
     /// profile of the emitter, >= 0; 0 once it is found faint; of an emitter that the camera sees,
     /// the transmittance in the clearest channel times the profile.
     pub weight: Column<'q, f32>,
-    /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices, the
-    /// quotient of channels where extinction is coloured, and whether anything is in the way.
+    /// What the throughput leaves out of f / p, in the channels in use: the albedos of the inserted vertices, their
+    /// resampling weights, the quotient of channels where extinction is coloured, and whether anything is in the way.
     pub factor: Spectrum<'q>,
 }
 
@@ -246,6 +246,8 @@ impl Bucket {
                     let batch = factor.batch(b);
                     f32::store_packed(factor, end, order, batch);
                 }
+                let resampling = chains.resampling.batch(b);
+                f32::store_packed(&mut chains.resampling, end, order, resampling);
                 for vertex in &mut chains.vertices[..self.inserted] {
                     <[f32; 3]>::store_packed(vertex, end, order, vertex.batch(b));
                 }
@@ -261,16 +263,23 @@ impl Bucket {
     }
 }
 
-/// Inserted vertices of candidates: vertex-major, so that the same vertex of eight rows is one batch.
+/// Inserted vertices of candidates: vertex-major, so that the same vertex of eight rows is one batch; and how they were
+/// chosen.
 pub struct ChainTable<'q> {
     /// `vertices[j]` holds the `j`-th inserted vertex of every row, counted from the start `[m]`.
     pub vertices: &'q mut [Column3<'q>],
+    /// Resampling weight of every row, > 0: the factor of its contribution that makes up for the choice of its vertices
+    /// among several; 1 where nothing was chosen.
+    pub resampling: Column<'q, f32>,
 }
 
 impl<'q> ChainTable<'q> {
     /// Room for `longest` inserted vertices in each of `rows` rows.
     pub fn new_in(arena: &'q Bump, rows: usize, longest: usize) -> Self {
-        Self { vertices: arena.alloc_slice_fill_with(longest, |_| Column3::new_in(arena, rows)) }
+        Self {
+            vertices: arena.alloc_slice_fill_with(longest, |_| Column3::new_in(arena, rows)),
+            resampling: Column::new_in(arena, rows),
+        }
     }
 }
 
@@ -294,6 +303,7 @@ mod tests {
             worth.weight.rows_mut()[row] = weight;
             worth.factor.set_row(row, [0.5 * weight, 1.0, 2.0 + weight]);
             chains.vertices.iter_mut().for_each(|vertex| vertex.set_row(row, vector));
+            chains.resampling.rows_mut()[row] = 0.25 * row as f32;
         }
         let packed = Bucket { inserted: 2, start: 8, len: 30 }.pack(&mut candidates, &mut chains, &mut worth);
         let expected: Vec<usize> = (8..38).filter(|row| weighs(*row)).collect();
@@ -305,6 +315,7 @@ mod tests {
             assert_eq!((worth.weight.rows()[row], worth.factor.row(row)), (weight, [0.5 * weight, 1.0, 2.0 + weight]));
             assert_eq!(candidate.point, [from as f32, 0.5, -1.0]);
             chains.vertices.iter().for_each(|vertex| assert_eq!(vertex.row(row), candidate.point));
+            assert_eq!(chains.resampling.rows()[row], 0.25 * from as f32);
         }
     }
 

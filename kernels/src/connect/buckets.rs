@@ -8,8 +8,10 @@ use crate::PathLengths;
 use crate::columns::Column;
 use crate::columns::paths::{ImmersionColumns, LastSurfaceColumns, OutlookColumns, PathColumns};
 use crate::columns::queues::{Bucket, CandidateQueue, ChainTable};
+use crate::connect::bridge::sample::walk::Pieces;
 use crate::lanes::LANES;
 use crate::media::Medium;
+use crate::tables::lights::Lights;
 
 /// What counting the inserted vertices of connections may touch.
 pub struct CountColumns<'a, 'q, T> {
@@ -39,6 +41,8 @@ pub struct BuildColumns<'a, 'q, T> {
     pub technique: &'a T,
     /// The medium around everything.
     pub medium: &'a Medium,
+    /// The lights on which connections end, if they do.
+    pub lights: Option<&'a Lights>,
     /// Whether there are surfaces; without them, `last_surface` is not read.
     pub solid: bool,
     /// Read: pixel, sample, birth.
@@ -55,6 +59,8 @@ pub struct BuildColumns<'a, 'q, T> {
     pub candidates: &'a mut CandidateQueue<'q>,
     /// Filled at the buckets' rows: the inserted vertices.
     pub chains: &'a mut ChainTable<'q>,
+    /// Room for the walks of eight bridges.
+    pub pieces: &'a mut Pieces<'q>,
 }
 
 /// How many vertices before the start of a connection its weight looks at, at most.

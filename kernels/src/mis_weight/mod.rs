@@ -13,8 +13,8 @@
 //! formulas stand in [`connect`](crate::connect). The weight exceeds one where fewer walks than one per sample look at the path, and is 0
 //! where none does.
 
-mod albedos;
 mod colours;
+mod factors;
 mod passages;
 pub mod reference;
 pub mod simd;
@@ -51,7 +51,7 @@ pub struct Columns<'a, 'q> {
     pub bucket: Bucket,
     /// Read: every column.
     pub candidates: &'a CandidateQueue<'q>,
-    /// Read: the inserted vertices.
+    /// Read: the inserted vertices, and their resampling weights.
     pub chains: &'a ChainTable<'q>,
     /// Read: birth.
     pub paths: &'a PathColumns<'q>,
@@ -71,8 +71,8 @@ pub struct Columns<'a, 'q> {
     pub passage_trails: &'a [PassageTrail<'q>],
     /// Room for the suffixes of eight candidates.
     pub suffix: &'a mut Suffix<'q>,
-    /// Filled: weight; and as factor, the albedos of the inserted vertices and, where extinction is coloured, the light
-    /// that arrives in a channel over that in the reference; and the colour of an image of the sky.
+    /// Filled: weight; and as factor, the albedos of the inserted vertices and how they were resampled, where extinction is
+    /// coloured, the light that arrives in a channel over that in the reference; and the colour of an image of the sky.
     pub worth: &'a mut WorthTable<'q>,
 }
 

@@ -84,7 +84,8 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         };
         let Worth { weight, factor } = competition.worth(&path);
         worth.weight.rows_mut()[row] = weight as f32;
-        worth.factor.set_row(row, factor.map(|channel| channel as f32));
+        let resampling = if bucket.inserted > 0 { f64::from(chains.resampling.rows()[row]) } else { 1.0 };
+        worth.factor.set_row(row, factor.map(|channel| (channel * resampling) as f32));
     }
 }
 

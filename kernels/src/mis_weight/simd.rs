@@ -20,7 +20,7 @@ use wide::{f32x8, u32x8};
 use super::colours::Colours;
 use super::passages::Passages;
 use super::starts::Starts;
-use super::{Columns, albedos, straight};
+use super::{Columns, factors, straight};
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
@@ -51,7 +51,7 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
     let mut columns = columns;
     let Columns { medium, lights, techniques, walk, bucket, candidates, chains, paths, .. } = columns;
     let Columns { last_surface, outlook, vertex, trail, .. } = columns;
-    albedos::fill(medium, bucket, chains, columns.worth);
+    factors::fill(medium, bucket, chains, columns.worth);
     let (densities, usable) = (techniques.densities(), techniques.most_edges());
     let (near, usable_near) = (techniques.near(), techniques.most_edges_near());
     let reaches_far = lights.has_distant();

@@ -9,7 +9,7 @@
 use wide::{f32x8, u32x8};
 
 use super::starts::Starts;
-use super::{Columns, albedos};
+use super::{Columns, factors};
 use crate::connect::light_sample::lights::LightsIn;
 use crate::media::{MediumLanes, MediumX8};
 use crate::phase::PhaseX8;
@@ -29,7 +29,7 @@ pub(super) fn suffices<M: MediumLanes>(columns: &Columns<'_, '_>) -> bool {
 #[inline(always)]
 pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, medium: M, phase: P) {
     let Columns { lights, walk, solid, bucket, candidates, paths, last_surface, outlook, worth, .. } = columns;
-    albedos::fill(columns.medium, bucket, columns.chains, worth);
+    factors::fill(columns.medium, bucket, columns.chains, worth);
     let (medium, survival) = (medium.own(), LogSurvival::of(&walk.survival));
     for (b, rows) in bucket.batches() {
         let lane_of = candidates.lane.batch(b).to_array();

@@ -24,6 +24,12 @@ impl PlaneAngle {
         let cosine = direction.dot(axis);
         Self { cosine, sine: axis.mul_neg_add(cosine, direction).length_squared().sqrt() }
     }
+
+    /// The one of this cosine, [-1, 1] but for rounding, where small angles need not be told from 0.
+    #[inline(always)]
+    pub fn of_cosine(cosine: f32x8) -> Self {
+        Self { cosine, sine: cosine.mul_neg_add(cosine, f32x8::ONE).fast_max(f32x8::ZERO).sqrt() }
+    }
 }
 
 /// How scattering events turn directions: those of eight rows, or of one.
@@ -45,16 +51,15 @@ impl<F: Real> Deflection<F> {
         tangent.mul_add(self.sine * cos, across)
     }
 
-    /// A right-handed frame of unit vectors, the last of which is a direction, turned by the deflection at azimuth
-    /// `2 pi turn`: the others go along, so that walks need not find new ones at every turn.
+    /// A right-handed frame of unit vectors, the last of which is a direction, turned by the deflection at an azimuth phi
+    /// with this `(sin, cos)`: the others go along, so that walks need not find new ones at every turn.
     ///
     /// ```text
     /// e = cos(phi) t + sin(phi) b
     /// t' = cos(theta) e - sin(theta) d,   b' = cos(phi) b - sin(phi) t,   d' = cos(theta) d + sin(theta) e
     /// ```
     #[inline(always)]
-    pub fn carry(&self, [tangent, bitangent, direction]: [Vec3<F>; 3], turn: F) -> [Vec3<F>; 3] {
-        let (sin, cos) = sin_cos_turn(turn);
+    pub fn carry(&self, [tangent, bitangent, direction]: [Vec3<F>; 3], (sin, cos): (F, F)) -> [Vec3<F>; 3] {
         let towards = bitangent.mul_add(sin, tangent * cos);
         [
             direction.mul_add(-self.sine, towards * self.cosine),

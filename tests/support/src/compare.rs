@@ -293,20 +293,21 @@ impl Save for TrailTable<'_> {
     }
 }
 
+/// One table per vertex, and behind them one of the resampling weights.
 impl Save for ChainTable<'_> {
     fn save(&self) -> Saved {
         let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         let vertex = |vertex: &fogbow_kernels::columns::Column3<'_>| {
             vertex.channels().map(|channel| ("vertex", true, bits(channel.rows()))).to_vec()
         };
-        Saved::new(self.vertices.iter().map(vertex).collect())
+        let resampling = vec![("resampling", true, bits(self.resampling.rows()))];
+        Saved::new(self.vertices.iter().map(vertex).chain([resampling]).collect())
     }
 
     fn restore(&mut self, saved: &Saved) {
-        for (vertex, columns) in self.vertices.iter_mut().zip(&saved.tables) {
-            for (channel, (_, _, bits)) in vertex.channels_mut().into_iter().zip(columns) {
-                channel.rows_mut().iter_mut().zip(bits).for_each(|(to, bits)| *to = f32::from_bits(*bits));
-            }
+        let channels = self.vertices.iter_mut().flat_map(|vertex| vertex.channels_mut()).chain([&mut self.resampling]);
+        for (column, (_, _, bits)) in channels.zip(saved.tables.iter().flatten()) {
+            column.rows_mut().iter_mut().zip(bits).for_each(|(to, bits)| *to = f32::from_bits(*bits));
         }
     }
 }

@@ -30,13 +30,13 @@ pub fn wavefront<'q>(arena: &'q Bump, frame: &'q Frame, lanes: usize, bounces: u
 /// Builds MVNEE's connections, bucket by bucket.
 pub fn build_mvnee(wavefront: &mut Wavefront<'_>, mvnee: &Mvnee) {
     wavefront.light_sample(mvnee.scope());
-    wavefront.join(mvnee, wavefront.frame.lengths, wavefront.step);
+    wavefront.join(mvnee, Some(&wavefront.frame.lights), wavefront.frame.lengths, wavefront.step);
 }
 
 /// Builds bridges, bucket by bucket.
 pub fn build_bridges(wavefront: &mut Wavefront<'_>, bridge: &Bridge) {
     wavefront.light_sample(bridge.scope());
-    wavefront.join(bridge, wavefront.frame.lengths, wavefront.step);
+    wavefront.join(bridge, Some(&wavefront.frame.lights), wavefront.frame.lengths, wavefront.step);
 }
 
 /// Builds the connections of light importance sampling; a bucket's rows insert one vertex more than it says.

@@ -116,6 +116,9 @@ pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
     tolerance(2e-6 + 2e-5 * extent.max(distance), 4e-6)
 }
 
+/// Resampling weights of bridges: a handful of sharp turns and of mean cosines.
+pub const RESAMPLING: Tolerance = tolerance(1e-12, 1e-3);
+
 /// Transmittances of views: `exp` of an f32 whose rounding counts with its size, up to about 20.
 pub const TRANSMITTANCE: Tolerance = tolerance(1e-12, 4e-6);
 

@@ -47,14 +47,18 @@
 //! **Ends.** A walk is as likely read from its end as from its beginning. Where the roll is aligned, the end that suits
 //! the turn at the start comes first more often, with probability [P(first)](ends).
 //!
-//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn,
-//! p_w is the density of the reflection, and the table has a row of its own for it.
+//! **Choice.** Where there are no surfaces, of [several walks](sample), made of pieces that are drawn once, one that
+//! [suits](suit) is likely chosen. None of this is in p: what was chosen counts its resampling weight, one over its probability and their number, which
+//! is 1 in the mean. (Talbot, Cline, Egbert, EGSR 2005.)
+//!
+//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn, p_w is the density of the reflection, and the table has a row of its own for it.
 
 pub mod counts;
 pub mod ends;
 pub mod reference;
 pub mod sample;
 pub mod simd;
+pub mod suit;
 
 use std::sync::Arc;
 
@@ -71,12 +75,22 @@ pub const DEFENSIVE: f32 = 0.05;
 /// How a bridge is rolled about its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Roll {
-    /// In proportion to one over h of the turn at the start, the Henyey-Greenstein function to the power 2/3, and with
-    /// the end first that suits that turn.
+    /// In proportion to one over h of the turn at the start, the Henyey-Greenstein function to the power 2/3; walks are
+    /// chosen among several, and the end comes first that suits that turn.
     Aligned,
     /// All angles alike, and walks as they are drawn.
     Uniform,
 }
+
+/// Alternatives of each half of a walk, where there are no surfaces: with them, other things make most of the variance, and
+/// what is chosen from costs more than it brings.
+pub const PIECES: usize = 2;
+
+/// Fewest edges of walks that have alternatives: there is little to choose among shorter ones.
+pub const FEWEST_CHOSEN: usize = 4;
+
+/// Share of the walks that are chosen whether they suit or not.
+pub const INDIFFERENT: f32 = 0.1;
 
 /// The settings of the technique.
 #[derive(Clone, Debug, PartialEq)]

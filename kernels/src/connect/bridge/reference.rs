@@ -22,6 +22,9 @@
 //! ```text
 //! P(first) = A(first) / (A(first) + A(last)),      A = 1 / ((a - b) sqrt(a + b))
 //! ```
+//!
+//! This is the density of walks as they are drawn. That one is then chosen among several is not in it: the resampling
+//! weight makes up for that.
 
 use glam::DVec3;
 

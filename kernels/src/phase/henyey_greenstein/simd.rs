@@ -113,6 +113,12 @@ impl Turns<f32> for Lobe<f32> {
 }
 
 impl HenyeyGreensteinX8 {
+    /// Mean of `h` over all turns, weighed by the phase function: 1 - g^2.
+    #[inline(always)]
+    pub fn mean_h(&self) -> f32x8 {
+        self.sine_scale * f32x8::splat(0.5)
+    }
+
     /// `h` of the turns between a direction and two others: those in one plane with it and the axis from which all
     /// angles are counted, at the same angle to the axis on either side, h_- and h_+.
     #[inline(always)]

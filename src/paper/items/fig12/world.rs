@@ -1,7 +1,8 @@
 //! Making paths of exactly so many vertices, and what they contribute.
 
 use fogbow_kernels::connect::bridge::reference::{self as bridge, Start};
-use fogbow_kernels::connect::bridge::{Bridge, Roll, sample::reference as bridge_sample};
+use fogbow_kernels::connect::bridge::sample::reference::{self as bridge_sample, End};
+use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::density::Density;
 use fogbow_kernels::connect::mvnee::reference::{self as mvnee, Settings};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset, sample::reference as mvnee_sample};
@@ -164,12 +165,14 @@ fn bridged(world: &World, bridge: &Bridge, sample: u32) -> Sample {
     let point = world.light_point(sample);
     let start = Start { depth: 1, position: DVec3::ZERO, arriving: ARRIVING, on_surface: false };
     let mut inner = vec![DVec3::ZERO; world.vertices];
-    bridge_sample::place(bridge, &world.phase, &start, point, &draws(sample), &mut inner);
+    let end = End { point, normal: Some(DVec3::NEG_Z) };
+    let resampling = bridge_sample::place(bridge, &world.phase, false, &start, &end, &draws(sample), &mut inner);
     let path = [&[DVec3::ZERO], inner.as_slice(), &[point]].concat();
     let (medium, longest) = (world.medium(), world.vertices as u32 + 2);
     let count = bridge::count_probability(bridge, &medium, longest, &start, point, world.vertices as u32 + 1);
     let density = bridge::density(bridge, &medium, longest, &start, &path, world.on_light() / count);
-    sample_of(world, path, density)
+    let Sample { path, ln } = sample_of(world, path, density);
+    Sample { path, ln: ln + resampling.ln() }
 }
 
 fn sample_of(world: &World, path: Vec<DVec3>, density: Density) -> Sample {

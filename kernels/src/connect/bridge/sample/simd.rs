@@ -16,10 +16,12 @@
 
 use wide::{f32x8, u32x8};
 
+use super::walk::FreeWalk;
 use crate::columns::Column3;
-use crate::columns::queues::CandidateBatch;
+use crate::columns::queues::{Bucket, CandidateBatch};
 use crate::connect::bridge::ends::Ends;
-use crate::connect::bridge::{Bridge, Roll};
+use crate::connect::bridge::suit::Suit;
+use crate::connect::bridge::{Bridge, FEWEST_CHOSEN, PIECES, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
@@ -27,7 +29,6 @@ use crate::media::{MediumLanes, MediumX8};
 use crate::phase::henyey_greenstein::roll_by;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::random;
-use crate::transcendental::neg_ln;
 use crate::vec3::Vec3x8;
 use crate::{Step, lanes, with_medium, with_phase};
 
@@ -77,34 +78,107 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
 
 #[inline(always)]
 fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
-    let BuildColumns { technique: bridge, solid, paths, last_surface, .. } = columns;
-    let BuildColumns { connections, buckets, candidates, chains, .. } = columns;
-    for bucket in buckets.buckets() {
-        for (b, _) in bucket.batches() {
-            let candidate = connections.gather(&buckets.order.batch(b).to_array());
-            candidates.set_batch(b, candidate);
-            if bucket.inserted > 0 {
-                let lane_of = candidate.lane.to_array();
-                let sequence = Sequence::new(step, paths, &lane_of);
-                let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
-                let chain = &mut chains.vertices[..bucket.inserted];
-                let free = walk(&sequence, &phase, chain, b);
-                let [.., roll, _] = sequence.uniforms(random::BRIDGE_COUNT);
-                let placement = Placement::new(&phase, bridge.roll, on_surface, &candidate, &free, roll);
-                place(&placement, candidate.start, chain, b);
+    let mut columns = columns;
+    let BuildColumns { technique: bridge, solid, connections, buckets, .. } = columns;
+    // Before anything else, so that none of it waits until walks are done.
+    for (b, _) in buckets.buckets().iter().flat_map(|bucket| bucket.batches()) {
+        columns.candidates.set_batch(b, connections.gather(&buckets.order.batch(b).to_array()));
+        columns.chains.resampling.set_batch(b, f32x8::ONE);
+    }
+    for bucket in buckets.buckets().iter().filter(|bucket| bucket.inserted > 0) {
+        match bridge.roll {
+            Roll::Aligned if !solid && bucket.inserted + 1 >= FEWEST_CHOSEN => {
+                build_bucket::<PIECES, _>(step, &mut columns, phase, *bucket);
             }
+            _ => build_bucket::<1, _>(step, &mut columns, phase, *bucket),
         }
     }
 }
 
-/// What a free walk that leaves along z comes to.
-struct FreeWalk {
-    /// Where it ends, x_N.
-    end: Vec3x8,
-    /// Unit direction of its last edge.
-    last: Vec3x8,
-    /// Uniform number that chooses which end comes first.
-    choice: f32x8,
+/// Builds the bridges of a bucket from walks of `M` alternatives.
+#[inline(always)]
+fn build_bucket<const M: usize, P: PhaseX8>(
+    step: Step,
+    columns: &mut BuildColumns<'_, '_, Bridge>,
+    phase: P,
+    bucket: Bucket,
+) {
+    let BuildColumns { technique: bridge, lights, solid, paths, last_surface, .. } = *columns;
+    let (candidates, chains, pieces) = (&*columns.candidates, &mut *columns.chains, &mut *columns.pieces);
+    let lobe = phase.lobe();
+    for (b, _) in bucket.batches() {
+        let candidate = candidates.batch(b);
+        let lane_of = candidate.lane.to_array();
+        let sequence = Sequence::new(step, paths, &lane_of);
+        let course = Course::new(&candidate);
+        let on_surface = if solid { sequence.on_surface(last_surface, &lane_of) } else { f32x8::ZERO };
+        let ends = Ends { lobe: &lobe, arriving: course.arriving };
+        let light = lights.filter(|_| M > 1).map(|lights| {
+            PlaneAngle::of_cosine(lights.cosine(&candidate.emitter.to_array(), candidate.point, course.axis))
+        });
+        let suit = Suit { ends, light };
+        let free =
+            FreeWalk::<M>::new(&sequence, &phase, pieces, bucket.inserted + 1, |first, last| suit.of(first, last));
+
+        let (span, along) = free.end.length_and_direction();
+        let lead = match bridge.roll {
+            Roll::Aligned => Lead::chosen(&free, along, on_surface, &ends),
+            Roll::Uniform => Lead::first(along),
+        };
+        let [.., u, _] = sequence.uniforms(random::BRIDGE_COUNT);
+        let rolled = course.roll(&phase, bridge.roll, on_surface, lead.angle, u);
+        let placement = Placement::new(&course, &lead, rolled, span, along, free.end);
+        place(&placement, candidate.start, &free, &mut chains.vertices[..bucket.inserted], b);
+        chains.resampling.set_batch(b, free.resampling);
+    }
+}
+
+/// The way of eight bridges from start to light point.
+struct Course {
+    distance: f32x8,
+    axis: Vec3x8,
+    /// Unit vectors across the axis.
+    across: [Vec3x8; 2],
+    /// What the direction in which the path arrives is along them.
+    beside: [f32x8; 2],
+    /// gamma: its angle to the axis.
+    arriving: PlaneAngle,
+}
+
+impl Course {
+    #[inline(always)]
+    fn new(candidate: &CandidateBatch) -> Self {
+        let (distance, axis) = (candidate.point - candidate.start).length_and_direction();
+        let (tangent, bitangent) = axis.frame();
+        let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
+        let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
+        Self { distance, axis, across: [tangent, bitangent], beside: [x, y], arriving }
+    }
+
+    /// Unit vectors across the axis, the first of them where the first edge goes, which leaves at the angle `leaving`: by
+    /// the number u, and for starts `on_surface` uniformly.
+    #[inline(always)]
+    fn roll(&self, phase: &impl PhaseX8, roll: Roll, on_surface: f32x8, leaving: PlaneAngle, u: f32x8) -> [Vec3x8; 2] {
+        let (sin, cos) = match roll {
+            Roll::Aligned if on_surface.any() => {
+                let [aligned, uniform] = [phase.roll(self.arriving, leaving, u), roll_uniformly(u)];
+                (on_surface.select(uniform.0, aligned.0), on_surface.select(uniform.1, aligned.1))
+            }
+            Roll::Aligned => phase.roll(self.arriving, leaving, u),
+            Roll::Uniform => roll_uniformly(u),
+        };
+        let ([tangent, bitangent], [x, y]) = (self.across, self.beside);
+        let least = f32x8::splat(LEAST);
+        let on_axis = self.arriving.sine.simd_le(least);
+        let inverse_sine = f32x8::ONE / self.arriving.sine.fast_max(least);
+        let (cos_phi, sin_phi) = (on_axis.select(f32x8::ONE, x * inverse_sine), y * inverse_sine);
+        let cos_azimuth = cos_phi.mul_sub(cos, sin_phi * sin);
+        let sin_azimuth = sin_phi.mul_add(cos, cos_phi * sin);
+        [
+            tangent.mul_add(cos_azimuth, bitangent * sin_azimuth),
+            bitangent.mul_add(cos_azimuth, -(tangent * sin_azimuth)),
+        ]
+    }
 }
 
 /// The edge of a free walk that comes first in the bridge.
@@ -117,61 +191,44 @@ struct Lead {
     angle: PlaneAngle,
 }
 
-impl FreeWalk {
+impl Lead {
     /// The walk's own first edge; `along` is the unit vector to its end.
     #[inline(always)]
-    fn as_drawn(&self, along: Vec3x8) -> Lead {
+    fn first(along: Vec3x8) -> Self {
         let angle = PlaneAngle { cosine: along.z, sine: along.x.mul_add(along.x, along.y * along.y).sqrt() };
-        Lead { turned: f32x8::ZERO, direction: Vec3x8::splat([0.0, 0.0, 1.0]), angle }
+        Self { turned: f32x8::ZERO, direction: Vec3x8::splat([0.0, 0.0, 1.0]), angle }
     }
 
     /// That of the end which the walk's number chooses, but its own first where the start is `on_surface`.
     #[inline(always)]
-    fn lead(&self, along: Vec3x8, on_surface: f32x8, ends: &Ends<'_>) -> Lead {
-        let (first, last) = (self.as_drawn(along), PlaneAngle::between(self.last, along));
-        let turned = !(self.choice.simd_lt(ends.share(first.angle, last)) | on_surface);
+    fn chosen<const M: usize>(free: &FreeWalk<'_, M>, along: Vec3x8, on_surface: f32x8, ends: &Ends<'_>) -> Self {
+        let (first, last_angle) = (Self::first(along), PlaneAngle::between(free.last, along));
+        let turned = !(free.choice.simd_lt(ends.share(first.angle, last_angle)) | on_surface);
         let either = |last: f32x8, first: f32x8| turned.select(last, first);
-        Lead {
+        Self {
             turned,
-            direction: Vec3x8::select(turned, self.last, first.direction),
+            direction: Vec3x8::select(turned, free.last, first.direction),
             angle: PlaneAngle {
-                cosine: either(last.cosine, first.angle.cosine),
-                sine: either(last.sine, first.angle.sine),
+                cosine: either(last_angle.cosine, first.angle.cosine),
+                sine: either(last_angle.sine, first.angle.sine),
             },
         }
     }
 }
 
-/// Fills batch `b` of the chain with the inner vertices of a free walk.
+/// Moves the inner vertices of a walk to their places in batch `b` of the chain.
 #[inline(always)]
-fn walk(sequence: &Sequence, phase: &impl PhaseX8, chain: &mut [Column3<'_>], b: usize) -> FreeWalk {
-    // Length of an edge, cosine and azimuth of the turn at its end, and a fourth uniform number.
-    let edge = |k: u32| {
-        let [length, cosine, azimuth, more] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
-        (Vec3x8::new(neg_ln(f32x8::ONE - length), cosine, azimuth), more)
-    };
-    for (k, vertex) in (0..).zip(&mut *chain) {
-        vertex.set_batch(b, edge(k).0);
-    }
-    let (last, choice) = edge(chain.len() as u32);
-    let mut frame = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3x8::splat);
-    let mut position = Vec3x8::ZERO;
-    for vertex in chain {
-        let Vec3x8 { x: length, y: cosine, z: azimuth } = vertex.batch(b);
-        position = frame[2].mul_add(length, position);
-        vertex.set_batch(b, position);
-        frame = phase.sample(cosine).carry(frame, azimuth);
-    }
-    FreeWalk { end: frame[2].mul_add(last.x, position), last: frame[2], choice }
-}
-
-/// Moves the vertices of a walk to their places.
-#[inline(always)]
-fn place(placement: &Placement, start: Vec3x8, chain: &mut [Column3<'_>], b: usize) {
+fn place<const M: usize>(
+    placement: &Placement,
+    start: Vec3x8,
+    free: &FreeWalk<'_, M>,
+    chain: &mut [Column3<'_>],
+    b: usize,
+) {
     let inner = chain.len();
     for k in 0..inner.div_ceil(2) {
         let opposite = inner - 1 - k;
-        let (this, other) = (chain[k].batch(b), chain[opposite].batch(b));
+        let (this, other) = (free.vertex(k), free.vertex(opposite));
         chain[k].set_batch(b, placement.of(start, this, other));
         chain[opposite].set_batch(b, placement.of(start, other, this));
     }
@@ -188,58 +245,22 @@ struct Placement {
 }
 
 impl Placement {
-    /// The one that takes a walk from the candidate's start to its light point; starts `on_surface` roll uniformly, by
-    /// the number u.
+    /// The one that takes a walk of the given `span` `along` a unit vector on its course, its first edge rolled towards
+    /// the first of the vectors `rolled`.
     #[inline(always)]
-    fn new(
-        phase: &impl PhaseX8,
-        roll: Roll,
-        on_surface: f32x8,
-        candidate: &CandidateBatch,
-        free: &FreeWalk,
-        u: f32x8,
-    ) -> Self {
-        let (distance, axis) = (candidate.point - candidate.start).length_and_direction();
-        let (tangent, bitangent) = axis.frame();
-        let (x, y) = (candidate.arriving.dot(tangent), candidate.arriving.dot(bitangent));
-        let arriving = PlaneAngle { cosine: candidate.arriving.dot(axis), sine: x.mul_add(x, y * y).sqrt() };
-
-        let (span, along) = free.end.length_and_direction();
-        let Lead { turned, direction, angle: leaving } = match roll {
-            Roll::Aligned => free.lead(along, on_surface, &Ends { lobe: &phase.lobe(), arriving }),
-            Roll::Uniform => free.as_drawn(along),
-        };
+    fn new(course: &Course, lead: &Lead, [a, b]: [Vec3x8; 2], span: f32x8, along: Vec3x8, end: Vec3x8) -> Self {
         // In this order they are perpendicular to each other, however little is left of the first edge across the axis.
-        let (_, beside) = along.cross(direction).length_and_direction();
+        let (_, beside) = along.cross(lead.direction).length_and_direction();
         let aside = beside.cross(along);
-        let least = f32x8::splat(LEAST);
-
-        // Azimuth of the first edge in the frame of the axis: that of the arriving direction plus the roll.
-        let (sin, cos) = match roll {
-            Roll::Aligned if on_surface.any() => {
-                let [aligned, uniform] = [phase.roll(arriving, leaving, u), roll_uniformly(u)];
-                (on_surface.select(uniform.0, aligned.0), on_surface.select(uniform.1, aligned.1))
-            }
-            Roll::Aligned => phase.roll(arriving, leaving, u),
-            Roll::Uniform => roll_uniformly(u),
-        };
-        let on_axis = arriving.sine.simd_le(least);
-        let inverse_sine = f32x8::ONE / arriving.sine.fast_max(least);
-        let (cos_phi, sin_phi) = (on_axis.select(f32x8::ONE, x * inverse_sine), y * inverse_sine);
-        let cos_azimuth = cos_phi.mul_sub(cos, sin_phi * sin);
-        let sin_azimuth = sin_phi.mul_add(cos, cos_phi * sin);
-        let a = tangent.mul_add(cos_azimuth, bitangent * sin_azimuth);
-        let b = bitangent.mul_add(cos_azimuth, -(tangent * sin_azimuth));
-
-        let scale = distance / span.fast_max(least);
-        let (axis, a, b) = (axis * scale, a * scale, b * scale);
+        let scale = course.distance / span.fast_max(f32x8::splat(LEAST));
+        let (axis, a, b) = (course.axis * scale, a * scale, b * scale);
         let column = |e: f32x8, p: f32x8, q: f32x8| axis.mul_add(e, a.mul_add(p, b * q));
         let axes = [
             column(along.x, aside.x, beside.x),
             column(along.y, aside.y, beside.y),
             column(along.z, aside.z, beside.z),
         ];
-        Self { axes, turned, end: free.end }
+        Self { axes, turned: lead.turned, end }
     }
 
     /// The place of the vertex of a bridge from `start` that is `this` in the walk, and as many edges from its end as

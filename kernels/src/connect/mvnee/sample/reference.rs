@@ -54,6 +54,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
             place(&settings, &medium, start, point, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
+            chains.resampling.rows_mut()[row] = 1.0;
             for (vertex, position) in chains.vertices.iter_mut().zip(&inserted) {
                 vertex.set_row(row, position.as_vec3().to_array());
             }

@@ -178,6 +178,7 @@ fn place_seeds(step: Step, columns: BuildColumns<'_, '_, Mvnee>, medium: impl Me
         for (b, rows) in bucket.batches() {
             let candidate = connections.gather(&buckets.order.batch(b).to_array());
             candidates.set_batch(b, candidate);
+            chains.resampling.set_batch(b, f32x8::ONE);
             if bucket.inserted > 0 {
                 let lane_of = candidate.lane.to_array();
                 let sequence = Sequence::new(step, paths, &lane_of);

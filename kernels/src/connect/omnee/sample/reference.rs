@@ -26,6 +26,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_>) {
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
         let u = uniforms(pixel, sample, paths.depth_of(step.clock, lane), step.seed);
         let vertex = place(medium.phase.twin(), start, point, u);
+        chains.resampling.rows_mut()[row] = 1.0;
         chains.vertices[0].set_row(row, vertex.as_vec3().to_array());
     }
 }

@@ -42,6 +42,7 @@ fn place(step: Step, columns: BuildColumns<'_, '_>, phase: impl PhaseX8) {
         let (tangent, bitangent) = axis.frame();
         let across = tangent.mul_add(cos_azimuth, bitangent * sin_azimuth);
         let direction = axis.mul_add(cos, across * sin);
+        chains.resampling.set_batch(b, f32x8::ONE);
         chains.vertices[0].set_batch(b, direction.mul_add(distance * part, start));
     }
 }
