@@ -9,6 +9,7 @@ pub(super) fn cost(stats: &Stats, frame: &Frame) -> f64 {
     const SEGMENT: f64 = 5.0;
     const CONNECTION: f64 = 40.0;
     const EDGE: f64 = 9.0;
+    const ALTERNATIVE: f64 = 5.0;
     const TERM: f64 = 9.0;
     const TRACED: f64 = 22.0;
     const SHADOW_RAY: f64 = 40.0;
@@ -21,6 +22,7 @@ pub(super) fn cost(stats: &Stats, frame: &Frame) -> f64 {
         + SEGMENT * stats.segments as f64
         + CONNECTION * work.connections as f64
         + EDGE * work.edges as f64
+        + ALTERNATIVE * where_that(frame.techniques.bridge.is_some() && !frame.is_solid(), work.edges)
         + TERM * work.terms as f64
         + TRACED * where_that(frame.is_solid(), stats.segments)
         + SHADOW_RAY * where_that(frame.is_solid(), work.traced)
