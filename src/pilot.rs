@@ -12,15 +12,14 @@
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
 //! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
 //! is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found something else
-//! than the image.
+//! than the image. Among surfaces, where such samples are most frequent, the best setting has to stay so in a longer look.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.
 
 mod cost;
 mod depths;
-
-use core::cmp::Ordering;
+mod trial;
 
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::pipeline::WIDEST;
@@ -31,6 +30,8 @@ use crate::frame::Frame;
 use crate::render::{Monitor, Renderer};
 use crate::stats::Stats;
 use cost::cost;
+use trial::Look;
+pub use trial::{Trial, best};
 
 /// Numbers of starts to try; the last is all.
 const STARTS: [u32; 6] = [1, 2, 3, 4, 8, u32::MAX];
@@ -53,8 +54,12 @@ const SHARE: u32 = SAMPLES / PARTS;
 const FIRST_PARTS: u32 = 2;
 /// Far means less than this share of the best efficiency, even if its variance is no more than it seems.
 const FAR: f64 = 0.7;
-/// Standard errors by which the means of two settings may differ.
-const AGREEMENT: f64 = 5.0;
+/// Parts of a look that confirms what is best by a shorter one.
+const CONFIRMING: u32 = 16;
+/// Most work of such a look, in about nanoseconds of one core.
+const MOST_WORK_TO_CONFIRM: f64 = 2e9;
+/// Most settings that are looked at again.
+const MOST_CONFIRMED: u32 = 4;
 /// Contribution below which connections play roulette, over the mean of the image.
 const FAINT: f64 = 0.25;
 /// Share of the best efficiency that is as good as the best.
@@ -121,78 +126,13 @@ impl Setting {
     }
 }
 
-/// What a setting turned out to be worth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trial {
-    /// What was tried.
-    pub setting: Setting,
-    /// Samples of every pixel that were taken for it.
-    pub samples: u32,
-    /// Variance of a sample, mean over pixels, sum over channels.
-    pub variance: f64,
-    /// Standard error of that variance.
-    pub variance_error: f64,
-    /// Work of a sample in about nanoseconds of one core.
-    pub cost: f64,
-    /// Mean radiance, of the brightest channel [W/(m^2 sr)].
-    pub mean: f64,
-    /// Standard error of that mean [W/(m^2 sr)].
-    pub mean_error: f64,
-}
-
-impl Trial {
-    /// What the looks at parts of its samples say, two or more.
-    fn of(setting: Setting, looks: &[Look]) -> Self {
-        let parts = looks.len() as f64;
-        let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / parts;
-        let variance = mean_of(&|look| look.variance);
-        let spread = mean_of(&|look| (look.variance - variance).powi(2));
-        Self {
-            setting,
-            samples: looks.len() as u32 * SHARE,
-            variance,
-            variance_error: (spread / (parts - 1.0)).sqrt(),
-            cost: mean_of(&|look| look.cost),
-            mean: mean_of(&|look| look.mean),
-            mean_error: (mean_of(&|look| look.mean_error.powi(2)) / parts).sqrt(),
-        }
-    }
-
-    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has
-    /// none.
-    pub fn efficiency(&self) -> f64 {
-        let work = (self.variance + 2.0 * self.variance_error) * self.cost;
-        if work > 0.0 { 1.0 / work } else { 0.0 }
-    }
-
-    /// Whether it has less than so much efficiency, even if its variance is no more than it seems.
-    fn is_below(&self, efficiency: f64) -> bool {
-        self.variance * self.cost * efficiency > 1.0
-    }
-
-    /// Whether both may have the same mean.
-    pub fn agrees_with(&self, other: &Self) -> bool {
-        (self.mean - other.mean).abs() <= AGREEMENT * self.mean_error.hypot(other.mean_error)
-    }
-
-    /// What leaves most to luck first: by starts, then by survival.
-    fn compare_walks(&self, other: &Self) -> Ordering {
-        let [a, b] = [self.setting, other.setting];
-        a.starts.cmp(&b.starts).then(a.survival.at(1).total_cmp(&b.survival.at(1)))
-    }
-
-    /// The same, then by roulette.
-    fn compare_luck(&self, other: &Self) -> Ordering {
-        self.compare_walks(other).then(other.setting.roulette.total_cmp(&self.setting.roulette))
-    }
-}
-
 /// `frame` with the most efficient of the settings that `choices` allow, and the trials that led to it.
 ///
 /// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
 /// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
 /// starts with that. All starts are tried before numbers in between, as means are judged by theirs, and these until one
-/// is worse. What is far from the best ends after half of its samples. Walks of any length, and those in volumes, end by
+/// is worse. What is far from the best ends after half of its samples. Where there are surfaces, what is best in the end
+/// is looked at four times as long, and so is what takes its place then. Walks of any length, and those in volumes, end by
 /// their depth: in something dense, which bridges from outside rarely get deep into, the few walks of an early end that
 /// get there would count as much as all of those that did not.
 ///
@@ -228,6 +168,9 @@ pub fn choose(
     }
     if choices.starts && choices.survival && !search.setting.survival.is_certain() {
         search.try_neighbours();
+    }
+    if choices.starts && frame.is_solid() {
+        search.confirm();
     }
     (search.setting.apply(frame), search.trials)
 }
@@ -306,6 +249,23 @@ impl Search<'_> {
         [before, after].into_iter().flatten().for_each(|starts| self.attempt(Setting { starts, ..base }));
     }
 
+    /// Looks longer at what is best, until that has been looked at so: a setting may be the best of a dozen because its
+    /// rare samples were missed.
+    fn confirm(&mut self) {
+        for _ in 0..MOST_CONFIRMED {
+            let samples = CONFIRMING * SHARE;
+            let affordable = |trial: &Trial| self.pilot.work(trial.cost, samples) <= MOST_WORK_TO_CONFIRM;
+            let doubtful = |trial: &Trial| trial.samples < samples && affordable(trial);
+            let Some(winner) = best(&self.trials).filter(doubtful) else { return };
+            let trial = self.pilot.attempt_for(winner.setting, CONFIRMING);
+            if self.pilot.monitor.stops() {
+                return;
+            }
+            self.trials.iter_mut().filter(|other| **other == winner).for_each(|other| *other = trial);
+            self.setting = best(&self.trials).map_or(self.setting, |best| best.setting);
+        }
+    }
+
     /// Tries a setting, and keeps the best so far.
     fn attempt(&mut self, setting: Setting) {
         if !self.pilot.monitor.stops() {
@@ -315,17 +275,6 @@ impl Search<'_> {
         }
         self.setting = best(&self.trials).map_or(setting, |best| best.setting);
     }
-}
-
-/// The trial to go by: of those that agree with the fullest and are nearly as efficient as the most efficient one, the
-/// one with most starts and longest walks, and of such the most efficient. A look this short knows variances to a tenth
-/// or so, and more of everything has fewer surprises; roulette, of the same samples, has none.
-pub fn best(trials: &[Trial]) -> Option<Trial> {
-    let fullest = trials.iter().max_by(|a, b| a.compare_luck(b))?;
-    let sound = || trials.iter().filter(|trial| trial.agrees_with(fullest));
-    let most = sound().map(Trial::efficiency).fold(0.0, f64::max);
-    let good = sound().filter(|trial| trial.efficiency() >= NEARLY * most);
-    good.copied().max_by(|a, b| a.compare_walks(b).then(a.efficiency().total_cmp(&b.efficiency())))
 }
 
 struct Pilot<'a> {
@@ -345,7 +294,12 @@ impl<'a> Pilot<'a> {
 
     /// Whether a trial of samples of this cost takes no longer than it should.
     fn can_afford(&self, cost: f64) -> bool {
-        cost * f64::from(SAMPLES) * self.region.pixels() as f64 <= MOST_WORK_OF_TRIAL
+        self.work(cost, SAMPLES) <= MOST_WORK_OF_TRIAL
+    }
+
+    /// The work of so many samples per pixel of this cost.
+    fn work(&self, cost: f64, samples: u32) -> f64 {
+        cost * f64::from(samples) * self.region.pixels() as f64
     }
 
     /// Tries a setting, with fewer samples if it turns out to have less than so much efficiency.
@@ -358,6 +312,13 @@ impl<'a> Pilot<'a> {
             return first;
         }
         looks.extend((FIRST_PARTS..PARTS).map(look));
+        Trial::of(setting, &looks)
+    }
+
+    /// Tries a setting for as many parts.
+    fn attempt_for(&self, setting: Setting, parts: u32) -> Trial {
+        let frame = setting.apply(&self.frame);
+        let looks: Vec<_> = (0..parts).map(|part| self.look(&frame, part)).collect();
         Trial::of(setting, &looks)
     }
 
@@ -374,12 +335,4 @@ impl<'a> Pilot<'a> {
         let brightest = (1..3).fold(0, |best, channel| if means[channel] > means[best] { channel } else { best });
         Look { variance, cost, mean: means[brightest], mean_error: errors[brightest] }
     }
-}
-
-/// What one part of the samples says of a setting; see [`Trial`].
-struct Look {
-    variance: f64,
-    cost: f64,
-    mean: f64,
-    mean_error: f64,
 }

@@ -201,6 +201,18 @@ fn what_is_far_from_the_best_ends_early_and_starts_are_tried_until_they_are_wors
     assert_eq!((frame.walk.starts, trials[1].samples, trials[2].samples), (2, 16, 32), "{trials:#?}");
 }
 
+/// What is best in a look of 32 samples may be so by luck.
+#[test]
+fn what_is_best_among_surfaces_is_so_in_a_longer_look() {
+    let (frame, trials) = piloted(&scene("cornell-fog", &[]));
+    let best = pilot::best(&trials).expect("trials");
+    assert_eq!((best.setting.starts, best.samples), (frame.walk.starts, 128), "{trials:#?}");
+    assert!(trials.iter().filter(|trial| trial.samples == 128).count() <= 4, "{trials:#?}");
+    // Not where nothing is hidden.
+    let (_, trials) = piloted(&scene("fog-facing", &[]));
+    assert!(trials.iter().all(|trial| trial.samples <= 32), "{trials:#?}");
+}
+
 /// The roulette that is chosen: 0, at a cost of 20, or 1, with another mean and cost.
 fn roulette_or_none(mean: f64, cost: f64) -> f32 {
     let without = trial(u32::MAX, 1.0, 20.0);

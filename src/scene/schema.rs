@@ -191,7 +191,7 @@ pub struct Render {
     #[serde(deserialize_with = "values::whole::<1, { MOST_SEGMENTS }, _>")]
     pub min_segments: u32,
     /// How bridges are rolled about their axis: aligned with the phase function at their start, which also chooses
-    /// which end of their walk comes first, or uniformly.
+    /// their walk and which end of it comes first, or uniformly.
     pub roll: Roll,
     /// Longest bridge, in expected segments (extinction times distance, in the clearest channel, or in the mean of
     /// channels where media differ in colour), > 0. Absent: no limit.
