@@ -156,7 +156,7 @@ fn any_density_over_that_of_bridges_has_mean_one() {
         let frame = with(frame(g, roll), |bridge| Bridge { defensive: 1.0, max_inserted: 7, ..bridge });
         let (bridge, phase, longest) = (settings(&frame), frame.medium.phase.twin(), frame.lengths.max);
         let (mut quotients, mut degenerate) = ([Moments::default(); 9], 0);
-        bridges(&frame, 16 * SAMPLES, 2, |arriving, chain, resampling| {
+        bridges(&frame, 24 * SAMPLES, 2, |arriving, chain, resampling| {
             let edges = chain.len() - 1;
             let start = start(2, chain[0], arriving);
             let made = density(&bridge, &medium(&frame), longest, &start, chain, 1.0).value();
