@@ -196,9 +196,9 @@ fn the_best_trial_is_efficient_agrees_and_has_most_starts_of_those_as_good() {
 fn what_is_far_from_the_best_ends_early_and_starts_are_tried_until_they_are_worse() {
     let (frame, trials) = piloted(&scene("fog-facing", &["render.survival=1"]));
     let tried: Vec<_> = trials.iter().map(|trial| trial.setting.starts).collect();
-    assert_eq!(tried, [1, u32::MAX, 2, 3], "{trials:#?}");
-    // All starts have a quarter of the efficiency of the best.
-    assert_eq!((frame.walk.starts, trials[1].samples, trials[2].samples), (2, 16, 32), "{trials:#?}");
+    assert_eq!(tried, [1, u32::MAX, 2], "{trials:#?}");
+    // All starts have an eighth of the efficiency of the best.
+    assert_eq!((frame.walk.starts, trials[1].samples, trials[2].samples), (1, 16, 32), "{trials:#?}");
 }
 
 /// What is best in a look of 32 samples may be so by luck.
@@ -278,7 +278,7 @@ fn the_pilot_looks_at_other_samples_than_those_that_are_kept() {
         let z = z_of_means(kept, (trial.mean, trial.mean_error));
         assert!(z.abs() < 5.0, "{trial:?} is another image than {kept:?}");
     }
-    assert!(trials.len() > 4, "{trials:?}");
+    assert!(trials.len() > 2, "{trials:?}");
     assert!([16, 32].iter().all(|samples| trials.iter().any(|trial| trial.samples == *samples)), "{trials:?}");
 }
 

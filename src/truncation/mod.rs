@@ -59,7 +59,7 @@ const SHORT: u32 = 32;
 const NEAR: u32 = 8;
 /// How bridges look where nothing is solid, and where something is.
 const BRIDGES: [Way; 2] = [
-    Way { starts: 1, survival: Survival::CERTAIN, samples: 8 << 10 },
+    Way { starts: 1, survival: Survival::CERTAIN, samples: 16 << 10 },
     Way { starts: 2, survival: Survival::Constant(0.9), samples: 4 << 10 },
 ];
 /// How walks that connect by bridges look where nothing is solid, and where something is.

@@ -113,9 +113,11 @@ pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
 /// Vertices of a bridge over `distance` whose farthest vertex is `extent` from its start: rounding of the free walk
 /// grows with every turn and is scaled with it. Where a walk of length L ends near its beginning, at |y_N|, the scale and
 /// the direction of what is left have L / |y_N| times that error, and |y_N| is to L as the distance to about twice the
-/// extent.
+/// extent. Such a walk turns nearly straight back, by an angle of whose sine f32 knows a few 1e-6: a rounding of the
+/// cosine, over the sine.
 pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
-    tolerance(2e-6 + 2e-5 * extent.max(distance) + 1e-6 * (2.0 * extent).powi(2) / distance, 4e-6)
+    let blown_up = 4e-6 * (2.0 * extent).powi(2) / distance;
+    tolerance(2e-6 + blown_up.max(2e-5 * extent.max(distance)), 4e-6)
 }
 
 /// Resampling weights of bridges: a handful of sharp turns and of mean cosines.

@@ -249,8 +249,10 @@ impl Placement {
     /// the first of the vectors `rolled`.
     #[inline(always)]
     fn new(course: &Course, lead: &Lead, [a, b]: [Vec3x8; 2], span: f32x8, along: Vec3x8, end: Vec3x8) -> Self {
-        // In this order they are perpendicular to each other, however little is left of the first edge across the axis.
-        let (_, beside) = along.cross(lead.direction).length_and_direction();
+        // What is left of the first edge across the axis may be so little that it is mostly rounding, and is then not quite
+        // across. In this order all are perpendicular to each other nevertheless.
+        let across = along.mul_neg_add(lead.direction.dot(along), lead.direction);
+        let (_, beside) = along.cross(across).length_and_direction();
         let aside = beside.cross(along);
         let scale = course.distance / span.fast_max(f32x8::splat(LEAST));
         let (axis, a, b) = (course.axis * scale, a * scale, b * scale);

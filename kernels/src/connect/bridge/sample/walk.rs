@@ -112,8 +112,8 @@ impl Joint {
 }
 
 impl<'p, const M: usize> FreeWalk<'p, M> {
-    /// One of a walk's number of `edges`, two or more, whose ends `suit` the bridge as well as the function says of the
-    /// angles of first and last edge to the walk's axis, > 0.
+    /// A walk of so many `edges`, two or more, chosen among those of which the angles of first and last edge to the axis
+    /// `suit` the bridge as well as the function says, > 0.
     #[inline(always)]
     pub fn new(
         sequence: &Sequence,
