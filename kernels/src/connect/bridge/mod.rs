@@ -48,10 +48,11 @@
 //! the turn at the start comes first more often, with probability [P(first)](ends).
 //!
 //! **Choice.** Where there are no surfaces, of [several walks](sample), made of pieces that are drawn once, one that
-//! [suits](suit) is likely chosen. None of this is in p: what was chosen counts its resampling weight, one over its probability and their number, which
-//! is 1 in the mean. (Talbot, Cline, Egbert, EGSR 2005.)
+//! [suits](suit) is likely chosen. None of this is in p: what was chosen counts its resampling weight, one over its
+//! probability and their number, which is 1 in the mean. (Talbot, Cline, Egbert, EGSR 2005.)
 //!
-//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn, p_w is the density of the reflection, and the table has a row of its own for it.
+//! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn,
+//! p_w is the density of the reflection, and the table has a row of its own for it.
 
 pub mod counts;
 pub mod ends;

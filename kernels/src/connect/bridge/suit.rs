@@ -1,8 +1,8 @@
 //! How well free walks suit a bridge, by their ends, for eight bridges.
 //!
-//! What a bridge counts depends on its shape by the turn at the start and by the cosine at the light, and what is left of
-//! both after the roll depends on the angles beta and delta of its first and last edge to the axis: in the mean over all
-//! rolls, about as G and F. A walk may be read from either end:
+//! What a bridge counts depends on its shape by the turn at the start and by the cosine at the light, and what is left
+//! of both after the roll depends on the angles beta and delta of its first and last edge to the axis: in the mean over
+//! all rolls, about as G and F. A walk may be read from either end:
 //!
 //! ```text
 //! S = G(beta) F(delta) + G(delta) F(beta)
@@ -11,9 +11,9 @@
 //! ```
 //!
 //! with h_- and h_+ of [A](super::ends), to which G is nearly proportional, as `(x + m) / 2` is nearly `sqrt(m x)`; and
-//! theta the angle of the axis to the light's normal, as rays arrive. F is about the mean of `max(0, u + pi / 2 t cos psi)`
-//! over all psi, and a little more, so that it is nowhere 0. None of this takes a root: the choice is only as good as S,
-//! but it is weighed for what it is.
+//! theta the angle of the axis to the light's normal, as rays arrive. F is about the mean of `max(0, u + pi / 2 t cos
+//! psi)` over all psi, and a little more, so that it is nowhere 0. None of this takes a root: the choice is only as
+//! good as S, but it is weighed for what it is.
 
 use wide::f32x8;
 

@@ -21,16 +21,16 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 ///
 /// Nothing is drawn for bridges of one edge; their weight is 1.
 ///
-/// **Pieces.** The free walk of N >= 2 edges is one of M^2: each of M alternatives i of its first `N / 2` edges (rounded
-/// down), continued by each of M alternatives j of the others. M is [`PIECES`](super::PIECES) where there are no surfaces,
-/// the roll is aligned, and N is no less than [`FEWEST_CHOSEN`](super::FEWEST_CHOSEN); else 1. A piece starts at its own origin along z. Edge `k`
-/// (0 .. N, counted along the whole walk) takes block k of `BRIDGE_WALK` at the depth of the start. Its length is `-ln(1 -
-/// u)` of the first word, in all alternatives. Unless it is the walk's last, the words from the third on are the cosines
-/// of the turn at its end in one alternative each (the inverse of the [phase function](crate::phase)'s distribution); the
-/// second is the azimuth of the turn in alternative 0, and those of the others are spread evenly: one more turn / `PIECES`
-/// each. Azimuths are counted in a frame that is that of the axes where the piece begins and is
-/// [carried](crate::phase::Deflection::carry) along. The second piece goes on where the first one ends, behind the turn
-/// there, the frame carried so far in the place of its axes.
+/// **Pieces.** The free walk of N >= 2 edges is one of M^2: each of M alternatives i of its first `N / 2` edges
+/// (rounded down), continued by each of M alternatives j of the others. M is [`PIECES`](super::PIECES) where there are
+/// no surfaces, the roll is aligned, and N is no less than [`FEWEST_CHOSEN`](super::FEWEST_CHOSEN); else 1. A piece
+/// starts at its own origin along z. Edge `k` (0 .. N, counted along the whole walk) takes block k of `BRIDGE_WALK` at
+/// the depth of the start. Its length is `-ln(1 - u)` of the first word, in all alternatives. Unless it is the walk's
+/// last, the words from the third on are the cosines of the turn at its end in one alternative each (the inverse of the
+/// [phase function](crate::phase)'s distribution); the second is the azimuth of the turn in alternative 0, and those of
+/// the others are spread evenly: one more turn / `PIECES` each. Azimuths are counted in a frame that is that of the
+/// axes where the piece begins and is [carried](crate::phase::Deflection::carry) along. The second piece goes on where
+/// the first one ends, behind the turn there, the frame carried so far in the place of its axes.
 ///
 /// **Choice.** With S for how well walk (i, j) [suits](super::suit), it is chosen with probability
 ///
@@ -45,9 +45,9 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 /// [P(first)](super::ends), for the fourth word of block N - 1; otherwise the edges follow each other in the opposite
 /// sequence, each in its own direction: vertex y_k becomes y_N - y_{N-k}. At starts on surfaces it stays.
 ///
-/// **Place.** With e the unit vector to the end of the walk, p the unit part of its first edge's direction perpendicular
-/// to e, and q = e x p, a walk vertex v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where w is the axis,
-/// and a and b = w x a are unit vectors across it: a has the azimuth `phi + psi` in the frame of the axis, phi being the
-/// azimuth of the arriving direction (0 if that lies on the axis), and psi the roll of [`bridge`](super) for u, the third
-/// word of block `BRIDGE_COUNT`.
+/// **Place.** With e the unit vector to the end of the walk, p the unit part of its first edge's direction
+/// perpendicular to e, and q = e x p, a walk vertex v becomes `start + s / |end| * ((v.e) w + (v.p) a + (v.q) b)` where
+/// w is the axis, and a and b = w x a are unit vectors across it: a has the azimuth `phi + psi` in the frame of the
+/// axis, phi being the azimuth of the arriving direction (0 if that lies on the axis), and psi the roll of
+/// [`bridge`](super) for u, the third word of block `BRIDGE_COUNT`.
 pub type BuildKernel = fn(Step, BuildColumns<'_, '_, Bridge>);
