@@ -21,6 +21,8 @@ mod cost;
 mod depths;
 mod trial;
 
+use core::ops::Range;
+
 use fogbow_kernels::PathLengths;
 use fogbow_kernels::pipeline::WIDEST;
 use fogbow_kernels::survival::Survival;
@@ -257,7 +259,7 @@ impl Search<'_> {
             let affordable = |trial: &Trial| self.pilot.work(trial.cost, samples) <= MOST_WORK_TO_CONFIRM;
             let doubtful = |trial: &Trial| trial.samples < samples && affordable(trial);
             let Some(winner) = best(&self.trials).filter(doubtful) else { return };
-            let trial = self.pilot.attempt_for(winner.setting, CONFIRMING);
+            let trial = Trial::of(winner.setting, &self.pilot.looks(winner.setting, 0..CONFIRMING));
             if self.pilot.monitor.stops() {
                 return;
             }
@@ -304,22 +306,19 @@ impl<'a> Pilot<'a> {
 
     /// Tries a setting, with fewer samples if it turns out to have less than so much efficiency.
     fn attempt(&self, setting: Setting, least: f64) -> Trial {
-        let frame = setting.apply(&self.frame);
-        let look = |part: u32| self.look(&frame, part);
-        let mut looks: Vec<_> = (0..FIRST_PARTS).map(look).collect();
+        let mut looks = self.looks(setting, 0..FIRST_PARTS);
         let first = Trial::of(setting, &looks);
         if first.is_below(least) {
             return first;
         }
-        looks.extend((FIRST_PARTS..PARTS).map(look));
+        looks.extend(self.looks(setting, FIRST_PARTS..PARTS));
         Trial::of(setting, &looks)
     }
 
-    /// Tries a setting for as many parts.
-    fn attempt_for(&self, setting: Setting, parts: u32) -> Trial {
+    /// Looks at parts of the samples of a setting.
+    fn looks(&self, setting: Setting, parts: Range<u32>) -> Vec<Look> {
         let frame = setting.apply(&self.frame);
-        let looks: Vec<_> = (0..parts).map(|part| self.look(&frame, part)).collect();
-        Trial::of(setting, &looks)
+        parts.map(|part| self.look(&frame, part)).collect()
     }
 
     fn look(&self, frame: &Frame, part: u32) -> Look {

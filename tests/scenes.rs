@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use fogbow::scene::{self, LoadedScene, document::Override};
+use fogbow_kernels::connect::bridge::MOST_ALTERNATIVES;
 use fogbow_testing::render::{green, render};
 use fogbow_testing::suite::IS_LONG;
 
@@ -229,6 +230,17 @@ fn the_hash_names_what_samples_depend_on_and_nothing_else() {
     }
     assert_ne!(hash(&[geometry[0]]), hash(&[geometry[1]]), "other triangles");
     assert_eq!(hash(&[geometry[0]]), hash(&["geometry=../cornell-fog/../dense-plate/dense-plate.glb"]), "another name");
+}
+
+/// Where there are surfaces, more walks to choose from cost more than they bring.
+#[test]
+fn bridges_choose_among_walks_where_there_are_no_surfaces() {
+    for folder in folders() {
+        let LoadedScene { frame, .. } = small(&folder);
+        let Some(bridge) = &frame.techniques.bridge else { continue };
+        let expected = if frame.surfaces.is_empty() { MOST_ALTERNATIVES } else { 1 };
+        assert_eq!(bridge.alternatives, expected, "{}", folder.display());
+    }
 }
 
 #[test]

@@ -22,7 +22,8 @@ pub(super) fn cost(stats: &Stats, frame: &Frame) -> f64 {
         + SEGMENT * stats.segments as f64
         + CONNECTION * work.connections as f64
         + EDGE * work.edges as f64
-        + ALTERNATIVE * where_that(frame.techniques.bridge.is_some() && !frame.is_solid(), work.edges)
+        + ALTERNATIVE
+            * where_that(frame.techniques.bridge.as_ref().is_some_and(|bridge| bridge.alternatives > 1), work.edges)
         + TERM * work.terms as f64
         + TRACED * where_that(frame.is_solid(), stats.segments)
         + SHADOW_RAY * where_that(frame.is_solid(), work.traced)

@@ -99,8 +99,8 @@ impl Walk<'_> {
             point,
             normal: emitter.map(|emitter| normal(&self.frame.lights.emitters()[emitter], point, point - start)),
         };
-        let (phase, solid) = (self.frame.medium.phase.twin(), self.frame.is_solid());
-        let resampling = bridge_sample::place(bridge, phase, solid, &from, &end, &draws, &mut inserted);
+        let phase = self.frame.medium.phase.twin();
+        let resampling = bridge_sample::place(bridge, phase, &from, &end, &draws, &mut inserted);
         Some((inserted, resampling))
     }
 

@@ -71,6 +71,8 @@ pub fn frame(
     let (seed, walk, roulette, aimed) = (scene.render.seed, WalkLimits::ALL, 0.0, 0.0);
     let left_out = model.as_ref().filter(|_| scene.has_endless_medium()).map_or_else(Vec::new, suns);
     let (surfaces, meshes) = model.map_or_else(|| (Surfaces::none(), Vec::new()), surfaces::from_model);
+    // Where there are surfaces, they make most of the variance, and more walks to choose from cost more than they bring.
+    let techniques = if surfaces.is_empty() { techniques } else { techniques.with_walks_as_drawn() };
     let surfaces = Arc::new(surfaces);
     let dark = shining.placed.is_empty() && shining.sky.is_none() && meshes.is_empty() && medium.glow.is_none();
     if dark {

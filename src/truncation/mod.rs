@@ -59,7 +59,7 @@ const SHORT: u32 = 32;
 const NEAR: u32 = 8;
 /// How bridges look where nothing is solid, and where something is.
 const BRIDGES: [Way; 2] = [
-    Way { starts: 1, survival: Survival::CERTAIN, samples: 16 << 10 },
+    Way { starts: 1, survival: Survival::CERTAIN, samples: 8 << 10 },
     Way { starts: 2, survival: Survival::Constant(0.9), samples: 4 << 10 },
 ];
 /// How walks that connect by bridges look where nothing is solid, and where something is.
@@ -293,11 +293,12 @@ impl Looker<'_> {
     }
 }
 
-/// Bridges with N edges, N = 1 .. `edges`, in proportion to 1 / N: as many in every doubling.
+/// Bridges with N edges, N = 1 .. `edges`, in proportion to 1 / N: as many in every doubling. Their walks are as drawn: most
+/// light of long paths is found next to the light by walks, whose share of it resampling weights would only make noisier.
 fn bridges(frame: &Frame, edges: u32) -> Techniques {
     let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / f64::from(n)).collect();
     let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges as usize, |_| weights.clone());
-    let bridge = Bridge { max_inserted: edges - 1, ..Bridge::with_counts(Roll::Aligned, Arc::new(counts)) };
+    let bridge = Bridge { max_inserted: edges - 1, ..Bridge::with_counts(Roll::Aligned, Arc::new(counts)).as_drawn() };
     Techniques { bridge: Some(bridge), ..Techniques::default() }
 }
 

@@ -71,6 +71,15 @@ impl Techniques {
         Self { nee: self.any(), ..Self::default() }
     }
 
+    /// The same with bridges whose walks are as they are drawn.
+    pub fn with_walks_as_drawn(self) -> Self {
+        let lis = self.lis.map(|lis| match lis.connector {
+            Connector::Bridge(bridge) => Lis { connector: Connector::Bridge(bridge.as_drawn()), ..lis },
+            Connector::Mvnee(_) => lis,
+        });
+        Self { bridge: self.bridge.map(Bridge::as_drawn), lis, ..self }
+    }
+
     /// The straight connections that keep light importance sampling company: none where next event estimation makes
     /// them all.
     pub fn companion(&self) -> Option<Scope> {

@@ -7,6 +7,7 @@ use core::f64::consts::TAU;
 
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
+use glam::DVec3;
 
 /// Allowed distance of two numbers or vectors: `absolute + relative * size`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,14 +111,18 @@ pub const SURFACE_POSITION: Tolerance = tolerance(2e-6, 1e-6);
 /// Perturbed vertices: a GGX offset `sqrt(u / (1 - u))` magnifies the rounding of sums of squares a little.
 pub const CHAIN: Tolerance = tolerance(2e-6, 4e-6);
 
-/// Vertices of a bridge over `distance` whose farthest vertex is `extent` from its start: rounding of the free walk
-/// grows with every turn and is scaled with it. Where a walk of length L ends near its beginning, at |y_N|, the scale and
-/// the direction of what is left have L / |y_N| times that error, and |y_N| is to L as the distance to about twice the
-/// extent. Such a walk turns nearly straight back, by an angle of whose sine f32 knows a few 1e-6: a rounding of the
-/// cosine, over the sine.
-pub fn bridge_vertex(extent: f64, distance: f64) -> Tolerance {
-    let blown_up = 4e-6 * (2.0 * extent).powi(2) / distance;
-    tolerance(2e-6 + blown_up.max(2e-5 * extent.max(distance)), 4e-6)
+/// Vertices of a bridge, given with its ends `[m]`: rounding of the free walk grows with every turn and is scaled with it.
+/// What a turn is off by moves all that follows, and is blown up with the walk if it ends near its beginning.
+pub fn bridge_vertex(phase: &PhaseFunction, bridge: &[DVec3]) -> Tolerance {
+    let [start, .., point] = bridge else { unreachable!("a bridge has two ends") };
+    let distance = start.distance(*point);
+    let extent = bridge.iter().map(|vertex| vertex.distance(*start)).fold(0.0, f64::max);
+    let turned = bridge.windows(3).map(|v| {
+        let cosine = (v[1] - v[0]).normalize_or_zero().dot((v[2] - v[1]).normalize_or_zero());
+        turn(phase, cosine) * v[1].distance(*point)
+    });
+    let blown_up = turned.sum::<f64>() * extent / distance;
+    tolerance(2e-6 + 2e-5 * extent + blown_up, 4e-6)
 }
 
 /// Resampling weights of bridges: a handful of sharp turns and of mean cosines.

@@ -47,9 +47,9 @@
 //! **Ends.** A walk is as likely read from its end as from its beginning. Where the roll is aligned, the end that suits
 //! the turn at the start comes first more often, with probability [P(first)](ends).
 //!
-//! **Choice.** Where there are no surfaces, of [several walks](sample), made of pieces that are drawn once, one that
-//! [suits](suit) is likely chosen. None of this is in p: what was chosen counts its resampling weight, one over its
-//! probability and their number, which is 1 in the mean. (Talbot, Cline, Egbert, EGSR 2005.)
+//! **Choice.** Of [several walks](sample), made of pieces that are drawn once, one that [suits](suit) is likely chosen.
+//! None of this is in p: what was chosen counts its resampling weight, one over its probability and their number, which
+//! is 1 in the mean (Talbot, Cline, Egbert, EGSR 2005).
 //!
 //! **Surfaces.** A start on a surface has no phase function: its bridges roll uniformly along walks as they are drawn,
 //! p_w is the density of the reflection, and the table has a row of its own for it.
@@ -83,9 +83,8 @@ pub enum Roll {
     Uniform,
 }
 
-/// Alternatives of each half of a walk, where there are no surfaces: with them, other things make most of the variance, and
-/// what is chosen from costs more than it brings.
-pub const PIECES: usize = 2;
+/// Most alternatives of each half of a walk.
+pub const MOST_ALTERNATIVES: usize = 2;
 
 /// Fewest edges of walks that have alternatives: there is little to choose among shorter ones.
 pub const FEWEST_CHOSEN: usize = 4;
@@ -98,6 +97,8 @@ pub const INDIFFERENT: f32 = 0.1;
 pub struct Bridge {
     /// How bridges are rolled.
     pub roll: Roll,
+    /// Alternatives of each half of a walk where the roll is aligned: 1 for walks as they are drawn, or [`MOST_ALTERNATIVES`].
+    pub alternatives: usize,
     /// Share of the counts that are drawn uniformly, [0, 1]; with 0 there are fireflies.
     pub defensive: f32,
     /// Probabilities of the others.
@@ -120,12 +121,23 @@ impl Bridge {
     pub fn with_counts(roll: Roll, counts: Arc<CountTable>) -> Self {
         Self {
             roll,
+            alternatives: MOST_ALTERNATIVES,
             defensive: DEFENSIVE,
             counts,
             max_distance: f32::INFINITY,
             max_depth: f32::INFINITY,
             max_inserted: u32::MAX,
         }
+    }
+
+    /// Of walks as they are drawn.
+    pub fn as_drawn(self) -> Self {
+        Self { alternatives: 1, ..self }
+    }
+
+    /// Alternatives of each half of a walk of so many `edges`.
+    pub fn alternatives_of(&self, edges: usize) -> usize {
+        if self.roll == Roll::Aligned && edges >= FEWEST_CHOSEN { self.alternatives } else { 1 }
     }
 
     /// With at most `mesc` expected segments, mu_t s, in the clearest channel of `medium`.

@@ -166,7 +166,7 @@ fn bridged(world: &World, bridge: &Bridge, sample: u32) -> Sample {
     let start = Start { depth: 1, position: DVec3::ZERO, arriving: ARRIVING, on_surface: false };
     let mut inner = vec![DVec3::ZERO; world.vertices];
     let end = End { point, normal: Some(DVec3::NEG_Z) };
-    let resampling = bridge_sample::place(bridge, &world.phase, false, &start, &end, &draws(sample), &mut inner);
+    let resampling = bridge_sample::place(bridge, &world.phase, &start, &end, &draws(sample), &mut inner);
     let path = [&[DVec3::ZERO], inner.as_slice(), &[point]].concat();
     let (medium, longest) = (world.medium(), world.vertices as u32 + 2);
     let count = bridge::count_probability(bridge, &medium, longest, &start, point, world.vertices as u32 + 1);

@@ -181,10 +181,10 @@ pub(super) fn check_mvnee_build(step: Step, columns: mvnee_sample::BuildColumns<
 }
 
 pub(super) fn check_bridge_build(step: Step, columns: bridge_sample::BuildColumns<'_, '_, Bridge>) {
-    // What the walk came to is scaled to the distance: a walk that ends near its origin is blown up, rounding included.
+    let phase = &columns.medium.phase;
     let blown_up = |[start, point]: [glam::Vec3; 2], chain: &[glam::Vec3]| {
-        let extent = chain.iter().map(|vertex| vertex.distance(start)).fold(0.0, f32::max);
-        tolerances::bridge_vertex(f64::from(extent), f64::from(start.distance(point)))
+        let bridge: Vec<_> = [&[start], chain, &[point]].concat().into_iter().map(glam::Vec3::as_dvec3).collect();
+        tolerances::bridge_vertex(phase, &bridge)
     };
     check_build("bridge_build", (SIMD.bridge_build, REFERENCE.bridge_build), step, columns, blown_up);
 }

@@ -22,13 +22,12 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 /// Nothing is drawn for bridges of one edge; their weight is 1.
 ///
 /// **Pieces.** The free walk of N >= 2 edges is one of M^2: each of M alternatives i of its first `N / 2` edges
-/// (rounded down), continued by each of M alternatives j of the others. M is [`PIECES`](super::PIECES) where there are
-/// no surfaces, the roll is aligned, and N is no less than [`FEWEST_CHOSEN`](super::FEWEST_CHOSEN); else 1. A piece
+/// (rounded down), continued by each of M alternatives j of the others. M is [`Bridge::alternatives_of`] N. A piece
 /// starts at its own origin along z. Edge `k` (0 .. N, counted along the whole walk) takes block k of `BRIDGE_WALK` at
 /// the depth of the start. Its length is `-ln(1 - u)` of the first word, in all alternatives. Unless it is the walk's
 /// last, the words from the third on are the cosines of the turn at its end in one alternative each (the inverse of the
 /// [phase function](crate::phase)'s distribution); the second is the azimuth of the turn in alternative 0, and those of
-/// the others are spread evenly: one more turn / `PIECES` each. Azimuths are counted in a frame that is that of the
+/// the others are spread evenly: one more turn / `MOST_ALTERNATIVES` each. Azimuths are counted in a frame that is that of the
 /// axes where the piece begins and is [carried](crate::phase::Deflection::carry) along. The second piece goes on where
 /// the first one ends, behind the turn there, the frame carried so far in the place of its axes.
 ///

@@ -11,8 +11,7 @@
 //! ```
 //!
 //! The walk is chosen among M^2: alternative i of the turns of its first N / 2 edges, rounded down, with alternative j of
-//! those of the others. There e is [`INDIFFERENT`], and M = 1 where the roll is uniform,
-//! where there are surfaces, and where edges are few.
+//! those of the others. There e is [`INDIFFERENT`].
 //!
 //! In the bridge, e points to the end of the walk, p is the unit part of its first direction across e, and q = e x p.
 //! Of several lobes by which the phase function rolls, u first selects the one of g in proportion to their shares, and
@@ -26,7 +25,7 @@ use crate::columns::paths::LastSurfaceColumns;
 use crate::columns::queues::Candidate;
 use crate::connect::bridge::reference::{Start, cell, first_share, roll_coefficients, room};
 use crate::connect::bridge::suit::{LEAST_COSINE, SHORTER_SIDE};
-use crate::connect::bridge::{Bridge, FEWEST_CHOSEN, INDIFFERENT, PIECES, Roll, counts};
+use crate::connect::bridge::{Bridge, INDIFFERENT, MOST_ALTERNATIVES, Roll, counts};
 use crate::connect::buckets::{self, BuildColumns, CountColumns};
 use crate::connect::sequence::Draws;
 use crate::emission::reference::normal;
@@ -67,7 +66,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
             let normal = lights
                 .map(|lights| normal(&lights.emitters()[connection.emitter as usize], point, point - from.position));
             let (phase, end) = (medium.phase.twin(), End { point, normal });
-            let weight = place(bridge, phase, solid, &from, &end, &draws, &mut inserted);
+            let weight = place(bridge, phase, &from, &end, &draws, &mut inserted);
 
             candidates.set_row(row, connection);
             chains.resampling.rows_mut()[row] = weight as f32;
@@ -108,7 +107,7 @@ impl Draws {
     /// in one of its alternatives.
     pub fn edge(&self, k: usize, alternative: usize) -> [f64; 3] {
         let [length, azimuth, cosines @ ..] = self.uniforms(random::BRIDGE_WALK.nth(k as u32));
-        [length, cosines[alternative], azimuth + alternative as f64 / PIECES as f64]
+        [length, cosines[alternative], azimuth + alternative as f64 / MOST_ALTERNATIVES as f64]
     }
 
     /// The numbers behind which walk of several `edges` is chosen, and which end of it comes first.
@@ -162,11 +161,10 @@ struct Corner<'p> {
     normal: Option<DVec3>,
 }
 
-/// Fills `inserted` with the inner vertices of a bridge; `solid` if there are surfaces. Returns its resampling weight.
+/// Fills `inserted` with the inner vertices of a bridge. Returns its resampling weight.
 pub fn place(
     bridge: &Bridge,
     phase: &dyn Phase,
-    solid: bool,
     from: &Start,
     end: &End,
     draws: &Draws,
@@ -179,8 +177,7 @@ pub fn place(
     let axis = (point - start).normalize_or_zero();
     let corner = Corner { phase, arriving, axis, normal };
     let edges = inserted.len() + 1;
-    let chooses = bridge.roll == Roll::Aligned && !solid && edges >= FEWEST_CHOSEN;
-    let (walk, weight) = chosen_walk(&corner, if chooses { PIECES } else { 1 }, edges, draws);
+    let (walk, weight) = chosen_walk(&corner, bridge.alternatives_of(edges), edges, draws);
     let walk = if from.roll(bridge) == Roll::Aligned { suited_end_first(&corner, walk, draws) } else { walk };
     let reached = walk[inserted.len()];
     let (end, first) = (reached.normalize(), walk[0].normalize());

@@ -1,18 +1,16 @@
 //! ```text
 //! count: u < eps ? floor(v room) : drawn from the table at tau(s) and gamma
-//! build: x = 0, (t, b, d) = unit vectors; per edge: x += -ln(1 - u) d, (t, b, d) turned by the phase function
+//! walk:  x_0 .. x_N, a free walk                                                                            (walk.rs)
 //! ends:  x_k = x_N - x_{N-k} where u >= P(first);  f, the direction of the first edge, is then that of the last
 //! place: e = x_N / |x_N|, p = (f - (f.e) e) / |..|, q = e x p
 //!        vertex = start + s / |x_N| (w (x.e) + a (x.p) + b (x.q))
 //! roll:  psi as the phase function has it,  or tan(psi / 2) = tan(pi (u - 1/2)) at a surface
 //! ```
 //!
-//! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits.
-//! 2. The walk's vertices wait in the chain's own columns for the rotation, which is known only at its end. Before them
-//!    the numbers that make its edges are there: edges need each other's directions, but not each other's numbers, whose
-//!    logarithms would hold up the turns.
-//! 3. Rotation, scale and roll are one matrix, multiplied once per vertex.
-//! 4. Vertices k and N - k change places where the walk's ends do, so that they are placed together.
+//! 1. Building works on one bucket at a time: eight bridges of the same number of edges, no lane waits. Candidates are
+//!    gathered for all buckets before, so that no walk waits for them.
+//! 2. Rotation, scale and roll are one matrix, multiplied once per vertex.
+//! 3. Vertices k and N - k change places where the walk's ends do, so that they are placed together.
 
 use wide::{f32x8, u32x8};
 
@@ -21,7 +19,7 @@ use crate::columns::Column3;
 use crate::columns::queues::{Bucket, CandidateBatch};
 use crate::connect::bridge::ends::Ends;
 use crate::connect::bridge::suit::Suit;
-use crate::connect::bridge::{Bridge, FEWEST_CHOSEN, PIECES, Roll};
+use crate::connect::bridge::{Bridge, MOST_ALTERNATIVES, Roll};
 use crate::connect::buckets::{BuildColumns, CountColumns, DROPPED};
 use crate::connect::sequence::Sequence;
 use crate::lanes::LANES;
@@ -79,18 +77,15 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
 #[inline(always)]
 fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
     let mut columns = columns;
-    let BuildColumns { technique: bridge, solid, connections, buckets, .. } = columns;
-    // Before anything else, so that none of it waits until walks are done.
+    let BuildColumns { technique: bridge, connections, buckets, .. } = columns;
     for (b, _) in buckets.buckets().iter().flat_map(|bucket| bucket.batches()) {
         columns.candidates.set_batch(b, connections.gather(&buckets.order.batch(b).to_array()));
         columns.chains.resampling.set_batch(b, f32x8::ONE);
     }
     for bucket in buckets.buckets().iter().filter(|bucket| bucket.inserted > 0) {
-        match bridge.roll {
-            Roll::Aligned if !solid && bucket.inserted + 1 >= FEWEST_CHOSEN => {
-                build_bucket::<PIECES, _>(step, &mut columns, phase, *bucket);
-            }
-            _ => build_bucket::<1, _>(step, &mut columns, phase, *bucket),
+        match bridge.alternatives_of(bucket.inserted + 1) {
+            1 => build_bucket::<1, _>(step, &mut columns, phase, *bucket),
+            _ => build_bucket::<MOST_ALTERNATIVES, _>(step, &mut columns, phase, *bucket),
         }
     }
 }

@@ -16,7 +16,7 @@
 use bumpalo::Bump;
 use wide::f32x8;
 
-use crate::connect::bridge::{INDIFFERENT, PIECES};
+use crate::connect::bridge::{INDIFFERENT, MOST_ALTERNATIVES};
 use crate::connect::sequence::Sequence;
 use crate::phase::{PhaseX8, PlaneAngle};
 use crate::random;
@@ -24,7 +24,7 @@ use crate::transcendental::{neg_ln, sin_cos_turn};
 use crate::vec3::Vec3x8;
 
 /// Alternatives of eight rows.
-type Each<T> = [T; PIECES];
+type Each<T> = [T; MOST_ALTERNATIVES];
 
 /// An edge of eight walks in all their alternatives.
 #[derive(Clone, Copy)]
@@ -42,9 +42,9 @@ struct Edge {
 impl Edge {
     const EMPTY: Self = Self {
         length: f32x8::ZERO,
-        cosine: [f32x8::ZERO; PIECES],
+        cosine: [f32x8::ZERO; MOST_ALTERNATIVES],
         azimuth: [f32x8::ZERO; 2],
-        end: [Vec3x8::ZERO; PIECES],
+        end: [Vec3x8::ZERO; MOST_ALTERNATIVES],
     };
 }
 
@@ -155,7 +155,7 @@ impl<'p, const M: usize> FreeWalk<'p, M> {
 /// turn.
 #[inline(always)]
 fn draw(sequence: &Sequence, edges: &mut [Edge]) -> [f32x8; 2] {
-    let mut spare = [f32x8::ZERO; PIECES];
+    let mut spare = [f32x8::ZERO; MOST_ALTERNATIVES];
     for (k, edge) in (0..).zip(edges) {
         let [length, azimuth, cosine @ ..] = sequence.uniforms(random::BRIDGE_WALK.nth(k));
         let (sin, cos) = sin_cos_turn(azimuth);

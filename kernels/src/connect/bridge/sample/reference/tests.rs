@@ -1,6 +1,7 @@
 //! Counts, rolls and walks of the twin follow their distributions.
 
 use super::*;
+use crate::connect::bridge::FEWEST_CHOSEN;
 use crate::connect::bridge::reference::{count_probability, density, roll_density};
 use crate::media::Medium;
 use crate::media::reference::Homogeneous;
@@ -124,7 +125,7 @@ fn the_first_edge_is_rolled_away_from_the_direction_of_arrival() {
         let draws = draws(pixel);
         let (mut inserted, end) = ([DVec3::ZERO; 3], End { point, normal: None });
         let from = Start { position: start, ..self::start(arriving) };
-        place(&Bridge { roll, ..bridge(0.6) }, &phase, false, &from, &end, &draws, &mut inserted);
+        place(&Bridge { roll, ..bridge(0.6) }, &phase, &from, &end, &draws, &mut inserted);
         let first = (inserted[0] - start).normalize();
         let across = |v: DVec3| (v - v.dot(axis) * axis).normalize();
         let (from, to) = (across(arriving), across(first));
@@ -136,7 +137,7 @@ fn the_first_edge_is_rolled_away_from_the_direction_of_arrival() {
 
 /// The vertices of the free walks, in the sequence of their pieces: (0, 0), (0, 1), ..
 fn free_walks(phase: &dyn Phase, edges: usize, draws: &Draws) -> Vec<Vec<DVec3>> {
-    let pieces = (0..PIECES).flat_map(|i| (0..PIECES).map(move |j| [i, j]));
+    let pieces = (0..MOST_ALTERNATIVES).flat_map(|i| (0..MOST_ALTERNATIVES).map(move |j| [i, j]));
     pieces.map(|pieces| [vec![DVec3::ZERO], free_walk(phase, edges, pieces, draws)].concat()).collect()
 }
 
@@ -159,7 +160,7 @@ fn readings(chain: &[DVec3], walks: &[Vec<DVec3>]) -> Vec<(usize, bool)> {
     all.filter(|(_, _, walk)| have_one_shape(chain, walk)).map(|(k, turned, _)| (k, turned)).collect()
 }
 
-/// A bridge where there are no surfaces, with its ends, and its resampling weight.
+/// A bridge with its ends, and its resampling weight.
 fn placed(
     bridge: &Bridge,
     phase: &dyn Phase,
@@ -169,7 +170,7 @@ fn placed(
     draws: &Draws,
 ) -> (Vec<DVec3>, f64) {
     let mut chain = vec![from.position; inserted + 2];
-    let weight = place(bridge, phase, false, from, end, draws, &mut chain[1..=inserted]);
+    let weight = place(bridge, phase, from, end, draws, &mut chain[1..=inserted]);
     chain[inserted + 1] = end.point;
     (chain, weight)
 }
@@ -180,7 +181,8 @@ fn bridges_keep_the_shape_of_their_walk_from_one_of_its_ends() {
     let phase = HenyeyGreenstein { g: 0.5 };
     let from = Start { position: start, ..self::start(DVec3::X) };
     for (roll, often) in [(Roll::Aligned, 20..80), (Roll::Uniform, 0..1)] {
-        let (bridge, mut turned, mut chosen) = (Bridge { roll, ..bridge(0.5) }, 0, [0; PIECES * PIECES]);
+        let (bridge, mut turned, mut chosen) =
+            (Bridge { roll, ..bridge(0.5) }, 0, [0; MOST_ALTERNATIVES * MOST_ALTERNATIVES]);
         for pixel in 0..100 {
             let (chain, _) = placed(&bridge, &phase, &from, &End { point, normal: None }, 4, &draws(pixel));
             let readings = readings(&chain, &free_walks(&phase, 5, &draws(pixel)));
@@ -191,7 +193,7 @@ fn bridges_keep_the_shape_of_their_walk_from_one_of_its_ends() {
             chosen[walk] += 1;
         }
         assert!(often.contains(&turned), "{roll:?}: {turned} of 100");
-        let tried = if roll == Roll::Aligned { PIECES * PIECES } else { 1 };
+        let tried = if roll == Roll::Aligned { MOST_ALTERNATIVES * MOST_ALTERNATIVES } else { 1 };
         assert_eq!(chosen.iter().filter(|times| **times > 0).count(), tried, "{roll:?}: {chosen:?}");
     }
 }
@@ -283,7 +285,8 @@ fn walks_are_chosen_by_how_well_they_suit() {
     for (g, inserted, theta) in [(0.8, 3, None), (-0.6, 5, None), (0.4, 4, Some(1.2_f64)), (0.8, 3, Some(2.5))] {
         let (bridge, phase) = (bridge(g), HenyeyGreenstein { g });
         let end = End { point, normal: theta.map(|theta| DVec3::new(-theta.sin(), 0.0, -theta.cos())) };
-        let (mut surplus, mut variances) = ([0.0; PIECES * PIECES], [0.0; PIECES * PIECES]);
+        let (mut surplus, mut variances) =
+            ([0.0; MOST_ALTERNATIVES * MOST_ALTERNATIVES], [0.0; MOST_ALTERNATIVES * MOST_ALTERNATIVES]);
         for pixel in 0..samples {
             let (chain, weight) = placed(&bridge, &phase, &from, &end, inserted, &draws(pixel));
             let walks = free_walks(&phase, inserted + 1, &draws(pixel));
@@ -332,13 +335,13 @@ fn bridges_that_are_not_chosen_have_a_weight_of_one() {
     let aligned = bridge(0.8);
     let uniform = Bridge { roll: Roll::Uniform, ..aligned.clone() };
     let end = End { point: DVec3::new(0.3, 1.0, 0.2), normal: Some(DVec3::NEG_Y) };
-    let few = (0..FEWEST_CHOSEN - 1).map(|inserted| (&aligned, false, inserted));
-    let all = (0..8).flat_map(|inserted| [(&uniform, false, inserted), (&aligned, true, inserted)]);
-    for (bridge, solid, inserted) in few.chain(all) {
+    let as_drawn = aligned.clone().as_drawn();
+    let few = (0..FEWEST_CHOSEN - 1).map(|inserted| (&aligned, inserted));
+    let all = (0..8).flat_map(|inserted| [(&uniform, inserted), (&as_drawn, inserted)]);
+    for (bridge, inserted) in few.chain(all) {
         for pixel in 0..50 {
-            let mut vertices = vec![DVec3::ZERO; inserted];
-            let weight = place(bridge, &phase, solid, &start(DVec3::X), &end, &draws(pixel), &mut vertices);
-            assert!((weight - 1.0).abs() < 1e-14, "{:?}, {solid}, {inserted} inserted: {weight}", bridge.roll);
+            let (_, weight) = placed(bridge, &phase, &start(DVec3::X), &end, inserted, &draws(pixel));
+            assert!((weight - 1.0).abs() < 1e-14, "{bridge:?}, {inserted} inserted: {weight}");
         }
     }
 }
