@@ -43,25 +43,26 @@ impl Light {
     }
 
     /// The same where either may miss what the other sees: up to that length it is, of every doubling, that of those who
-    /// found more. If `long` hardly finds the light of the last doubling, it does not know what is beyond.
-    pub fn of_the_brighter(short: &[Vec<f64>], long: &[Vec<f64>], fate: Fate) -> Self {
+    /// see it better ([`sees_better`]). If `long` hardly finds the light of the last doubling, it does not know what is
+    /// beyond.
+    pub fn of_the_better(short: &[Vec<f64>], long: &[Vec<f64>], fate: Fate) -> Self {
         let longest = short[0].len() - 1;
         let starts = core::iter::successors(Some(1), |start| Some(2 * start)).take_while(|start| *start < longest);
-        let mut brighter = short.to_vec();
+        let mut best = short.to_vec();
         for start in starts {
             let lengths = start + 1..(2 * start).min(longest) + 1;
-            let [found, by_long] = [short, long].map(|looks| mean_and_error(sums(looks, lengths.clone())).0);
-            if by_long > found {
-                let looks = brighter.iter_mut().zip(long);
+            let [found, by_long] = [short, long].map(|looks| mean_and_error(sums(looks, lengths.clone())));
+            if sees_better([by_long, found]) {
+                let looks = best.iter_mut().zip(long);
                 looks.for_each(|(look, long)| look[lengths.clone()].copy_from_slice(&long[lengths.clone()]));
             }
         }
         let last = || longest / 2 + 1..longest + 1;
         let [(found, error), (by_long, error_by_long)] = [short, long].map(|looks| mean_and_error(sums(looks, last())));
-        let (all, _) = mean_and_error(sums(&brighter, 0..longest + 1));
+        let (all, _) = mean_and_error(sums(&best, 0..longest + 1));
         let surely = found - SURE * error;
         let sees_far = surely <= TOLERATED * all || by_long + SURE * error_by_long > SEEN * surely;
-        Self::joined(&brighter, long, sees_far, fate)
+        Self::joined(&best, long, sees_far, fate)
     }
 
     fn of(looks: Vec<Vec<f64>>, sees_far: bool, fate: Fate) -> Self {
@@ -140,6 +141,14 @@ impl Light {
 fn is_found(looks: &[Vec<f64>]) -> bool {
     let (mean, error) = mean_and_error(looks.iter().map(|look| look.iter().sum()));
     mean > 0.0 && error < UNKNOWN * mean
+}
+
+/// Whether one of two kinds of looks, each with mean and standard error, sees light better than the other: the brighter,
+/// as either may miss some; but if that is no more than its noise, such as a single bright path in all looks, the one
+/// that is surer of what it found.
+fn sees_better([one, other]: [(f64, f64); 2]) -> bool {
+    let differ = (one.0 - other.0).abs() > one.1.hypot(other.1);
+    if differ { one.0 > other.0 } else { one.1 * other.0 < other.1 * one.0 }
 }
 
 /// Whether the last doublings surely bring more than they may where light fades.
@@ -307,16 +316,33 @@ mod tests {
         let (short, long) = (looks(&falls, 32), looks(&falls, 256));
         let truth = Light::new(&short, &long, Fate::Stays).share(20);
         let misses = |n: i32| if n > 4 { 1e-3 * falls(n) } else { falls(n) };
-        let by_long = Light::of_the_brighter(&looks(&misses, 32), &long, Fate::Stays);
+        let by_long = Light::of_the_better(&looks(&misses, 32), &long, Fate::Stays);
         assert!(by_long.is_known() && by_long.share(20) == truth, "{:?}, not {truth:?}", by_long.share(20));
         // The long ones see nothing there, so what they see beyond is nothing to go by.
-        let blind = Light::of_the_brighter(&short, &looks(&misses, 256), Fate::Stays);
+        let blind = Light::of_the_better(&short, &looks(&misses, 256), Fate::Stays);
         assert!(!blind.is_known() && blind.sufficient().is_none());
         assert_eq!(blind.share(20), Share::Unknown);
         // Where hardly any light is as long, it does not matter who sees it.
         let ends = |n: i32| if n > 12 { 1e-6 } else { falls(n) };
         let none = |n: i32| if n > 12 { 0.0 } else { falls(n) };
-        assert!(Light::of_the_brighter(&looks(&ends, 32), &looks(&none, 256), Fate::Stays).is_known());
+        assert!(Light::of_the_better(&looks(&ends, 32), &looks(&none, 256), Fate::Stays).is_known());
+    }
+
+    #[test]
+    fn a_single_bright_path_does_not_make_looks_see_better() {
+        let looks = |longest: usize| vec![(0..=longest).map(|n| 0.9_f64.powi(n as i32)).collect::<Vec<_>>(); 8];
+        let (mut short, mut long) = (looks(32), looks(256));
+        // Walks are a little uncertain everywhere.
+        long.iter_mut().step_by(2).flatten().for_each(|light| *light *= 1.01);
+        short[5][20] += 8.0;
+        let truth = 0.9_f64.powi(16);
+        let light = Light::of_the_better(&short, &long, Fate::Stays);
+        let Share::About { share, error } = light.share(16) else { panic!("{:?}", light.share(16)) };
+        assert!((share - truth).abs() < 0.01 * truth && error < 0.01 * truth, "{share} +- {error} of {truth}");
+        // If nobody else sees anything there, it is all that is known.
+        long.iter_mut().for_each(|look| look[17..].fill(0.0));
+        let light = Light::of_the_better(&short, &long, Fate::Stays);
+        assert!(light.sufficient().is_none_or(|limit| limit > 16), "{:?}", light.sufficient());
     }
 
     /// A limit is offered where two standard errors more would still be tolerated.

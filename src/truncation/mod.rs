@@ -11,8 +11,8 @@
 //! many turns that is all the same, and connections of a vertex close to a small light would decide it, too.
 //!
 //! Where there are volumes either kind may miss light that the other finds: bridges from the first vertices leave the
-//! volume, and walks end, absorbed, before they come near a light deep inside. So short paths are those of whoever found
-//! more of them, and what is beyond is only known if walks find light at lengths at which bridges do.
+//! volume, and walks end, absorbed, before they come near a light deep inside. So short paths are those of whoever sees
+//! more of them, beyond noise, and what is beyond is only known if walks find light at lengths at which bridges do.
 //!
 //! Looks are taken as the frame is rendered otherwise, with the roulette on contributions that the pilot found to pay:
 //! where transmittances have to be estimated, nearly all of their time would go to what counts next to nothing.
@@ -250,7 +250,7 @@ impl Looker<'_> {
             if is_straight || may_miss { (straight, STRAIGHT_WALKS) } else { (bridges(&wide, NEAR), BRIDGED_WALKS) };
         let walks = self.absorbed(ways[solid], if may_miss { LATE } else { 1.0 });
         let walker = Looker { frame: &wide, ..*self };
-        let join = if may_miss { Light::of_the_brighter } else { Light::new };
+        let join = if may_miss { Light::of_the_better } else { Light::new };
         let has_bounds = medium.field().is_some_and(|field| field.around() == 0.0);
         let fate = if has_bounds { Fate::Leaves } else { Fate::Stays };
         let with_walks =
@@ -293,8 +293,8 @@ impl Looker<'_> {
     }
 }
 
-/// Bridges with N edges, N = 1 .. `edges`, in proportion to 1 / N: as many in every doubling. Their walks are as drawn: most
-/// light of long paths is found next to the light by walks, whose share of it resampling weights would only make noisier.
+/// Bridges with N edges, N = 1 .. `edges`, in proportion to 1 / N: as many in every doubling. Their walks are as drawn: to
+/// choose among several takes longer and leaves looks as uncertain.
 fn bridges(frame: &Frame, edges: u32) -> Techniques {
     let weights: Vec<f64> = (1..=edges).map(|n| 1.0 / f64::from(n)).collect();
     let counts = CountTable::from_weights(frame.medium.phase.twin().lobe(), edges as usize, |_| weights.clone());
