@@ -43,7 +43,7 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     with_medium!(columns.medium, |medium| with_phase!(phase, |phase| weigh(step, columns, medium, phase)));
 }
 
-#[inline(always)]
+#[inline(never)]
 fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media: M, phase: P) {
     if straight::suffices::<M>(&columns) {
         return straight::weigh(step, columns, media, phase);

@@ -26,7 +26,7 @@ pub(super) fn suffices<M: MediumLanes>(columns: &Columns<'_, '_>) -> bool {
 }
 
 /// Weighs a bucket of candidates for which this [`suffices`].
-#[inline(always)]
+#[inline(never)]
 pub(super) fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, medium: M, phase: P) {
     let Columns { lights, walk, solid, bucket, candidates, paths, last_surface, outlook, worth, .. } = columns;
     factors::fill(columns.medium, bucket, columns.chains, worth);

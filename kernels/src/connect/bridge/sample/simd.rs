@@ -39,7 +39,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Bridge>) {
     with_medium!(columns.medium, |medium| with_phase!(phase, |phase| count_edges(step, columns, medium, phase)));
 }
 
-#[inline(always)]
+#[inline(never)]
 fn count_edges(step: Step, columns: CountColumns<'_, '_, Bridge>, medium: impl MediumLanes, phase: impl PhaseX8) {
     let CountColumns { technique: bridge, lengths, solid, paths, immersion, last_surface, .. } = columns;
     let CountColumns { connections, count, .. } = columns;
@@ -74,7 +74,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Bridge>) {
     with_phase!(&columns.medium.phase, |phase| build_walks(step, columns, phase));
 }
 
-#[inline(always)]
+#[inline(never)]
 fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl PhaseX8) {
     let mut columns = columns;
     let BuildColumns { technique: bridge, connections, buckets, .. } = columns;
@@ -91,7 +91,7 @@ fn build_walks(step: Step, columns: BuildColumns<'_, '_, Bridge>, phase: impl Ph
 }
 
 /// Builds the bridges of a bucket from walks of `M` alternatives.
-#[inline(always)]
+#[inline(never)]
 fn build_bucket<const M: usize, P: PhaseX8>(
     step: Step,
     columns: &mut BuildColumns<'_, '_, Bridge>,

@@ -95,7 +95,7 @@ pub fn count(step: Step, columns: CountColumns<'_, '_, Mvnee>) {
     with_medium!(columns.medium, |medium| count_seeds(step, columns, medium));
 }
 
-#[inline(always)]
+#[inline(never)]
 fn count_seeds(step: Step, columns: CountColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
     let CountColumns { technique, lengths, paths, immersion, connections, count: counts, .. } = columns;
     for b in 0..connections.len.div_ceil(LANES) {
@@ -171,7 +171,7 @@ pub fn build(step: Step, columns: BuildColumns<'_, '_, Mvnee>) {
     with_medium!(columns.medium, |medium| place_seeds(step, columns, medium));
 }
 
-#[inline(always)]
+#[inline(never)]
 fn place_seeds(step: Step, columns: BuildColumns<'_, '_, Mvnee>, medium: impl MediumLanes) {
     let BuildColumns { technique: mvnee, paths, immersion, connections, buckets, candidates, chains, .. } = columns;
     for bucket in buckets.buckets() {

@@ -41,9 +41,15 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
         return connect(step, columns, disk, lobe);
     }
     match OneDisk::of(lights) {
-        Some(disk) => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, disk, phase)),
-        None => with_phase!(phase, |phase| connect::<f32x8, _>(step, columns, lights, phase)),
+        Some(disk) => with_phase!(phase, |phase| connect_by_eight(step, columns, disk, phase)),
+        None => with_phase!(phase, |phase| connect_by_eight(step, columns, lights, phase)),
     }
+}
+
+/// A function of its own for every kind of lights and phase function.
+#[inline(never)]
+fn connect_by_eight<L: LightsIn<f32x8>>(step: Step, columns: Columns<'_, '_>, lights: L, phase: impl Turns<f32x8>) {
+    connect::<f32x8, _>(step, columns, lights, phase);
 }
 
 /// The same, for the widest registers that there are.
