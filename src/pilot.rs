@@ -9,10 +9,10 @@
 //! nearly all that is faint is fainter than that, and would be seen: what plays roulette is bright in the dark parts of
 //! an image.
 //!
-//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So a
-//! variance counts with twice its standard error, from the spread over parts of the samples; and a setting whose mean
-//! is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found something else
-//! than the image. Among surfaces, where such samples are most frequent, the best setting has to stay so in a longer look.
+//! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So the
+//! noisiest hundredth of the pixels does not count, in which a few such samples would decide; a variance counts with
+//! twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the one
+//! which leaves least to luck, most starts, longest walks and no roulette, found something else than the image.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.
@@ -55,13 +55,7 @@ const SHARE: u32 = SAMPLES / PARTS;
 /// Parts after which a trial that is far from the best ends.
 const FIRST_PARTS: u32 = 2;
 /// Far means less than this share of the best efficiency, even if its variance is no more than it seems.
-const FAR: f64 = 0.7;
-/// Parts of a look that confirms what is best by a shorter one.
-const CONFIRMING: u32 = 16;
-/// Most work of such a look, in about nanoseconds of one core.
-const MOST_WORK_TO_CONFIRM: f64 = 2e9;
-/// Most settings that are looked at again.
-const MOST_CONFIRMED: u32 = 4;
+const FAR: f64 = 0.8;
 /// Contribution below which connections play roulette, over the mean of the image.
 const FAINT: f64 = 0.25;
 /// Share of the best efficiency that is as good as the best.
@@ -133,8 +127,7 @@ impl Setting {
 /// A roulette below a part of the mean of the image is tried with the first number of starts, then numbers of starts
 /// with walks that go on, then survivals with the best of these, and where an early end is the best, the next numbers of
 /// starts with that. All starts are tried before numbers in between, as means are judged by theirs, and these until one
-/// is worse. What is far from the best ends after half of its samples. Where there are surfaces, what is best in the end
-/// is looked at four times as long, and so is what takes its place then. Walks of any length, and those in volumes, end by
+/// is worse. What is far from the best ends after half of its samples. Walks of any length, and those in volumes, end by
 /// their depth: in something dense, which bridges from outside rarely get deep into, the few walks of an early end that
 /// get there would count as much as all of those that did not.
 ///
@@ -170,9 +163,6 @@ pub fn choose(
     }
     if choices.starts && choices.survival && !search.setting.survival.is_certain() {
         search.try_neighbours();
-    }
-    if choices.starts && frame.is_solid() {
-        search.confirm();
     }
     (search.setting.apply(frame), search.trials)
 }
@@ -251,23 +241,6 @@ impl Search<'_> {
         [before, after].into_iter().flatten().for_each(|starts| self.attempt(Setting { starts, ..base }));
     }
 
-    /// Looks longer at what is best, until that has been looked at so: a setting may be the best of a dozen because its
-    /// rare samples were missed.
-    fn confirm(&mut self) {
-        for _ in 0..MOST_CONFIRMED {
-            let samples = CONFIRMING * SHARE;
-            let affordable = |trial: &Trial| self.pilot.work(trial.cost, samples) <= MOST_WORK_TO_CONFIRM;
-            let doubtful = |trial: &Trial| trial.samples < samples && affordable(trial);
-            let Some(winner) = best(&self.trials).filter(doubtful) else { return };
-            let trial = Trial::of(winner.setting, &self.pilot.looks(winner.setting, 0..CONFIRMING));
-            if self.pilot.monitor.stops() {
-                return;
-            }
-            self.trials.iter_mut().filter(|other| **other == winner).for_each(|other| *other = trial);
-            self.setting = best(&self.trials).map_or(self.setting, |best| best.setting);
-        }
-    }
-
     /// Tries a setting, and keeps the best so far.
     fn attempt(&mut self, setting: Setting) {
         if !self.pilot.monitor.stops() {
@@ -327,11 +300,10 @@ impl<'a> Pilot<'a> {
         let empty = Stats::new(false).with_work();
         let stats = self.renderer.render_counting(empty, frame, &WIDEST, &film, samples, self.monitor);
         let squares = |errors: [f64; 3]| errors.iter().map(|error| error * error).sum::<f64>();
-        let sum: f64 = film.pixels().map(|pixel| squares(pixel.standard_error)).sum();
-        let variance = sum / self.region.pixels() as f64 * f64::from(SHARE);
+        let variances = film.pixels().map(|pixel| squares(pixel.standard_error) * f64::from(SHARE)).collect();
         let cost = cost(&stats, frame) / stats.samples as f64;
         let (means, errors) = film.mean();
         let brightest = (1..3).fold(0, |best, channel| if means[channel] > means[best] { channel } else { best });
-        Look { variance, cost, mean: means[brightest], mean_error: errors[brightest] }
+        Look { variances, cost, mean: means[brightest], mean_error: errors[brightest] }
     }
 }

@@ -201,16 +201,16 @@ fn what_is_far_from_the_best_ends_early_and_starts_are_tried_until_they_are_wors
     assert_eq!((frame.walk.starts, trials[1].samples, trials[2].samples), (1, 16, 32), "{trials:#?}");
 }
 
-/// What is best in a look of 32 samples may be so by luck.
+/// By the variances of renders of 200 samples per pixel, and what stages take, two to four starts are best in both scenes,
+/// and a single one, eight or all have 0.5 to 0.8 of their efficiency.
 #[test]
-fn what_is_best_among_surfaces_is_so_in_a_longer_look() {
-    let (frame, trials) = piloted(&scene("cornell-fog", &[]));
-    let best = pilot::best(&trials).expect("trials");
-    assert_eq!((best.setting.starts, best.samples), (frame.walk.starts, 128), "{trials:#?}");
-    assert!(trials.iter().filter(|trial| trial.samples == 128).count() <= 4, "{trials:#?}");
-    // Not where nothing is hidden.
-    let (_, trials) = piloted(&scene("fog-facing", &[]));
-    assert!(trials.iter().all(|trial| trial.samples <= 32), "{trials:#?}");
+fn among_surfaces_the_choice_does_not_depend_on_luck() {
+    for folder in ["cornell-fog", "dense-plate"] {
+        for seed in 0..5 {
+            let (frame, trials) = piloted(&scene(folder, &[&format!("render.seed={seed}")]));
+            assert!((2..=4).contains(&frame.walk.starts), "{folder}, seed {seed}: {trials:#?}");
+        }
+    }
 }
 
 /// The roulette that is chosen: 0, at a cost of 20, or 1, with another mean and cost.

@@ -3,6 +3,7 @@
 use core::cmp::Ordering;
 
 use super::{NEARLY, SHARE, Setting};
+use crate::film::NOISIEST;
 
 /// Standard errors by which the means of two settings may differ.
 const AGREEMENT: f64 = 5.0;
@@ -14,7 +15,7 @@ pub struct Trial {
     pub setting: Setting,
     /// Samples of every pixel that were taken for it.
     pub samples: u32,
-    /// Variance of a sample, mean over pixels, sum over channels.
+    /// Variance of a sample, mean over pixels without the noisiest hundredth of them, sum over channels.
     pub variance: f64,
     /// Standard error of that variance.
     pub variance_error: f64,
@@ -31,8 +32,9 @@ impl Trial {
     pub(super) fn of(setting: Setting, looks: &[Look]) -> Self {
         let parts = looks.len() as f64;
         let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / parts;
-        let variance = mean_of(&|look| look.variance);
-        let spread = mean_of(&|look| (look.variance - variance).powi(2));
+        let variances = common_variances(looks);
+        let variance = variances.iter().sum::<f64>() / parts;
+        let spread = variances.iter().map(|part| (part - variance).powi(2)).sum::<f64>() / parts;
         Self {
             setting,
             samples: looks.len() as u32 * SHARE,
@@ -84,10 +86,57 @@ pub fn best(trials: &[Trial]) -> Option<Trial> {
     good.copied().max_by(|a, b| a.compare_walks(b).then(a.efficiency().total_cmp(&b.efficiency())))
 }
 
+/// The variance that each of several looks at the same pixels found, mean over pixels. The hundredth of the pixels that
+/// were noisiest in all looks together does not count: rare bright samples have a large part of the variance among
+/// surfaces, and whether so few looks met one or two of them tells nothing.
+fn common_variances(looks: &[Look]) -> Vec<f64> {
+    let pixels = looks.first().map_or(0, |look| look.variances.len());
+    let total = |pixel: &usize| looks.iter().map(|look| look.variances[*pixel]).sum::<f64>();
+    let mut by_noise: Vec<_> = (0..pixels).map(|pixel| (total(&pixel), pixel)).collect();
+    by_noise.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let kept = &by_noise[..pixels - pixels / NOISIEST];
+    let mean = |look: &Look| kept.iter().map(|(_, pixel)| look.variances[*pixel]).sum::<f64>() / kept.len() as f64;
+    looks.iter().map(mean).collect()
+}
+
 /// What one part of the samples says of a setting; see [`Trial`].
 pub(super) struct Look {
-    pub variance: f64,
+    /// Variance of a sample of each pixel, sum over channels.
+    pub variances: Vec<f64>,
     pub cost: f64,
     pub mean: f64,
     pub mean_error: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use fogbow_kernels::survival::Survival;
+
+    use super::*;
+
+    fn trial(looks: &[Look]) -> Trial {
+        Trial::of(Setting { starts: 1, survival: Survival::CERTAIN, roulette: 0.0 }, looks)
+    }
+
+    fn look(variances: Vec<f64>) -> Look {
+        Look { variances, cost: 1.0, mean: 1.0, mean_error: 0.1 }
+    }
+
+    #[test]
+    fn a_few_bright_samples_do_not_decide() {
+        let even = trial(&[look(vec![2.0; 200]), look(vec![4.0; 200])]);
+        assert_eq!((even.variance, even.variance_error), (3.0, 1.0));
+        let mut noisy = [vec![2.0; 200], vec![4.0; 200]];
+        (noisy[0][7], noisy[1][50]) = (1e6, 1e5);
+        let noisy = trial(&noisy.map(look));
+        assert_eq!((noisy.variance, noisy.variance_error), (3.0, 1.0));
+    }
+
+    #[test]
+    fn what_is_noisy_in_more_than_a_hundredth_of_the_pixels_counts() {
+        let noise = |pixel: usize| if pixel < 10 { 101.0 } else { 1.0 };
+        let found = trial(&[0, 1].map(|_| look((0..200).map(noise).collect())));
+        // Eight of 198 pixels.
+        assert!((found.variance - (1.0 + 800.0 / 198.0)).abs() < 1e-12 && found.variance_error == 0.0, "{found:?}");
+    }
 }
