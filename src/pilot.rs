@@ -10,9 +10,10 @@
 //! an image.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So the
-//! noisiest hundredth of the pixels does not count, in which a few such samples would decide; a variance counts with
-//! twice its standard error, from the spread over parts of the samples; and a setting whose mean is not that of the one
-//! which leaves least to luck, most starts, longest walks and no roulette, found something else than the image.
+//! noisiest hundredth of the pixels, in which a few such samples would decide, count no more than the noisiest of the
+//! others; a variance counts with twice its standard error, from the spread over parts of the samples; and a setting
+//! whose mean is not that of the one which leaves least to luck, most starts, longest walks and no roulette, found
+//! something else than the image.
 //!
 //! The cost is counted work, not time, and the pilot's samples are those of a seed of its own: the choice is the same
 //! on every machine, for every split of the samples, and independent of the samples that are kept.

@@ -15,7 +15,8 @@ pub struct Trial {
     pub setting: Setting,
     /// Samples of every pixel that were taken for it.
     pub samples: u32,
-    /// Variance of a sample, mean over pixels without the noisiest hundredth of them, sum over channels.
+    /// Variance of a sample, mean over pixels, of which the noisiest hundredth count as the noisiest of the others, sum
+    /// over channels.
     pub variance: f64,
     /// Standard error of that variance.
     pub variance_error: f64,
@@ -32,7 +33,7 @@ impl Trial {
     pub(super) fn of(setting: Setting, looks: &[Look]) -> Self {
         let parts = looks.len() as f64;
         let mean_of = |figure: &dyn Fn(&Look) -> f64| looks.iter().map(figure).sum::<f64>() / parts;
-        let variances = common_variances(looks);
+        let variances = capped_variances(looks);
         let variance = variances.iter().sum::<f64>() / parts;
         let spread = variances.iter().map(|part| (part - variance).powi(2)).sum::<f64>() / parts;
         Self {
@@ -87,15 +88,17 @@ pub fn best(trials: &[Trial]) -> Option<Trial> {
 }
 
 /// The variance that each of several looks at the same pixels found, mean over pixels. The hundredth of the pixels that
-/// were noisiest in all looks together does not count: rare bright samples have a large part of the variance among
-/// surfaces, and whether so few looks met one or two of them tells nothing.
-fn common_variances(looks: &[Look]) -> Vec<f64> {
-    let pixels = looks.first().map_or(0, |look| look.variances.len());
-    let total = |pixel: &usize| looks.iter().map(|look| look.variances[*pixel]).sum::<f64>();
-    let mut by_noise: Vec<_> = (0..pixels).map(|pixel| (total(&pixel), pixel)).collect();
-    by_noise.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let kept = &by_noise[..pixels - pixels / NOISIEST];
-    let mean = |look: &Look| kept.iter().map(|(_, pixel)| look.variances[*pixel]).sum::<f64>() / kept.len() as f64;
+/// were noisiest in all looks together count as much as the noisiest of the others: rare bright samples have a large part
+/// of the variance among surfaces, and whether so few looks met one or two of them tells nothing. Left out altogether,
+/// pixels that are nearly as noisy as each other would change places for nothing.
+fn capped_variances(looks: &[Look]) -> Vec<f64> {
+    let pixels = looks[0].variances.len();
+    let totals: Vec<f64> = (0..pixels).map(|pixel| looks.iter().map(|look| look.variances[pixel]).sum()).collect();
+    let noisiest_of_others = pixels - pixels / NOISIEST - 1;
+    let cap = *totals.clone().select_nth_unstable_by(noisiest_of_others, f64::total_cmp).1;
+    let share = |total: &f64| if *total > cap { cap / total } else { 1.0 };
+    let capped = |(variance, total): (&f64, &f64)| variance * share(total);
+    let mean = |look: &Look| look.variances.iter().zip(&totals).map(capped).sum::<f64>() / pixels as f64;
     looks.iter().map(mean).collect()
 }
 
@@ -126,17 +129,31 @@ mod tests {
     fn a_few_bright_samples_do_not_decide() {
         let even = trial(&[look(vec![2.0; 200]), look(vec![4.0; 200])]);
         assert_eq!((even.variance, even.variance_error), (3.0, 1.0));
+        // As many times as much in one of them as in the other are capped to the same sum.
         let mut noisy = [vec![2.0; 200], vec![4.0; 200]];
-        (noisy[0][7], noisy[1][50]) = (1e6, 1e5);
+        (noisy[0][7], noisy[1][7]) = (2e6, 4e6);
+        (noisy[0][50], noisy[1][50]) = (2e3, 4e3);
         let noisy = trial(&noisy.map(look));
-        assert_eq!((noisy.variance, noisy.variance_error), (3.0, 1.0));
+        let close = |found: f64, truth: f64| (found / truth - 1.0).abs() < 1e-12;
+        assert!(close(noisy.variance, 3.0) && close(noisy.variance_error, 1.0), "{noisy:?}");
+    }
+
+    #[test]
+    fn what_is_as_noisy_may_change_places() {
+        let looks = |first: f64, second: f64| {
+            let mut looks = [vec![0.0; 100], vec![0.0; 100]];
+            looks[0][3] = first;
+            (looks[0][4], looks[1][4]) = (0.5 * second, 0.5 * second);
+            trial(&looks.map(look))
+        };
+        let [one, other] = [looks(1.0, 1.0 + 1e-9), looks(1.0 + 1e-9, 1.0)];
+        assert!((one.variance_error - other.variance_error).abs() < 1e-9, "{one:?}, {other:?}");
     }
 
     #[test]
     fn what_is_noisy_in_more_than_a_hundredth_of_the_pixels_counts() {
         let noise = |pixel: usize| if pixel < 10 { 101.0 } else { 1.0 };
         let found = trial(&[0, 1].map(|_| look((0..200).map(noise).collect())));
-        // Eight of 198 pixels.
-        assert!((found.variance - (1.0 + 800.0 / 198.0)).abs() < 1e-12 && found.variance_error == 0.0, "{found:?}");
+        assert!((found.variance - 6.0).abs() < 1e-12 && found.variance_error == 0.0, "{found:?}");
     }
 }
