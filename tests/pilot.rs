@@ -202,7 +202,7 @@ fn what_is_far_from_the_best_ends_early_and_starts_are_tried_until_they_are_wors
 }
 
 /// By the variances of renders of 200 samples per pixel, and what stages take, two to four starts are best in both scenes,
-/// and a single one, eight or all have 0.5 to 0.8 of their efficiency.
+/// and a single one or eight have 0.6 to 0.8 of their efficiency.
 #[test]
 fn among_surfaces_the_choice_does_not_depend_on_luck() {
     for folder in ["cornell-fog", "dense-plate"] {

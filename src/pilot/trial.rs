@@ -90,12 +90,15 @@ pub fn best(trials: &[Trial]) -> Option<Trial> {
 /// The variance that each of several looks at the same pixels found, mean over pixels. The hundredth of the pixels that
 /// were noisiest in all looks together count as much as the noisiest of the others: rare bright samples have a large part
 /// of the variance among surfaces, and whether so few looks met one or two of them tells nothing. Left out altogether,
-/// pixels that are nearly as noisy as each other would change places for nothing.
+/// pixels that are nearly as noisy as each other would change places for nothing. Pixels without any noise do not count:
+/// all light may be in a few of them.
 fn capped_variances(looks: &[Look]) -> Vec<f64> {
     let pixels = looks[0].variances.len();
     let totals: Vec<f64> = (0..pixels).map(|pixel| looks.iter().map(|look| look.variances[pixel]).sum()).collect();
-    let noisiest_of_others = pixels - pixels / NOISIEST - 1;
-    let cap = *totals.clone().select_nth_unstable_by(noisiest_of_others, f64::total_cmp).1;
+    let mut noisy: Vec<f64> = totals.iter().copied().filter(|total| *total > 0.0).collect();
+    let noisiest_of_others = (noisy.len() - noisy.len() / NOISIEST).saturating_sub(1);
+    noisy.sort_unstable_by(f64::total_cmp);
+    let cap = noisy.get(noisiest_of_others).copied().unwrap_or_default();
     let share = |total: &f64| if *total > cap { cap / total } else { 1.0 };
     let capped = |(variance, total): (&f64, &f64)| variance * share(total);
     let mean = |look: &Look| look.variances.iter().zip(&totals).map(capped).sum::<f64>() / pixels as f64;
@@ -141,13 +144,21 @@ mod tests {
     #[test]
     fn what_is_as_noisy_may_change_places() {
         let looks = |first: f64, second: f64| {
-            let mut looks = [vec![0.0; 100], vec![0.0; 100]];
+            let mut looks = [vec![1e-3; 100], vec![1e-3; 100]];
             looks[0][3] = first;
             (looks[0][4], looks[1][4]) = (0.5 * second, 0.5 * second);
             trial(&looks.map(look))
         };
         let [one, other] = [looks(1.0, 1.0 + 1e-9), looks(1.0 + 1e-9, 1.0)];
         assert!((one.variance_error - other.variance_error).abs() < 1e-9, "{one:?}, {other:?}");
+    }
+
+    #[test]
+    fn all_light_may_be_in_a_few_pixels() {
+        let lit = |pixel: usize| if pixel < 3 { 1000.0 } else { 0.0 };
+        let found = trial(&[0, 1].map(|_| look((0..1000).map(lit).collect())));
+        assert!((found.variance - 3.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(trial(&[0, 1].map(|_| look(vec![0.0; 1000]))).efficiency(), 0.0);
     }
 
     #[test]
