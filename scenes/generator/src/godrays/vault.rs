@@ -14,7 +14,7 @@ use crate::{
 /// How deep the vault reaches into walls and ribs into the vault `[m]`.
 const JOINT: f64 = 0.12;
 /// Flat pieces from a wall to the crown.
-const MOST_ALTERNATIVES: u32 = 10;
+const PIECES: u32 = 10;
 /// How far the ribs between bays and those across bays hang below the vault, and their thickness `[m]`.
 const RIBS: [[f64; 2]; 2] = [[0.2, 0.4], [0.13, 0.16]];
 
@@ -54,7 +54,7 @@ pub fn ribs() -> Mesh {
 /// The rib along one diagonal of a bay, from the wall at -x to that at +x.
 fn diagonal(side: f64) -> Mesh {
     let [_, [hang, thickness]] = RIBS;
-    let count = 2 * MOST_ALTERNATIVES;
+    let count = 2 * PIECES;
     let chain = |above: f64| -> Vec<DVec2> {
         (0..=count)
             .map(|i| {
@@ -70,7 +70,7 @@ fn diagonal(side: f64) -> Mesh {
 /// The solid between the underside over one bay and a flat top. Cells are cut along the diagonals, where the barrels
 /// meet.
 fn bay() -> Mesh {
-    let count = 2 * MOST_ALTERNATIVES;
+    let count = 2 * PIECES;
     let share = |i: u32| 2.0 * f64::from(i) / f64::from(count) - 1.0;
     let index = |i: u32, j: u32| i * (count + 1) + j;
     let positions =
@@ -79,7 +79,7 @@ fn bay() -> Mesh {
     for i in 0..count {
         for j in 0..count {
             let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
-            let towards_corner = (i < MOST_ALTERNATIVES) == (j < MOST_ALTERNATIVES);
+            let towards_corner = (i < PIECES) == (j < PIECES);
             mesh.quad(if towards_corner { [a, b, c, d] } else { [b, c, d, a] });
         }
     }
