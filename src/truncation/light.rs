@@ -145,10 +145,14 @@ fn is_found(looks: &[Vec<f64>]) -> bool {
 
 /// Whether one of two kinds of looks, each with mean and standard error, sees light better than the other: the brighter,
 /// as either may miss some; but if that is no more than its noise, such as a single bright path in all looks, the one
-/// that is surer of what it found.
+/// that is surer of what it found, if it found any.
 fn sees_better([one, other]: [(f64, f64); 2]) -> bool {
-    let differ = (one.0 - other.0).abs() > one.1.hypot(other.1);
-    if differ { one.0 > other.0 } else { one.1 * other.0 < other.1 * one.0 }
+    let [(found, error), (found_by_other, error_of_other)] = [one, other];
+    if (found - found_by_other).abs() > error.hypot(error_of_other) {
+        return found > found_by_other;
+    }
+    let doubt = |(found, error): (f64, f64)| if found > 0.0 { error / found } else { f64::INFINITY };
+    doubt(one) < doubt(other)
 }
 
 /// Whether the last doublings surely bring more than they may where light fades.
@@ -339,10 +343,14 @@ mod tests {
         let light = Light::of_the_better(&short, &long, Fate::Stays);
         let Share::About { share, error } = light.share(16) else { panic!("{:?}", light.share(16)) };
         assert!((share - truth).abs() < 0.01 * truth && error < 0.01 * truth, "{share} +- {error} of {truth}");
-        // If nobody else sees anything there, it is all that is known.
-        long.iter_mut().for_each(|look| look[17..].fill(0.0));
-        let light = Light::of_the_better(&short, &long, Fate::Stays);
-        assert!(light.sufficient().is_none_or(|limit| limit > 16), "{:?}", light.sufficient());
+    }
+
+    #[test]
+    fn those_who_found_nothing_never_see_better() {
+        let single = mean_and_error([0.0, 0.0, 5.0, 0.0].into_iter());
+        let nothing = (0.0, 0.0);
+        assert!(sees_better([single, nothing]) && !sees_better([nothing, single]));
+        assert!(!sees_better([nothing, nothing]));
     }
 
     /// A limit is offered where two standard errors more would still be tolerated.
