@@ -294,7 +294,8 @@ impl AlbedosX8<'_> {
 }
 
 /// Runs `$body` with `$lanes` as the [`MediumLanes`] of a [`Medium`]: twice per kind in the program, for grey and for
-/// coloured extinction; one of them at a time.
+/// coloured extinction; one of them at a time. A large kernel should be `inline(never)`: all of its kinds in one function
+/// take compilers minutes, and are no faster.
 #[macro_export]
 macro_rules! with_medium {
     ($medium:expr, |$lanes:ident| $body:expr) => {

@@ -97,7 +97,8 @@ pub const INDIFFERENT: f32 = 0.1;
 pub struct Bridge {
     /// How bridges are rolled.
     pub roll: Roll,
-    /// Alternatives of each half of a walk where the roll is aligned: 1 for walks as they are drawn, or [`MOST_ALTERNATIVES`].
+    /// Alternatives of each half of a walk where the roll is aligned: 1 for walks as they are drawn, or
+    /// [`MOST_ALTERNATIVES`].
     pub alternatives: usize,
     /// Share of the counts that are drawn uniformly, [0, 1]; with 0 there are fireflies.
     pub defensive: f32,

@@ -27,7 +27,7 @@ pub type CountKernel = fn(Step, CountColumns<'_, '_, Bridge>);
 /// the depth of the start. Its length is `-ln(1 - u)` of the first word, in all alternatives. Unless it is the walk's
 /// last, the words from the third on are the cosines of the turn at its end in one alternative each (the inverse of the
 /// [phase function](crate::phase)'s distribution); the second is the azimuth of the turn in alternative 0, and those of
-/// the others are spread evenly: one more turn / `MOST_ALTERNATIVES` each. Azimuths are counted in a frame that is that of the
+/// the others are spread evenly: one more turn / `MOST_ALTERNATIVES` each. Azimuths count in a frame that is that of the
 /// axes where the piece begins and is [carried](crate::phase::Deflection::carry) along. The second piece goes on where
 /// the first one ends, behind the turn there, the frame carried so far in the place of its axes.
 ///
