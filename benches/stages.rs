@@ -1,4 +1,4 @@
-//! Stages on queues recorded from a real frame, all but light_hit and surface, whose rows are few: kernel, for eight rows
+//! Stages on queues recorded from a real frame, all but light_hit, first_surface and surface, whose rows are few: kernel, for eight rows
 //! and for the widest registers, and twin, by live lanes and rows; arithmetic stages also against the same algorithm as
 //! a plain f32 loop with libm.
 //!

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use fogbow_kernels::connect::Techniques;
 use fogbow_kernels::connect::nee::in_place;
+use fogbow_kernels::first_flight::Aim;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::survival::Survival;
 use fogbow_kernels::tables::camera::Camera;
@@ -11,6 +12,7 @@ use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::tables::outlines::Outlines;
 use fogbow_kernels::tables::surfaces::Surfaces;
 use fogbow_kernels::{LONGEST_BRIDGED_PATH, PathLengths, WalkLimits};
+use glam::Vec3;
 
 use crate::film::Region;
 use crate::film::aov::Aovs;
@@ -117,9 +119,23 @@ impl Frame {
         self.lengths.max > LONGEST_BRIDGED_PATH && !self.stays_straight()
     }
 
-    /// Whether first flights are drawn towards the lights: not where media emit along them.
+    /// Whether first flights are drawn towards the lights.
     pub fn aims(&self) -> bool {
-        self.aimed > 0.0 && !self.medium.never_scatters() && !self.varies() && !self.emits()
+        self.aimed > 0.0 && self.may_aim()
+    }
+
+    /// How first flights are drawn towards the lights.
+    pub fn aim(&self) -> Aim {
+        let Some([lower, upper]) = self.surfaces.geometry().bounds() else { return Aim::in_the_open(self.aimed) };
+        let across = Vec3::from(upper).distance(Vec3::from(lower));
+        let extinction = self.medium.extinctions().iter().sum::<f32>() / 3.0;
+        Aim::across(self.aimed, extinction * across)
+    }
+
+    /// Whether first flights may be drawn towards the lights: not where media differ from place to place or emit along
+    /// them.
+    pub fn may_aim(&self) -> bool {
+        !self.medium.never_scatters() && !self.varies() && !self.emits()
     }
 
     /// Channels that differ: 1 where lights, medium, its emission and surfaces are grey, 3 otherwise.

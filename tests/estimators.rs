@@ -312,6 +312,29 @@ fn where_walks_end_and_what_roulette_drops_change_no_mean() {
     }
 }
 
+/// Of a room, flights towards its lights meet walls on the way there and behind.
+#[test]
+fn first_flights_towards_lights_change_no_mean() {
+    let cases = [
+        ("three lights", frames::three_lights(0.6, Selection::IntensityDistance, SMALL)),
+        ("room", frames::room(0.6, Selection::IntensityDistance, SMALL)),
+        ("room in haze", frames::with_extinction(&frames::room(0.6, Selection::IntensityDistance, SMALL), 0.05)),
+        ("lamps", frames::lamps(1.0, 0.6, Selection::IntensityDistance, SMALL)),
+    ];
+    for (turn, (name, base)) in cases.into_iter().enumerate() {
+        let mut p_values = Vec::new();
+        for lengths in some(lengths(&base), turn, 2) {
+            let of = |aimed: f32| {
+                let frame = Frame { lengths, aimed, seed: (100.0 * aimed) as u32, ..walk(&base, 2, 0.9, 0.0) };
+                (format!("aimed {aimed}"), render(&frame, SMALL, 0..half(2000)).0.mean())
+            };
+            let means = [0.0, 0.05, 0.5].map(of).to_vec();
+            p_values.push(Renders { means }.assert_equal(&format!("{name}, {lengths:?}")));
+        }
+        assert_uniform(name, &p_values);
+    }
+}
+
 #[test]
 fn path_tracing_finds_what_limited_bridges_leave_out() {
     let limited = |base: &Frame, mesc: f64, vertices: u32, starts: u32, survival: f32| {

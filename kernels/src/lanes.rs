@@ -196,6 +196,12 @@ impl<'q> LaneSet<'q> {
         self.bytes()[lane / LANES] >> (lane % LANES) & 1 == 1
     }
 
+    /// Which of the first `count` rows that `lane_of` names are in the set, as bits.
+    #[inline(always)]
+    pub fn among(&self, lane_of: &[u32; LANES], count: usize) -> u32 {
+        (0..count).filter(|i| self.contains(lane_of[*i] as usize)).fold(0, |bits, i| bits | 1 << i)
+    }
+
     /// Adds row `lane`.
     #[inline(always)]
     pub fn insert(&mut self, lane: usize) {
@@ -343,5 +349,7 @@ mod tests {
         set.remove_batch(1, 1);
         assert_eq!(set.each().collect::<Vec<_>>(), [0, 19]);
         assert!(set.contains(0) && set.contains(19) && !set.contains(7) && !set.contains(8));
+        let lane_of = [19, 7, 0, 8, 19, 3, 0, 0];
+        assert_eq!([8, 5, 2, 0].map(|count| set.among(&lane_of, count)), [0b1101_0101, 0b1_0101, 1, 0]);
     }
 }

@@ -12,6 +12,7 @@ pub mod emission;
 pub mod extend;
 pub mod features;
 pub mod first_flight;
+pub mod first_surface;
 pub mod flight_hue;
 pub mod flight_weight;
 pub mod generate;

@@ -4,9 +4,9 @@ mod joint;
 
 use crate::connect::{bridge, light_sample, light_survey, lis, mvnee, nee, omnee};
 use crate::{
-    accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit, medium_sample,
-    mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift, spectral_weight,
-    surface, transmittance,
+    accumulate, extend, features, first_flight, first_surface, flight_hue, flight_weight, generate, glow, light_hit,
+    medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift,
+    spectral_weight, surface, transmittance,
 };
 
 pub use joint::Joint;
@@ -69,6 +69,8 @@ pipeline! {
     light_hit (LightHit): light_hit::Kernel = light_hit::simd::run, light_hit::reference::run;
     /// Paths that have come far enough end.
     prune (Prune): prune::Kernel = prune::simd::run, prune::reference::run;
+    /// What first flights count that end on a surface.
+    first_surface (FirstSurface): first_surface::Kernel = first_surface::simd::run, first_surface::reference::run;
     /// What first flights count goes to the throughput.
     flight_weight (FlightWeight): flight_weight::Kernel = flight_weight::simd::run, flight_weight::reference::run;
     /// What flights say of their channels goes to the throughput.

@@ -26,6 +26,7 @@ use fogbow_kernels::connect::density::Density;
 use fogbow_kernels::connect::distant;
 use fogbow_kernels::connect::sequence::Draws;
 use fogbow_kernels::emission::reference as emission;
+use fogbow_kernels::first_flight::reference::{mixed_density, mixed_probability};
 use fogbow_kernels::media::reference::Twin;
 use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth, reach};
@@ -33,8 +34,8 @@ use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random::Purpose;
 use fogbow_kernels::surface::reference as surface_stage;
 use fogbow_kernels::{
-    accumulate, extend, first_flight, flight_hue, generate, glow, light_hit, medium_sample, outline, random, scatter,
-    spectral_weight, transmittance,
+    accumulate, extend, first_flight, first_surface, flight_hue, generate, glow, light_hit, medium_sample, outline,
+    random, scatter, spectral_weight, transmittance,
 };
 use glam::DVec3;
 
@@ -161,33 +162,32 @@ impl Walk<'_> {
     /// The camera's flight: `free`, or one drawn towards a light.
     fn aim(&self, free: f64) -> f64 {
         let u = first_flight::reference::uniforms(self.pixel, self.sample, self.frame.seed);
-        let share = f64::from(self.frame.aimed);
-        first_flight::reference::flight(&self.frame.lights, share, self.last(), self.direction, free, u)
+        let aim = self.frame.aim();
+        first_flight::reference::flight(&self.frame.lights, aim, self.last(), self.direction, free, u)
     }
 
     /// Weighs everything that comes after a flight that may have ended on a surface before: the camera's where it was
     /// aimed, and all where extinction is coloured.
     fn weigh_flight(&mut self, flight: f64, surface: Option<&SurfaceHit>, aimed: bool) {
-        let Frame { lights, aimed: share, .. } = self.frame;
-        let (medium, share, sight) = (&self.frame.medium, f64::from(*share), (self.last(), self.direction));
+        let (Frame { lights, medium, .. }, aim) = (self.frame, self.frame.aim());
+        let sight = (self.last(), self.direction);
         let mut quotients = [1.0; CHANNELS];
+        let length = surface.map_or(flight, |hit| f64::from(hit.distance));
         if medium.is_coloured() {
-            let surface = surface.filter(|_| !aimed);
-            let length = surface.map_or(flight, |hit| f64::from(hit.distance));
             let end = sight.0 + length * sight.1;
             let free = spectral_weight::reference::free_flights(medium, sight.0, end, surface.is_none());
-            let mixed = |c: usize| {
-                first_flight::reference::mixed_density(&medium.homogeneous_twin(c), lights, share, sight, flight)
-            };
-            let drawn = if aimed { [0, 1, 2].map(|c| Density::new(mixed(c))) } else { free };
+            let mixed = if surface.is_some() { mixed_probability } else { mixed_density };
+            let mixed = |c: usize| Density::new(mixed(&medium.homogeneous_twin(c), lights, aim, sight, length));
+            let drawn = if aimed { [0, 1, 2].map(mixed) } else { free };
             (self.log_posterior, quotients) = spectral_weight::reference::update(self.log_posterior, drawn, free);
             if let Some(field) = medium.field() {
                 let missing = flight_hue::reference::missing(field, self.hero, sight.0, end, &self.draws());
                 quotients = [0, 1, 2].map(|c| quotients[c] * missing[c]);
             }
         } else if aimed {
-            quotients =
-                [first_flight::reference::weight(&medium.homogeneous_twin(0), lights, share, sight, flight); CHANNELS];
+            let weight =
+                if surface.is_some() { first_surface::reference::weight } else { first_flight::reference::weight };
+            quotients = [weight(&medium.homogeneous_twin(0), lights, aim, sight, length); CHANNELS];
         }
         for (throughput, quotient) in self.throughput.iter_mut().zip(quotients) {
             *throughput *= quotient;

@@ -7,6 +7,7 @@ use fogbow_kernels::connect::bridge::{Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
 use fogbow_kernels::connect::mvnee::{Mvnee, Offset};
 use fogbow_kernels::connect::{Technique, Techniques};
+use fogbow_kernels::first_flight::Aim;
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::survival::Survival;
@@ -106,7 +107,10 @@ fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         let words = medium_sample::reference::words(9, sample, 0, free.seed);
         let medium = free.medium.homogeneous_twin(0);
         let t = medium.flight(random::uniform(words[0])) / 0.75;
-        let weight = |share| first_flight::reference::weight(&medium, &free.lights, share, (origin, direction), t);
+        let weight = |share: f64| {
+            let aim = Aim::in_the_open(share as f32);
+            first_flight::reference::weight(&medium, &free.lights, aim, (origin, direction), t)
+        };
         let expected = weight(shares[0]) / weight(shares[1]);
         assert_eq!(few.len(), many.len(), "sample {sample}");
         for (few, many) in few.iter().zip(&many).filter(|(few, _)| few.segments > 1) {

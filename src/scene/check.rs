@@ -358,11 +358,8 @@ impl Check<'_> {
         let ok = (SMALLEST_SURVIVAL..=1.0).contains(&survival);
         let remedy = "give a probability from 0.01 to 1, or \"auto\"";
         self.require(ok, "render.survival", format!("{survival:?}"), remedy)?;
-        let open = frame.surfaces.is_empty() && !frame.medium.never_scatters() && !frame.emits();
-        let small = frame.techniques.bridge.is_some() && frame.lights.given().len() <= MOST_AIMED_LIGHTS;
-        let aimed = render.aimed.0.unwrap_or(if open && small { AIMED } else { 0.0 });
-        let remedy = "give 0 or \"auto\": flights are aimed only in scenes without geometry";
-        self.require(aimed == 0.0 || frame.surfaces.is_empty(), "render.aimed", format!("{aimed:?}"), remedy)?;
+        let few = frame.techniques.bridge.is_some() && frame.lights.given().len() <= MOST_AIMED_LIGHTS;
+        let aimed = render.aimed.0.unwrap_or(if few && frame.may_aim() { AIMED } else { 0.0 });
         let ok = (0.0..=LARGEST_AIMED).contains(&aimed);
         self.require(ok, "render.aimed", format!("{aimed:?}"), "give a fraction from 0 to 0.99, or \"auto\"")?;
         let roulette = render.roulette.0.unwrap_or(0.0);

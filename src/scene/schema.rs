@@ -211,7 +211,7 @@ pub struct Render {
     /// max_segments is "auto" or above 1024 it then depends on how far the walk has come.
     pub survival: NumberOrAuto,
     /// Fraction of the camera's flights that are aimed at the lights, 0 to 0.99, or "auto": 0.05 for bridges with at
-    /// most 16 lights and no geometry, otherwise 0. Where there are volumes or media emit, none are.
+    /// most 16 lights, otherwise 0. Where there are volumes or media emit, none are.
     pub aimed: NumberOrAuto,
     /// Contribution [W/(m^2 sr)], >= 0, below which connections play Russian roulette before they are traced; 0 turns
     /// it off. "auto" is a quarter of the mean of the image if there is geometry or a volume and the same pilot finds

@@ -74,10 +74,14 @@ impl Wavefront<'_> {
 
     /// Takes every path to its next vertex and turns it there.
     pub fn turn(&mut self) {
+        let aimed = self.frame.aims() && !self.requested.is_empty();
+        if aimed && self.surface_hits.len > 0 {
+            self.first_surface();
+        }
         if self.frame.medium.is_coloured() {
             self.spectral_weight();
             self.flight_hue();
-        } else if self.frame.aims() && !self.requested.is_empty() {
+        } else if aimed {
             self.flight_weight();
         }
         self.scatter();

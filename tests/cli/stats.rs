@@ -29,6 +29,7 @@ fn statistics_tell_what_every_stage_did() {
     // Nothing is solid in this scene, and its extinction is grey and the same everywhere; lamps has what is solid.
     // Where several techniques connect, none does so in place.
     let elsewhere = [
+        "first_surface",
         "surface",
         "spectral_weight",
         "flight_hue",

@@ -5,7 +5,7 @@
 //! | [`RequestColumns`] | the wavefront | generate | lanes to refill |
 //! | [`FlightTable`] | medium_sample, first_flight | extend, light_hit, flight_weight, scatter, surface | one per lane |
 //! | [`HitQueue`] | extend | light_hit, features | rays that meet a light |
-//! | [`SurfaceHitQueue`] | extend | surface, features | rays that meet a triangle |
+//! | [`SurfaceHitQueue`] | extend | first_surface, surface, features | rays that meet a triangle |
 //! | [`CandidateQueue`] | light_hit, light_sample, the techniques' build stages | theirs, sift, mis_weight, roulette, occlusion, accumulate | complete paths |
 //! | [`WorthTable`] | light_hit, sift, mis_weight, roulette, occlusion, transmittance | roulette, occlusion, transmittance, accumulate | what the candidates count |
 //! | [`EstimateColumns`] | transmittance | transmittance | what comes through one segment of each |

@@ -12,11 +12,11 @@
 //! t(v) = delta + D cot((1 - v) span) = sqrt(delta^2 + D^2) sin(v span) / sin((1 - v) span)
 //! ```
 //!
-//! The others are free flights through a medium that is thinner by [`THINNED`], because vertices farther along have
-//! less in front of them and, mostly, more light around them. The flight's density is the mixture
+//! The others are free flights through a medium that is thinner by c, because vertices farther along have less in front
+//! of them and, mostly, more light around them. The flight's density is the mixture
 //!
 //! ```text
-//! p(t) = (1 - share) c mu_t e^{-c mu_t t} + share sum_l share_l q_l(t),    c = THINNED
+//! p(t) = (1 - share) c mu_t e^{-c mu_t t} + share sum_l share_l q_l(t)
 //! ```
 //!
 //! with `share_l` the light's share of all intensity, whichever part drew it. All techniques have the first flight in
@@ -39,8 +39,8 @@ pub struct Columns<'a, 'q> {
     pub medium: &'a Medium,
     /// The lights.
     pub lights: &'a Lights,
-    /// Share of the flights that are drawn towards the lights, (0, 1).
-    pub share: f32,
+    /// How flights are drawn.
+    pub aim: Aim,
     /// The lanes that have just left the camera.
     pub requested: &'a LaneSet<'q>,
     /// Read: pixel and sample.
@@ -58,14 +58,46 @@ pub struct Columns<'a, 'q> {
     pub density: &'a mut Spectrum<'q>,
 }
 
-/// Extinction of the medium through which the camera's flights are drawn, over that of the real one. Measured over fog
-/// scenes: 0.85 and 0.7 take a tenth of the variance of single starts and a sixth of that of all starts; from 0.5 on
-/// the variance grows.
-pub const THINNED: f32 = 0.75;
+/// How the camera's flights are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aim {
+    /// Share of those that are drawn towards the lights, (0, 1).
+    pub share: f32,
+    /// c: extinction of the medium through which the others are drawn, over that of the real one, (0, 1].
+    pub thinned: f32,
+}
+
+impl Aim {
+    /// Aim at lights in a medium that goes on and on. Measured over fog scenes: c of 0.85 and 0.7 takes a tenth of the
+    /// variance of single starts and a sixth of that of all starts; from 0.5 on the variance grows.
+    pub const fn in_the_open(share: f32) -> Self {
+        Self { share, thinned: 0.75 }
+    }
+
+    /// Aim at lights in a medium among surfaces, of this optical depth across. The less there is of it, the less it is
+    /// thinned: most flights get to a surface anyway, and what light the medium scatters is found by the others.
+    pub fn across(share: f32, optical_depth: f32) -> Self {
+        let open = Self::in_the_open(share);
+        Self { thinned: 1.0 - (1.0 - open.thinned) * (1.0 - 2.0 / (optical_depth + 2.0)), ..open }
+    }
+}
 
 /// Draws a share of the camera's flights towards the lights, stretches the others, and weighs all of them.
 ///
 /// With u and v the third and fourth uniform of the CAMERA block: the flight is drawn equiangularly, with v, if `u <
 /// share`, towards the first light l with `u < share (share_0 + .. + share_l)`, the last one if rounding leaves none,
-/// and is the free flight divided by [`THINNED`] otherwise.
+/// and is the free flight divided by c otherwise.
 pub type Kernel = fn(Step, Columns<'_, '_>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn media_are_thinned_the_more_there_is_of_them() {
+        let depths = [0.0, 0.1, 1.0, 2.0, 10.0, f32::INFINITY];
+        let thinned = depths.map(|depth| Aim::across(0.05, depth).thinned);
+        assert_eq!((thinned[0], thinned[3], thinned[5]), (1.0, 0.875, Aim::in_the_open(0.05).thinned));
+        assert!(thinned.is_sorted_by(|a, b| a > b), "{thinned:?}");
+    }
+}

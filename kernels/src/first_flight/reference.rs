@@ -15,30 +15,29 @@
 
 use glam::DVec3;
 
-use super::{Columns, THINNED};
+use super::{Aim, Columns};
 use crate::media::reference;
 use crate::tables::lights::{Light, Lights};
 use crate::{Step, random};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, share, requested, paths, vertex, ray, flight: flights, .. } = columns;
+    let Columns { medium, lights, aim, requested, paths, vertex, ray, flight: flights, .. } = columns;
     let Columns { weight: weights, density: densities, .. } = columns;
-    let share = f64::from(share);
     for lane in requested.each() {
         let origin = DVec3::from(vertex.position.row(lane).map(f64::from));
         let direction = DVec3::from(ray.direction.row(lane).map(f64::from));
         let u = uniforms(paths.pixel.rows()[lane], paths.sample.rows()[lane], step.seed);
         let free = f64::from(flights.rows()[lane]);
-        let flight = flight(lights, share, origin, direction, free, u);
+        let flight = flight(lights, aim, origin, direction, free, u);
         flights.rows_mut()[lane] = flight as f32;
         let sight = (origin, direction);
         if medium.is_coloured() {
             let mixed =
-                [0, 1, 2].map(|c| mixed_density(&medium.homogeneous_twin(c), lights, share, sight, flight) as f32);
+                [0, 1, 2].map(|c| mixed_density(&medium.homogeneous_twin(c), lights, aim, sight, flight) as f32);
             densities.set_row(lane, mixed);
         } else {
-            weights.rows_mut()[lane] = weight(&medium.homogeneous_twin(0), lights, share, sight, flight) as f32;
+            weights.rows_mut()[lane] = weight(&medium.homogeneous_twin(0), lights, aim, sight, flight) as f32;
         }
     }
 }
@@ -50,10 +49,10 @@ pub fn uniforms(pixel: u32, sample: u32, seed: u32) -> [f64; 2] {
 }
 
 /// The first flight of the ray `[m]`, >= 0: a stretched `free` one, or drawn towards a light if `u` says so.
-pub fn flight(lights: &Lights, share: f64, origin: DVec3, direction: DVec3, free: f64, u: [f64; 2]) -> f64 {
-    match choose_light(lights, share, u[0]) {
+pub fn flight(lights: &Lights, aim: Aim, origin: DVec3, direction: DVec3, free: f64, u: [f64; 2]) -> f64 {
+    match choose_light(lights, f64::from(aim.share), u[0]) {
         Some(light) => aimed_flight(&lights.lights()[light], origin, direction, u[1]),
-        None => free / f64::from(THINNED),
+        None => free / f64::from(aim.thinned),
     }
 }
 
@@ -101,30 +100,48 @@ pub fn density(light: &Light, origin: DVec3, direction: DVec3, t: f64) -> f64 {
     offset / (span(delta, offset) * (offset.powi(2) + (t - delta).powi(2)))
 }
 
+/// The probability that a flight drawn towards `light` goes farther than `t` [0, 1]: the angle that is left.
+pub fn probability(light: &Light, origin: DVec3, direction: DVec3, t: f64) -> f64 {
+    let (delta, offset) = approach(light, origin, direction);
+    offset.atan2(t - delta) / span(delta, offset)
+}
+
 /// The density of a free flight over that of the mixture, at `t`, [0, 1 / (c (1 - share))]. There must be a medium.
-pub fn weight(medium: &dyn reference::Medium, lights: &Lights, share: f64, sight: (DVec3, DVec3), t: f64) -> f64 {
+pub fn weight(medium: &dyn reference::Medium, lights: &Lights, aim: Aim, sight: (DVec3, DVec3), t: f64) -> f64 {
     let (origin, direction) = sight;
     let end = origin + t * direction;
     let free = medium.extinction(end) * (-medium.optical_depth(origin, end)).exp();
-    free / mixed_density(medium, lights, share, sight, t)
+    free / mixed_density(medium, lights, aim, sight, t)
 }
 
 /// The density of the mixture at `t` along a ray from an origin in a direction [1/m].
-pub fn mixed_density(
+pub fn mixed_density(medium: &dyn reference::Medium, lights: &Lights, aim: Aim, sight: (DVec3, DVec3), t: f64) -> f64 {
+    let end = end_of_free_flight(aim, sight, t);
+    let free = f64::from(aim.thinned) * medium.extinction(end) * (-medium.optical_depth(sight.0, end)).exp();
+    mix(lights, aim, free, |light| density(light, sight.0, sight.1, t))
+}
+
+/// The probability that a flight of the mixture goes farther than `t` [0, 1].
+pub fn mixed_probability(
     medium: &dyn reference::Medium,
     lights: &Lights,
-    share: f64,
+    aim: Aim,
     sight: (DVec3, DVec3),
     t: f64,
 ) -> f64 {
-    let ((origin, direction), thinning) = (sight, f64::from(THINNED));
-    // A stretched flight ends at t if the free one ends at `thinning t`.
-    let end = origin + thinning * t * direction;
-    let free = thinning * medium.extinction(end) * (-medium.optical_depth(origin, end)).exp();
-    let mut aimed = 0.0;
-    for light in lights.lights() {
-        aimed += f64::from(light.intensity) * density(light, origin, direction, t);
-    }
+    let free = (-medium.optical_depth(sight.0, end_of_free_flight(aim, sight, t))).exp();
+    mix(lights, aim, free, |light| probability(light, sight.0, sight.1, t))
+}
+
+/// Where the free flight ends that is stretched to `t`.
+fn end_of_free_flight(aim: Aim, (origin, direction): (DVec3, DVec3), t: f64) -> DVec3 {
+    origin + f64::from(aim.thinned) * t * direction
+}
+
+/// What flights that are not aimed have, and those that are aimed at each light.
+fn mix(lights: &Lights, aim: Aim, free: f64, aimed: impl Fn(&Light) -> f64) -> f64 {
+    let share = f64::from(aim.share);
+    let aimed: f64 = lights.lights().iter().map(|light| f64::from(light.intensity) * aimed(light)).sum();
     (1.0 - share) * free + share * aimed
 }
 
@@ -214,17 +231,19 @@ mod tests {
 
     #[test]
     fn as_many_flights_end_below_t_as_the_mixture_says() {
-        let (lights, extinction, share) = (lights(), 0.2_f64, 0.5);
+        let (lights, extinction) = (lights(), 0.2_f64);
+        let aim = Aim { share: 0.5, thinned: 0.8 };
+        let share = f64::from(aim.share);
         for (origin, direction) in rays() {
             for t in [0.5, 3.0, 20.0] {
-                let mut expected = (1.0 - share) * -(-f64::from(THINNED) * extinction * t).exp_m1();
+                let mut expected = (1.0 - share) * -(-f64::from(aim.thinned) * extinction * t).exp_m1();
                 for (light, part) in lights.lights().iter().zip([0.25, 0.75]) {
                     expected += share * part * integral(t, |s| density(light, origin, direction, s));
                 }
                 // No flight takes both numbers, so that they may be the same.
                 let ends_below = |u: f64, v: f64| {
                     let free = Homogeneous::isotropic(extinction).flight(v);
-                    flight(&lights, share, origin, direction, free, [u, v]) < t
+                    flight(&lights, aim, origin, direction, free, [u, v]) < t
                 };
                 let below = cells(40).map(|u| cells(5000).filter(|v| ends_below(u, *v)).count()).sum::<usize>();
                 let found = below as f64 / 200_000.0;
@@ -238,12 +257,13 @@ mod tests {
         let lights = lights();
         for (origin, direction) in rays() {
             for (extinction, share) in [(0.05, 0.5), (1.0, 0.5), (4.0, 0.8)] {
+                let aim = Aim::in_the_open(share);
                 let mut mean = 0.0;
                 for (u, v) in cells(40).flat_map(|u| cells(5000).map(move |v| (u, v))) {
                     let free = Homogeneous::isotropic(extinction).flight(v);
-                    let t = flight(&lights, share, origin, direction, free, [u, v]);
+                    let t = flight(&lights, aim, origin, direction, free, [u, v]);
                     mean +=
-                        weight(&Homogeneous::isotropic(extinction), &lights, share, (origin, direction), t) / 200_000.0;
+                        weight(&Homogeneous::isotropic(extinction), &lights, aim, (origin, direction), t) / 200_000.0;
                 }
                 assert!((mean - 1.0).abs() < 1e-3, "{mean} from {origin} at extinction {extinction}");
             }
@@ -255,15 +275,22 @@ mod tests {
         let lights = lights();
         for (origin, direction) in rays() {
             for (extinction, share) in [(1e-3, 0.1), (0.3, 0.5), (50.0, 0.99)] {
-                let bound = 1.0 / (f64::from(THINNED) * (1.0 - share));
+                let aim = Aim::in_the_open(share);
+                let bound = 1.0 / (f64::from(aim.thinned) * (1.0 - f64::from(share)));
                 for t in [0.0, 1e-6, 0.1, 3.0, 40.0, 1e4] {
-                    let weight = weight(&Homogeneous::isotropic(extinction), &lights, share, (origin, direction), t);
+                    let weight = weight(&Homogeneous::isotropic(extinction), &lights, aim, (origin, direction), t);
                     assert!((0.0..=bound * (1.0 + 1e-15)).contains(&weight), "{weight} at {t}, share {share}");
                 }
             }
         }
         // Dense fog, far from all lights: next to no aimed flight ends here.
-        let far = weight(&Homogeneous::isotropic(50.0), &lights, 0.5, (DVec3::new(0.0, 0.0, -900.0), DVec3::Z), 0.01);
+        let far = weight(
+            &Homogeneous::isotropic(50.0),
+            &lights,
+            Aim::in_the_open(0.5),
+            (DVec3::new(0.0, 0.0, -900.0), DVec3::Z),
+            0.01,
+        );
         let expected = 2.0 / 0.75 * (-0.25_f64 * 50.0 * 0.01).exp();
         assert!((far - expected).abs() < 1e-4, "{far}, expected {expected}");
     }
@@ -288,6 +315,7 @@ mod tests {
         let arena = Bump::new();
         let lanes = 4000;
         let step = Step { seed: 5, clock: 50 };
+        let aim = Aim { share: 0.25, thinned: 0.9 };
         let mut requested = LaneSet::new_in(&arena, lanes);
         let mut paths = PathColumns::new_in(&arena, lanes);
         let mut vertex = VertexColumns::new_in(&arena, lanes);
@@ -309,7 +337,7 @@ mod tests {
         let columns = Columns {
             medium: &medium,
             lights: &lights(),
-            share: 0.25,
+            aim,
             requested: &requested,
             paths: &paths,
             vertex: &vertex,
@@ -327,10 +355,10 @@ mod tests {
                 continue;
             }
             let [u, _] = uniforms(lane as u32, 3, step.seed);
-            let stretched = (flight - before.0 / THINNED).abs() < 1e-6;
+            let stretched = (flight - before.0 / aim.thinned).abs() < 1e-6;
             assert_eq!(stretched, u >= 0.25, "lane {lane}: {flight}");
             let start = DVec3::from(origin(lane).map(f64::from));
-            let expected = weight(&Homogeneous::isotropic(0.5), &lights(), 0.25, (start, DVec3::Z), f64::from(flight));
+            let expected = weight(&Homogeneous::isotropic(0.5), &lights(), aim, (start, DVec3::Z), f64::from(flight));
             assert!((f64::from(found) - expected).abs() < 1e-5, "lane {lane}: {found}");
             aimed += u32::from(u < 0.25);
         }

@@ -12,7 +12,7 @@
 
 use wide::f32x8;
 
-use super::{Columns, THINNED};
+use super::{Aim, Columns};
 use crate::media::{MediumLanes, MediumX8};
 use crate::random::{self, uniform_f32};
 use crate::tables::lights::Light;
@@ -22,12 +22,13 @@ use crate::{Step, lanes, with_homogeneous};
 
 /// The SIMD kernel; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    with_homogeneous!(columns.medium, |medium| aim(step, columns, medium));
+    with_homogeneous!(columns.medium, |medium| draw(step, columns, medium));
 }
 
 #[inline(always)]
-fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
-    let Columns { lights, share, requested, paths, vertex, ray, flight, weight, density: densities, .. } = columns;
+fn draw<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
+    let Columns { lights, aim, requested, paths, vertex, ray, flight, weight, density: densities, .. } = columns;
+    let Aim { share, thinned } = aim;
     let share = f32x8::splat(share);
     for (b, requested) in requested.each_batch() {
         let block = wide::u32x8::splat(random::block(0, random::CAMERA));
@@ -35,7 +36,7 @@ fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
         let [.., u, v] = random::words(pixel, sample, block, step.seed).map(uniform_f32);
         let (origin, direction) = (vertex.position.batch(b), ray.direction.batch(b));
 
-        let mut t = flight.batch(b) * f32x8::splat(1.0 / THINNED);
+        let mut t = flight.batch(b) * f32x8::splat(1.0 / thinned);
         let (mut open, mut below) = (u.simd_lt(share), f32x8::ZERO);
         for (index, light) in lights.lights().iter().enumerate() {
             below += share * f32x8::splat(light.intensity);
@@ -55,25 +56,25 @@ fn aim<M: MediumLanes>(step: Step, columns: Columns<'_, '_>, medium: M) {
             let medium = medium.channel(c);
             (medium.extinction(end), medium.optical_depth(origin, end, t))
         };
-        let free = (f32x8::ONE - share) * f32x8::splat(THINNED);
+        let free = (f32x8::ONE - share) * f32x8::splat(thinned);
         if !M::COLOURED {
             let (extinction, depth) = in_channel(0);
-            let thinned = free * exp(depth * f32x8::splat(1.0 - THINNED));
-            let quotient = f32x8::ONE / (share * density).mul_add(exp(depth) / extinction, thinned);
+            let not_aimed = free * exp(depth * f32x8::splat(1.0 - thinned));
+            let quotient = f32x8::ONE / (share * density).mul_add(exp(depth) / extinction, not_aimed);
             weight.set_batch(b, requested.select(quotient, weight.batch(b)));
             continue;
         }
         for (densities, c) in densities.channels_mut().iter_mut().zip(0..) {
             let (extinction, depth) = in_channel(c);
-            let thinned = free * extinction * exp(-depth * f32x8::splat(THINNED));
-            let mixed = share.mul_add(density, thinned);
+            let not_aimed = free * extinction * exp(-depth * f32x8::splat(thinned));
+            let mixed = share.mul_add(density, not_aimed);
             densities.set_batch(b, requested.select(mixed, densities.batch(b)));
         }
     }
 }
 
 /// A light as eight rays pass it.
-struct Sight {
+pub(crate) struct Sight {
     /// Distance along the ray to the point closest to the light's centre `[m]`.
     delta: f32x8,
     /// Distance of that point, not less than the light's radius `[m]`.
@@ -84,7 +85,7 @@ struct Sight {
 
 impl Sight {
     #[inline(always)]
-    fn new(light: &Light, origin: Vec3x8, direction: Vec3x8) -> Self {
+    pub(crate) fn new(light: &Light, origin: Vec3x8, direction: Vec3x8) -> Self {
         let to_center = Vec3x8::splat(light.center) - origin;
         let delta = to_center.dot(direction);
         let across = direction.mul_neg_add(delta, to_center).length_squared();
@@ -104,5 +105,11 @@ impl Sight {
     fn density(&self, t: f32x8) -> f32x8 {
         let along = t - self.delta;
         self.closest / (self.span * along.mul_add(along, self.closest * self.closest))
+    }
+
+    /// Probability of flights longer than `t`.
+    #[inline(always)]
+    pub(crate) fn probability(&self, t: f32x8) -> f32x8 {
+        self.closest.atan2(t - self.delta) / self.span
     }
 }

@@ -13,7 +13,8 @@ pub struct Columns<'a, 'q> {
     pub requested: &'a LaneSet<'q>,
     /// The paths that go on.
     pub live: &'a LaneSet<'q>,
-    /// Read for requested lanes: density of the free flight over that of the one that was taken.
+    /// Read for requested lanes: density of the free flight over that of the one that was taken, or probability over
+    /// probability where a surface ended it.
     pub weight: &'a Column<'q, f32>,
     /// Multiplied by the weight where a path was requested and goes on, in the channels in use.
     pub throughput: &'a mut Spectrum<'q>,

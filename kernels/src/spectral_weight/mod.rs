@@ -9,8 +9,8 @@
 //!
 //! with f_c for the density of a free flight in channel c, over the distance that the path went: `mu_c e^{-tau_c}`
 //! where it scatters, and the probability `e^{-tau_c}` where it meets a surface before. The density p_c with which it
-//! was drawn is the same, but for [first flights](crate::first_flight) that may be aimed: they have a density of their
-//! own, of the flight as it was drawn, which then stands for f_c, too, even if a surface ends it.
+//! was drawn is the same, but for [first flights](crate::first_flight) that may be aimed: they have a density, or [the
+//! probability to get to a surface](crate::first_surface), of their own.
 
 pub mod reference;
 pub mod simd;
@@ -32,7 +32,7 @@ pub struct Columns<'a, 'q> {
     pub on_surface: &'a LaneSet<'q>,
     /// Those whose flights have a density of their own, if any have.
     pub aimed: Option<&'a LaneSet<'q>>,
-    /// Read where that is so: it, per channel [1/m].
+    /// Read where that is so: it, per channel [1/m], or the probability to get to the surface where they end on one.
     pub density: &'a Spectrum<'q>,
     /// Read: the flights.
     pub flight: &'a Column<'q, f32>,

@@ -19,10 +19,10 @@ pub fn run(_: Step, columns: Columns<'_, '_>) {
     let Columns { log_posterior, throughput, .. } = columns;
     let mut weigh = |lane: usize, surface: Option<f32>| {
         let own = aimed.is_some_and(|aimed| aimed.contains(lane));
-        let length = if own { None } else { surface }.unwrap_or(flight.rows()[lane]);
+        let length = surface.unwrap_or(flight.rows()[lane]);
         let start = DVec3::from(vertex.position.row(lane).map(f64::from));
         let end = start + f64::from(length) * DVec3::from(ray.direction.row(lane).map(f64::from));
-        let free = free_flights(medium, start, end, own || surface.is_none());
+        let free = free_flights(medium, start, end, surface.is_none());
         let drawn = if own { density.row(lane).map(|density| Density::new(f64::from(density))) } else { free };
         let before = log_posterior.row(lane).map(f64::from);
         let (after, quotients) = update(before, drawn, free);

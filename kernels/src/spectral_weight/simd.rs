@@ -50,13 +50,10 @@ fn weigh(columns: Columns<'_, '_>, medium: impl MediumLanes) {
     for b in 0..surface_hits.len.div_ceil(LANES) {
         let count = (surface_hits.len - b * LANES).min(LANES);
         let lane_of = surface_hits.lane.batch(b).to_array();
-        let aimed = aimed.map_or(0, |aimed| {
-            (0..count).filter(|i| aimed.contains(lane_of[*i] as usize)).fold(0, |bits, i| bits | 1 << i)
-        });
-        let own = lanes::mask(aimed);
+        let own = lanes::mask(aimed.map_or(0, |aimed| aimed.among(&lane_of, count)));
         let (start, direction) = (vertex.position.gather(&lane_of), ray.direction.gather(&lane_of));
-        let length = own.select(flight.gather(&lane_of), surface_hits.distance.batch(b));
-        let free = log_densities(medium, start, direction, length, [lanes::ALL >> (LANES - count), aimed]);
+        let length = surface_hits.distance.batch(b);
+        let free = log_densities(medium, start, direction, length, [lanes::ALL >> (LANES - count), 0]);
         let drawn = core::array::from_fn(|c| own.select(ln(density.channels()[c].gather(&lane_of)), free[c]));
         let before = core::array::from_fn(|c| log_posterior.channels()[c].gather(&lane_of));
         let (after, quotients) = update(before, drawn, free);

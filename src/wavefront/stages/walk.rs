@@ -2,8 +2,8 @@
 
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::{
-    extend, features, first_flight, flight_hue, flight_weight, generate, glow, medium_sample, outline, passage, prune,
-    remember, scatter, spectral_weight, surface,
+    extend, features, first_flight, first_surface, flight_hue, flight_weight, generate, glow, medium_sample, outline,
+    passage, prune, remember, scatter, spectral_weight, surface,
 };
 
 use super::rows;
@@ -97,7 +97,7 @@ impl Wavefront<'_> {
             let columns = first_flight::Columns {
                 medium: &self.frame.medium,
                 lights: &self.frame.lights,
-                share: self.frame.aimed,
+                aim: self.frame.aim(),
                 requested: &self.requested,
                 paths: &self.paths,
                 vertex: self.vertices.at(self.step.clock),
@@ -212,6 +212,24 @@ impl Wavefront<'_> {
                 live: &mut self.live,
             };
             (self.pipeline.prune)(self.step, columns);
+        });
+    }
+
+    /// What first flights count that end on a surface.
+    pub fn first_surface(&mut self) {
+        self.stats.run(Stage::FirstSurface, rows(self.surface_hits.len), || {
+            let columns = first_surface::Columns {
+                medium: &self.frame.medium,
+                lights: &self.frame.lights,
+                aim: self.frame.aim(),
+                requested: &self.requested,
+                surface_hits: &self.surface_hits,
+                vertex: self.vertices.at(self.step.clock),
+                ray: self.rays.at(self.step.clock),
+                weight: &mut self.flight_weight,
+                density: &mut self.flight_density,
+            };
+            (self.pipeline.first_surface)(self.step, columns);
         });
     }
 

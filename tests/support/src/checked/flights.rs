@@ -30,7 +30,7 @@ pub(super) fn check_medium_sample(step: Step, columns: medium_sample::Columns<'_
 }
 
 pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, '_>) {
-    let first_flight::Columns { medium, lights, share, requested, paths, vertex, ray, .. } = columns;
+    let first_flight::Columns { medium, lights, aim, requested, paths, vertex, ray, .. } = columns;
     let first_flight::Columns { flight, weight, density, .. } = columns;
     let [flight_both, weight_both, density_both] = run_both!(
         first_flight(step),
@@ -38,7 +38,7 @@ pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, 
         first_flight::Columns {
             medium,
             lights,
-            share,
+            aim,
             requested,
             paths,
             vertex,
@@ -53,6 +53,33 @@ pub(super) fn check_first_flight(step: Step, columns: first_flight::Columns<'_, 
         check_row("first_flight", (0, lane), &flight_both, &[("values", allowed(tolerances::AIMED_FLIGHT))]);
         check_row("first_flight", (0, lane), &weight_both, &[("values", allowed(tolerances::AIMED_WEIGHT))]);
         check_row("first_flight", (0, lane), &density_both, &[("channels", allowed(tolerances::AIMED_WEIGHT))]);
+    }
+}
+
+pub(super) fn check_first_surface(step: Step, columns: first_surface::Columns<'_, '_>) {
+    let first_surface::Columns { medium, lights, aim, requested, surface_hits, vertex, ray, .. } = columns;
+    let first_surface::Columns { weight, density, .. } = columns;
+    let [weight_both, density_both] = run_both!(
+        first_surface(step),
+        [weight, density],
+        first_surface::Columns {
+            medium,
+            lights,
+            aim,
+            requested,
+            surface_hits,
+            vertex,
+            ray,
+            weight: &mut *weight,
+            density: &mut *density,
+        }
+    );
+    let ends: Vec<_> = (0..surface_hits.len).map(|row| surface_hits.row(row).lane as usize).collect();
+    for lane in lanes(requested) {
+        let weighed = requested.contains(lane) && ends.contains(&lane);
+        let allowed = if weighed { tolerances::AIMED_WEIGHT } else { tolerances::EXACT };
+        check_row("first_surface", (0, lane), &weight_both, &[("values", allowed)]);
+        check_row("first_surface", (0, lane), &density_both, &[("channels", allowed)]);
     }
 }
 

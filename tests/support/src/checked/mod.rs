@@ -24,9 +24,9 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{
-    Step, accumulate, extend, features, first_flight, flight_hue, flight_weight, generate, glow, light_hit,
-    medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette, scatter, sift,
-    spectral_weight, surface, transmittance,
+    Step, accumulate, extend, features, first_flight, first_surface, flight_hue, flight_weight, generate, glow,
+    light_hit, medium_sample, mis_weight, occlusion, outline, passage, phase_quotient, prune, remember, roulette,
+    scatter, sift, spectral_weight, surface, transmittance,
 };
 
 use crate::compare::{Save, Saved, difference};
@@ -109,6 +109,7 @@ pub const CHECKED: Pipeline = Pipeline {
     glow: walk::check_glow,
     light_hit: walk::check_light_hit,
     prune: walk::check_prune,
+    first_surface: flights::check_first_surface,
     flight_weight: flights::check_flight_weight,
     spectral_weight: flights::check_spectral_weight,
     flight_hue: flights::check_flight_hue,

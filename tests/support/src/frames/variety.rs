@@ -58,6 +58,8 @@ pub fn variety(size: [u32; 2]) -> Vec<(String, Frame)> {
     }
     let few = room(0.8, Selection::Intensity, size).with_walk(1, 0.7);
     add("room, 1 start, survival 0.7".into(), few);
+    let aimed = Frame { aimed: 0.4, ..room(0.8, Selection::Intensity, size) };
+    add("room, aimed".into(), aimed.with_walk(2, 0.8));
     for (selection, active) in [
         (Selection::Uniform, Active::Nee),
         (Selection::Intensity, Active::Bridge),
