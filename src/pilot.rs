@@ -44,7 +44,7 @@ const LONGEST_FOR_ALL: u32 = 128;
 /// Survival probabilities to try.
 const SURVIVALS: [f32; 3] = [1.0, 0.9, 0.75];
 /// Longest side of the pilot's image in pixels.
-const SIDE: u32 = 32;
+const SIDE: u32 = 24;
 /// Most samples per pixel and setting, in parts.
 const SAMPLES: u32 = 32;
 /// Most work of a trial in about nanoseconds of one core, where a sample may take any time.

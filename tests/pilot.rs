@@ -262,8 +262,8 @@ fn what_misses_the_light_is_not_chosen() {
 #[test]
 fn the_pilot_looks_at_other_samples_than_those_that_are_kept() {
     // As large as the pilot's own image, so that both would be the same under the same seed.
-    let size = [32, 32];
-    let scene = scene("fog-facing", &["film.size=[32, 32]", "render.min_segments=2", "render.seed=5"]);
+    let size = [24, 24];
+    let scene = scene("fog-facing", &["film.size=[24, 24]", "render.min_segments=2", "render.seed=5"]);
     let (_, trials) = piloted(&scene);
     for trial in &trials {
         let with = |seed: u32| {

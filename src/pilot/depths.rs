@@ -26,7 +26,7 @@
 use fogbow_kernels::pipeline::WIDEST;
 use fogbow_kernels::survival::{FIRST_FADING, OCTAVES, Survival};
 
-use super::{Pilot, SIDE, Setting, cost};
+use super::{Pilot, Setting, cost};
 use crate::film::Film;
 use crate::stats::{ByDepth, Stats};
 
@@ -34,8 +34,8 @@ use crate::stats::{ByDepth, Stats};
 const LOOKS: u32 = 3;
 /// Side of a tile: few blocks, as each takes as long as its longest walk.
 const TILE: u32 = 16;
-/// Samples of a look, at least: four of every pixel of a pilot's largest image.
-const SAMPLES: u32 = 4 * SIDE * SIDE;
+/// Samples of a look, at least.
+const SAMPLES: u32 = 1 << 12;
 /// Segments after which the walks of looks end: the last ones of a block are alone.
 const FARTHEST: u32 = 1 << 13;
 /// The octave from which on walks may end at all.
