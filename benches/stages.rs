@@ -1,6 +1,6 @@
-//! Stages on queues recorded from a real frame, all but light_hit, first_surface and surface, whose rows are few: kernel, for eight rows
-//! and for the widest registers, and twin, by live lanes and rows; arithmetic stages also against the same algorithm as
-//! a plain f32 loop with libm.
+//! Stages on queues recorded from a real frame, all but light_hit, first_surface and surface, whose rows are few: kernel,
+//! for eight rows and for the widest registers, and twin, by live lanes and rows; arithmetic stages also against the same
+//! algorithm as a plain f32 loop with libm.
 //!
 //! ```text
 //! cargo bench --bench stages

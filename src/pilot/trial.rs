@@ -51,8 +51,8 @@ impl Trial {
         }
     }
 
-    /// What a render should maximise: one over variance, at its worst, times cost; a setting that found nothing has
-    /// none.
+    /// What a render should maximise: one over variance, at its worst and with what it may not have seen, times cost; a
+    /// setting that found nothing has none.
     pub fn efficiency(&self) -> f64 {
         let work = (self.variance + 2.0 * self.variance_error) * self.unseen() * self.cost;
         if work > 0.0 { 1.0 / work } else { 0.0 }
