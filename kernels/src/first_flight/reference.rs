@@ -146,7 +146,7 @@ fn mix(lights: &Lights, aim: Aim, free: f64, aimed: impl Fn(&Light) -> f64) -> f
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::columns::paths::{Path, PathColumns, RayColumns, VertexColumns};
     use crate::columns::{Column, Spectrum};
@@ -158,7 +158,7 @@ mod tests {
     use bumpalo::Bump;
 
     /// Shares of the intensity: a quarter and three quarters.
-    fn lights() -> Lights {
+    pub(crate) fn lights() -> Lights {
         let disk = |x: f64, z: f64, radius: f64, radiance: f64| {
             Emitter::disk(DVec3::new(x, 0.5, z), DVec3::new(0.3, -0.2, -1.0), radius, [radiance; 3])
         };
@@ -187,7 +187,7 @@ mod tests {
     }
 
     /// The middles of `count` cells.
-    fn cells(count: u32) -> impl Iterator<Item = f64> {
+    pub(crate) fn cells(count: u32) -> impl Iterator<Item = f64> {
         (0..count).map(move |i| (f64::from(i) + 0.5) / f64::from(count))
     }
 

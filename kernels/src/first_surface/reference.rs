@@ -44,25 +44,13 @@ pub fn weight(medium: &dyn reference::Medium, lights: &Lights, aim: Aim, sight: 
 mod tests {
     use super::*;
     use crate::first_flight::reference as first_flight;
+    use crate::first_flight::reference::tests::{cells, lights};
     use crate::media::reference::Homogeneous;
-    use crate::tables::lights::{Emitter, Selection};
-
-    fn lights() -> Lights {
-        let disk = |x: f64, z: f64, radius: f64, radiance: f64| {
-            Emitter::disk(DVec3::new(x, 0.5, z), DVec3::new(0.3, -0.2, -1.0), radius, [radiance; 3])
-        };
-        Lights::new(vec![disk(0.5, 3.0, 0.25, 4.0), disk(-1.0, 9.0, 0.5, 3.0)], Selection::Uniform)
-    }
 
     /// Rays that pass the lights, and one that leaves both behind.
     fn sights() -> [(DVec3, DVec3); 3] {
         let side = DVec3::new(0.3, -0.1, 1.0).normalize();
         [(DVec3::ZERO, DVec3::Z), (DVec3::ZERO, side), (DVec3::new(0.1, 0.2, 12.0), DVec3::Z)]
-    }
-
-    /// The middles of `count` cells.
-    fn cells(count: u32) -> impl Iterator<Item = f64> {
-        (0..count).map(move |i| (f64::from(i) + 0.5) / f64::from(count))
     }
 
     #[test]
