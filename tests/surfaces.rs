@@ -72,6 +72,15 @@ fn backs_are_opaque() {
 }
 
 #[test]
+fn flights_are_stretched_the_less_the_less_fog_there_is_among_surfaces() {
+    let thinned = |frame: &Frame| frame.aim().thinned;
+    let room = frames::room(0.5, Selection::Intensity, [4, 4]);
+    let [dense, thin] = [40.0, 0.05].map(|extinction| thinned(&frames::with_extinction(&room, extinction)));
+    let open = thinned(&frames::fog_facing(0.0, 0.9, [4, 4]));
+    assert!(open == 0.75 && (0.75..0.76).contains(&dense) && (0.95..1.0).contains(&thin), "{open}, {dense}, {thin}");
+}
+
+#[test]
 fn reflected_directions_follow_the_cosine() {
     let camera = Camera::new(3.0 * DVec3::Z + DVec3::X, DVec3::NEG_Z, DVec3::Y, 0.5, 0.0, [64, 64]);
     let lights = Lights::new(vec![Emitter::disk(9.0 * DVec3::Z, DVec3::Z, 0.1, [1.0; 3])], Selection::Uniform);

@@ -106,12 +106,10 @@ fn the_weight_of_the_first_flight_is_on_everything_but_views() {
         let (origin, direction) = generate::reference::camera_ray(&free.camera, 9, sample, free.seed);
         let words = medium_sample::reference::words(9, sample, 0, free.seed);
         let medium = free.medium.homogeneous_twin(0);
-        let t = medium.flight(random::uniform(words[0])) / 0.75;
-        let weight = |share: f64| {
-            let aim = Aim::in_the_open(share as f32);
-            first_flight::reference::weight(&medium, &free.lights, aim, (origin, direction), t)
-        };
-        let expected = weight(shares[0]) / weight(shares[1]);
+        let aims = shares.map(|share| Aim::in_the_open(share as f32));
+        let t = medium.flight(random::uniform(words[0])) / f64::from(aims[0].thinned);
+        let weight = |aim| first_flight::reference::weight(&medium, &free.lights, aim, (origin, direction), t);
+        let expected = weight(aims[0]) / weight(aims[1]);
         assert_eq!(few.len(), many.len(), "sample {sample}");
         for (few, many) in few.iter().zip(&many).filter(|(few, _)| few.segments > 1) {
             let ratio = few.radiance[0] / many.radiance[0];

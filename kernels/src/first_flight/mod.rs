@@ -21,7 +21,8 @@
 //!
 //! with `share_l` the light's share of all intensity, whichever part drew it. All techniques have the first flight in
 //! common, so it enters neither ratios nor weights: the path's throughput takes the quotient of the free flight's
-//! density and the mixture's, at most `1 / (c (1 - share))`.
+//! density and the mixture's, at most `1 / (c (1 - share))`; or, where a surface ends the flight, that of [the
+//! probabilities to get there](crate::first_surface).
 
 pub mod reference;
 pub mod simd;
