@@ -133,9 +133,9 @@ impl Frame {
     }
 
     /// Whether first flights may be drawn towards the lights: not where media differ from place to place or emit along
-    /// them.
+    /// them, nor where no light has a place.
     pub fn may_aim(&self) -> bool {
-        !self.medium.never_scatters() && !self.varies() && !self.emits()
+        !self.medium.never_scatters() && !self.varies() && !self.emits() && !self.lights.lights().is_empty()
     }
 
     /// Channels that differ: 1 where lights, medium, its emission and surfaces are grey, 3 otherwise.

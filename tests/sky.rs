@@ -271,3 +271,13 @@ fn a_black_image_makes_a_black_picture() {
     let (film, stats) = render(&frame, SMALL, 0..4);
     assert_eq!((green(&film).0, stats.dropped.count), (0.0, 0));
 }
+
+/// Nobody can aim at what has no place: a share of the flights would be missing.
+#[test]
+fn first_flights_are_not_aimed_under_the_sky_alone() {
+    let fog = Frame { aimed: 0.4, ..frames::fog_facing(0.0, 0.9, [4, 4]) };
+    for (name, sources) in skies::sources() {
+        let both = skies::under(&fog, &sources, Selection::Uniform);
+        assert!(both.aims() && !skies::only_under(&fog, &sources, Selection::Uniform).aims(), "{name}");
+    }
+}
