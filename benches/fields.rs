@@ -13,6 +13,7 @@ use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::media::closed_mesh::ClosedMesh;
 use fogbow_kernels::media::field::tracking::{FlightsX8, Ray, RaysX8, batches, first_budget, reference, simd};
 use fogbow_kernels::media::field::{Field, Interpolation, Voxels};
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::pipeline::REFERENCE;
 use fogbow_kernels::random::{self, Stream, uniform};
 use fogbow_kernels::vec3::Vec3x8;
@@ -122,7 +123,7 @@ fn stages(c: &mut Criterion) {
     let mut w = wavefront(&arena, &frame, ROWS, BOUNCES);
     w.light_sample(nee::SCOPE);
     let bucket = Bucket { inserted: 0, start: 0, len: w.candidates.connections.len };
-    w.mis_weight(Source::Connections, bucket);
+    w.mis_weight(Competing::All, Source::Connections, bucket);
     for (name, pipeline) in [("simd", w.pipeline), ("twin", REFERENCE)] {
         let mut group = c.benchmark_group(format!("cloud, {name}"));
         w.pipeline = pipeline;
@@ -130,7 +131,9 @@ fn stages(c: &mut Criterion) {
         group.bench_function("medium_sample", |b| b.iter(|| w.medium_sample()));
         group.bench_function("passage", |b| b.iter(|| w.passage()));
         group.throughput(Throughput::Elements(bucket.len as u64));
-        group.bench_function("mis_weight, nee", |b| b.iter(|| w.mis_weight(Source::Connections, bucket)));
+        group.bench_function("mis_weight, nee", |b| {
+            b.iter(|| w.mis_weight(Competing::All, Source::Connections, bucket))
+        });
         group.bench_function("transmittance", |b| {
             b.iter(|| w.transmittance(Source::Connections, bucket, nee::SCOPE.purpose));
         });

@@ -17,6 +17,7 @@ use fogbow::wavefront::{RaysOf, Source, Wavefront};
 use fogbow_kernels::columns::queues::{Bucket, Request};
 use fogbow_kernels::connect::{Technique, lis, nee, omnee};
 use fogbow_kernels::media::Medium;
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::{Joint, Pipeline, REFERENCE, SIMD, WIDEST};
 use fogbow_kernels::random;
@@ -136,7 +137,7 @@ fn direct_rows(c: &mut Criterion) {
         for (name, pipeline) in [("simd, rows", SIMD), ("twin, rows", REFERENCE)] {
             w.pipeline = pipeline;
             group.bench_function(BenchmarkId::new(name, rows), |b| {
-                b.iter(|| w.mis_weight(Source::Connections, bucket));
+                b.iter(|| w.mis_weight(Competing::All, Source::Connections, bucket));
             });
         }
     }
@@ -159,7 +160,7 @@ fn single_vertex(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("build", name), |b| b.iter(|| w.omnee_build()));
         group.bench_function(BenchmarkId::new("sift", name), |b| b.iter(|| w.sift(Source::Connections, bucket)));
         group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
-            b.iter(|| w.mis_weight(Source::Connections, bucket));
+            b.iter(|| w.mis_weight(Competing::All, Source::Connections, bucket));
         });
         group.bench_function(BenchmarkId::new("roulette", name), |b| {
             b.iter(|| {
@@ -198,9 +199,11 @@ fn mvnee_stages(c: &mut Criterion) {
         group.throughput(Throughput::Elements(bucket.len as u64));
         for (name, pipeline) in PIPELINES {
             w.pipeline = pipeline;
-            group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
-                b.iter(|| w.mis_weight(Source::Bridged, bucket));
-            });
+            for (stage, competing) in [("mis_weight, own start", Competing::Own), ("mis_weight", Competing::All)] {
+                group.bench_function(BenchmarkId::new(stage, name), |b| {
+                    b.iter(|| w.mis_weight(competing, Source::Bridged, bucket));
+                });
+            }
             group.bench_function(BenchmarkId::new("occlusion", name), |b| {
                 b.iter(|| w.occlusion(Source::Bridged, bucket));
             });
@@ -239,7 +242,7 @@ fn lis_stages(c: &mut Criterion) {
     for (name, pipeline) in PIPELINES {
         w.pipeline = pipeline;
         group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
-            b.iter(|| w.mis_weight(Source::Bridged, Bucket { inserted: 4, ..bucket }));
+            b.iter(|| w.mis_weight(Competing::All, Source::Bridged, Bucket { inserted: 4, ..bucket }));
         });
     }
     group.finish();
@@ -262,7 +265,7 @@ fn bridge_stages(c: &mut Criterion) {
         for (name, pipeline) in PIPELINES {
             w.pipeline = pipeline;
             group.bench_function(BenchmarkId::new("mis_weight", name), |b| {
-                b.iter(|| w.mis_weight(Source::Bridged, bucket));
+                b.iter(|| w.mis_weight(Competing::All, Source::Bridged, bucket));
             });
         }
         group.finish();

@@ -17,6 +17,11 @@ use glam::Vec3;
 use crate::film::Region;
 use crate::film::aov::Aovs;
 
+/// Starts of which a connection competes with as many that it is worth a look before whether it counts at all. Measured,
+/// with bridges: with 16 starts a render takes a tenth to a sixth less time, with 8 a twentieth to a tenth, with 4 up to a
+/// tenth more.
+const MANY_STARTS: u32 = 8;
+
 /// Everything that the value of a sample depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -34,8 +39,7 @@ pub struct Frame {
     pub walk: WalkLimits,
     /// Share of the camera's flights that are drawn towards the lights, [0, 1).
     pub aimed: f32,
-    /// Contribution from which on a connection is certainly traced [W/(m^2 sr)]; fainter ones play roulette. 0: all
-    /// are.
+    /// Contribution from which on a connection certainly counts [W/(m^2 sr)]; fainter ones play roulette. 0: all do.
     pub roulette: f32,
     /// The path lengths that count.
     pub lengths: PathLengths,
@@ -94,6 +98,13 @@ impl Frame {
     pub fn connects_in_place(&self) -> bool {
         let Self { medium, lights, techniques, walk, lengths, .. } = self;
         in_place::suffices(medium, lights, techniques, walk, *lengths)
+    }
+
+    /// Whether connections play roulette by what they weigh at most, before anything is weighed that competes: it spares
+    /// most of them that, and pays where much competes. Every start of MVNEE looks at all vertices behind it.
+    pub fn plays_before_weights(&self) -> bool {
+        let much_competes = self.techniques.mvnee.is_some() || self.walk.starts >= MANY_STARTS;
+        self.roulette > 0.0 && self.techniques.look_back() && much_competes
     }
 
     /// Whether nothing turns light.

@@ -4,10 +4,10 @@
 //! vertex suffices, behind a perforated plate the later ones find the holes. A pilot renders the whole image small,
 //! once per setting, and keeps the setting with the smallest product of variance and cost.
 //!
-//! Where there are surfaces, connections have to be traced, and in a grid their transmittance has to be estimated. Those
-//! that contribute less than a quarter of the mean of the image may play roulette before. More would save little, as
-//! nearly all that is faint is fainter than that, and would be seen: what plays roulette is bright in the dark parts of
-//! an image.
+//! Where there are surfaces, connections have to be traced, in a grid their transmittance has to be estimated, and
+//! weights of MVNEE look at every vertex from every start. Connections that contribute less than a quarter of the mean of
+//! the image may play roulette before. More would save little, as nearly all that is faint is fainter than that, and
+//! would be seen: what plays roulette is bright in the dark parts of an image.
 //!
 //! A look so short may miss the rare samples that make a setting bad, and would then take it for the best. So the
 //! noisiest hundredth of the pixels, in which a few such samples would decide, count no more than the noisiest of the
@@ -90,14 +90,16 @@ impl Choices {
     /// Those that matter to `frame`. Without bridges, which need lights that have a place, there are no starts and
     /// survivals to try: techniques that do not reach every path need every walk. Where there are volumes every vertex
     /// connects: bridges through vacuum count nothing, and few starts may see next to nothing of a volume without any
-    /// variance that tells. Without surfaces or volumes there is no roulette to try: next to nothing is traced.
+    /// variance that tells. Without surfaces or volumes next to nothing is traced, and roulette is tried for the weights
+    /// of MVNEE alone.
     fn that_matter(self, frame: &Frame) -> Self {
         let scatters = !frame.stays_straight() && frame.lengths.max > 2;
         let bridges = scatters && frame.techniques.bridge.is_some() && !frame.lights.lights().is_empty();
-        let traces = scatters && frame.techniques.any() && (frame.is_solid() || frame.varies());
+        let is_dear = frame.is_solid() || frame.varies() || frame.techniques.mvnee.is_some();
+        let plays = scatters && frame.techniques.any() && is_dear;
         let Self { starts, survival, roulette } = self;
         let starts = bridges && starts && !frame.wanders() && !frame.varies();
-        Self { starts, survival: (bridges || frame.wanders()) && survival, roulette: traces && roulette }
+        Self { starts, survival: (bridges || frame.wanders()) && survival, roulette: plays && roulette }
     }
 }
 

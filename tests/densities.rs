@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use fogbow_kernels::WalkLimits;
 use fogbow_kernels::connect::bridge::counts::CountTable;
 use fogbow_kernels::connect::bridge::{self, Bridge, Roll};
 use fogbow_kernels::connect::lis::{Connector, Lis};
@@ -9,7 +10,7 @@ use fogbow_kernels::connect::mvnee::{Mvnee, Offset, slope};
 use fogbow_kernels::connect::{Techniques, mvnee, nee};
 use fogbow_kernels::media::Medium;
 use fogbow_kernels::media::reference::Homogeneous;
-use fogbow_kernels::mis_weight::{self, reference::path_tracing_density};
+use fogbow_kernels::mis_weight::{self, Competing, reference::path_tracing_density};
 use fogbow_kernels::phase::reference::Phase;
 use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction, henyey_greenstein};
 use fogbow_kernels::tables::lights::{Emitter, Lights, Selection};
@@ -290,6 +291,31 @@ proptest! {
                 shares += every * (1.0 / alone - 1.0);
             }
             prop_assert!((shares - 1.0).abs() < 1e-5, "shares add up to {}", shares);
+        }
+    }
+
+    #[test]
+    fn a_connection_weighs_no_more_than_its_own_start_leaves(
+        path in any_path(), g in any_g(), selection in any_selection(), mesc in 2.0..30.0_f64, lane in 0..16_usize,
+    ) {
+        // What a weight is one over is a sum over starts, and over the walk, which here ends before: every start alone has
+        // its term, in a sum of kernels that is never less than one of its terms, to the last bit.
+        let medium = Medium::homogeneous(1.3, [1.0; 3], PhaseFunction::henyey_greenstein(g));
+        let lights = lights_around(&path, DQuat::IDENTITY, 1.0, selection);
+        let walk = WalkLimits { segments: 1, ..WalkLimits::ALL };
+        for (kernel, bits) in KERNELS.into_iter().flat_map(|kernel| EVERY.map(|bits| (kernel, bits))) {
+            let techniques = techniques(&medium, bits, mesc);
+            let weight = |competing, inserted| {
+                let weigher = Weigher { walk, competing, ..Weigher::new(kernel, &medium, &lights, &techniques) };
+                weigher.weight(&Made { vertices: &path, inserted, first_start: 1, emitter: 0 }, lane)
+            };
+            let weigh = |inserted| [Competing::All, Competing::Own].map(|competing| weight(competing, inserted));
+            let weights: Vec<_> = (0..path.len() - 2).map(weigh).collect();
+            for (inserted, [all, own]) in weights.iter().enumerate() {
+                prop_assert!(own >= all && *own > 0.0, "{} inserted: {} and {}", inserted, all, own);
+            }
+            let sum: f64 = weights.iter().map(|[_, own]| 1.0 / own).sum();
+            prop_assert!((sum * weights[0][0] - 1.0).abs() < 1e-3, "{} of a sum of {}", sum, 1.0 / weights[0][0]);
         }
     }
 

@@ -10,6 +10,7 @@ use fogbow::render::{Monitor, Renderer, Samples, Workers};
 use fogbow::scene::{self, LoadedScene, document::Override};
 use fogbow::stats::Stats;
 use fogbow::wavefront::{Blocks, LAST_CLOCK, Wavefront};
+use fogbow_kernels::mis_weight::{self, Competing};
 use fogbow_kernels::pipeline::{Pipeline, SIMD};
 use fogbow_kernels::tables::lights::Selection;
 use fogbow_testing::frames::{self, Active};
@@ -65,6 +66,32 @@ fn what_is_dropped_before_it_is_weighed_leaves_no_trace() {
         let with = |pipeline: &Pipeline| pixels(&render_with(&frame, pipeline, WORKERS, SMALL, TILE_SIZE, 0..6).0);
         assert_eq!(with(&SIMD), with(&keeps_all), "{name}");
     }
+}
+
+#[test]
+fn what_falls_before_it_is_weighed_would_have_fallen_after() {
+    let weighs_first: mis_weight::Kernel = |step, columns| match columns.competing {
+        Competing::All => mis_weight::simd::run(step, columns),
+        Competing::Own => {
+            columns.worth.weight.rows_mut().fill(f32::MAX);
+            columns.worth.factor.channels_mut().iter_mut().for_each(|factor| factor.rows_mut().fill(1.0));
+        }
+    };
+    let keeps_all = Pipeline { mis_weight: weighs_first, ..SIMD };
+    let coloured = frames::clouds::colours(SMALL).into_iter().map(|colours| (colours.name, colours.frame));
+    let clouds = frames::clouds::clouds(SMALL).into_iter().chain(coloured);
+    let clouds = clouds.map(|(name, cloud)| (name.to_string(), frames::with_techniques(&cloud, Active::Both, 4.0)));
+    let mut compared = 0;
+    for (name, frame) in frames::variety(SMALL).into_iter().chain(clouds) {
+        let frame = Frame { roulette: 0.2, ..frame };
+        if !frame.plays_before_weights() {
+            continue;
+        }
+        let with = |pipeline: &Pipeline| pixels(&render_with(&frame, pipeline, WORKERS, SMALL, TILE_SIZE, 0..6).0);
+        assert_eq!(with(&SIMD), with(&keeps_all), "{name}");
+        compared += 1;
+    }
+    assert!(compared > 20, "only {compared} frames play before they weigh");
 }
 
 #[test]

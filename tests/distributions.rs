@@ -11,6 +11,7 @@ use fogbow_kernels::connect::distant;
 use fogbow_kernels::connect::light_sample::Scope;
 use fogbow_kernels::connect::light_sample::reference::{light_density, selection_probability};
 use fogbow_kernels::connect::nee;
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::phase::PhaseFunction;
 use fogbow_kernels::pipeline::SIMD;
 use fogbow_kernels::roulette::reference::{self as roulette_reference, largest};
@@ -329,7 +330,7 @@ fn roulette_of_bridges(frame: &Frame, mut visit: impl FnMut(f64, f64, f64)) {
     after_walks(frame, SAMPLES, 2, |wavefront| {
         recorded::build_bridges(wavefront, &bridge);
         for bucket in wavefront.buckets.buckets().to_vec() {
-            wavefront.mis_weight(Source::Bridged, bucket);
+            wavefront.mis_weight(Competing::All, Source::Bridged, bucket);
             let weights = wavefront.worth.weight.rows()[bucket.rows()].to_vec();
             wavefront.roulette(Source::Bridged, bucket, random::BRIDGE_LIGHT);
             for (row, before) in bucket.rows().zip(weights).filter(|(_, before)| *before > 0.0) {

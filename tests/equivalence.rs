@@ -49,6 +49,22 @@ fn every_stage_agrees_with_its_twin_on_the_queues_of_real_frames() {
     all.assert_little_is_disputed("variety");
 }
 
+/// What connections weigh at most is what their twins say, too.
+#[test]
+fn every_stage_agrees_with_its_twin_where_roulette_comes_before_weights() {
+    let mut all = Log::default();
+    for (name, frame) in variety_and_clouds([16, 16]) {
+        let frame = Frame { roulette: 0.2, ..frame };
+        if frame.plays_before_weights() {
+            let log = check(&frame, 128, [16, 16], 1);
+            assert_clean(&name, &log);
+            all.merge(log);
+        }
+    }
+    assert!(all.rows > 100_000, "only {} rows were compared", all.rows);
+    all.assert_little_is_disputed("roulette before weights");
+}
+
 #[test]
 fn every_stage_agrees_with_its_twin_for_every_tail_length() {
     let mut all = Log::default();

@@ -15,6 +15,7 @@ use fogbow_kernels::media::Medium;
 use fogbow_kernels::media::field::reference::FieldTwin;
 use fogbow_kernels::media::field::{Field, Interpolation, Shape, Voxels};
 use fogbow_kernels::media::reference::Medium as _;
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::phase::{HenyeyGreenstein, PhaseFunction};
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD};
 use fogbow_kernels::tables::camera::Camera;
@@ -78,7 +79,7 @@ fn with_weighed_connections<'q>(arena: &'q Bump, frame: &'q Frame, pipeline: Pip
     w.pipeline = pipeline;
     w.light_sample(nee::SCOPE);
     let bucket = w.candidates.connections.direct();
-    w.mis_weight(Source::Connections, bucket);
+    w.mis_weight(Competing::All, Source::Connections, bucket);
     w.worth.weight.rows_mut()[0] = 0.0;
     (w, bucket)
 }

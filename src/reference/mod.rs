@@ -29,6 +29,7 @@ use fogbow_kernels::emission::reference as emission;
 use fogbow_kernels::first_flight::reference::{mixed_density, mixed_probability};
 use fogbow_kernels::media::reference::Twin;
 use fogbow_kernels::media::spectral::{CHANNELS, SHARE};
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::mis_weight::reference::{Competition, CompletePath, Worth, reach};
 use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random::Purpose;
@@ -322,7 +323,8 @@ impl Walk<'_> {
     fn weigh(&self, emitter: usize, rest: &[DVec3]) -> Worth {
         let Frame { lights, techniques, walk, lengths, .. } = self.frame;
         let medium = &self.frame.medium;
-        let competition = Competition { medium, lights, techniques, walk, lengths: *lengths };
+        let competition =
+            Competition { medium, lights, techniques, walk, competing: Competing::All, lengths: *lengths };
         competition.worth(&CompletePath {
             vertices: &[self.path.as_slice(), rest].concat(),
             first_start: self.first_start() as usize,

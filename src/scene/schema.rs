@@ -214,8 +214,8 @@ pub struct Render {
     /// most 16 lights, otherwise 0. Where there are volumes or media emit, none are.
     pub aimed: NumberOrAuto,
     /// Contribution [W/(m^2 sr)], >= 0, below which connections play Russian roulette before they are traced; 0 turns
-    /// it off. "auto" is a quarter of the mean of the image if there is geometry or a volume and the same pilot finds
-    /// that more efficient, otherwise 0.
+    /// it off. "auto" is a quarter of the mean of the image if there is geometry, a volume or MVNEE, and the same pilot
+    /// finds that more efficient, otherwise 0.
     pub roulette: NumberOrAuto,
     /// Longest MVNEE connection, in expected segments (extinction times distance, in the clearest channel, or in the
     /// mean of channels where media differ in colour), > 0. Absent: no limit.

@@ -1,5 +1,6 @@
 //! One segment of every path.
 
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::random;
 
@@ -67,7 +68,7 @@ impl Wavefront<'_> {
         self.light_hit(RaysOf::Paths);
         self.count_views();
         let bucket = self.candidates.light_hits.direct();
-        self.mis_weight(Source::LightHits, bucket);
+        self.mis_weight(Competing::All, Source::LightHits, bucket);
         self.transmittance(Source::LightHits, bucket, random::CAMERA);
         self.contribute(Origin::Path, Source::LightHits, bucket);
     }

@@ -4,6 +4,8 @@ use fogbow_kernels::accumulate::reference::{contribution, counts};
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::connect::Connection;
 use fogbow_kernels::connect::light_sample::Scope;
+use fogbow_kernels::mis_weight::Competing;
+use fogbow_kernels::random::Purpose;
 
 use super::{Source, Wavefront};
 use crate::film::aov::Origin;
@@ -22,12 +24,16 @@ impl Wavefront<'_> {
             self.sift(source, bucket);
             bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
         }
-        self.mis_weight(source, bucket);
-        self.phase_quotient(source, bucket);
-        let weighted = self.count(bucket);
-        if self.frame.roulette > 0.0 {
-            self.roulette(source, bucket, purpose);
-        }
+        let weighted = if self.frame.plays_before_weights() {
+            // What falls by what it weighs at most, by the same number, falls by what it weighs.
+            let weighted = self.weigh_and_play(Competing::Own, source, bucket, purpose);
+            bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
+            self.count_terms(|wavefront| wavefront.competing_starts(source, bucket));
+            self.weigh_and_play(Competing::All, source, bucket, purpose);
+            weighted
+        } else {
+            self.weigh_and_play(Competing::All, source, bucket, purpose)
+        };
         let kept = self.count(bucket);
         if self.frame.is_solid() || self.frame.varies() {
             // Tracing and tracking are dear, and few may be left.
@@ -48,6 +54,18 @@ impl Wavefront<'_> {
         stats.occluded += kept - free;
     }
 
+    /// A weight, where these starts compete, and a roulette. Gives how many connections weigh anything before that; only
+    /// counted if statistics are detailed.
+    fn weigh_and_play(&mut self, competing: Competing, source: Source, bucket: Bucket, purpose: Purpose) -> u64 {
+        self.mis_weight(competing, source, bucket);
+        self.phase_quotient(source, bucket);
+        let weighted = self.count(bucket);
+        if self.frame.roulette > 0.0 {
+            self.roulette(source, bucket, purpose);
+        }
+        weighted
+    }
+
     /// Adds what candidates of this origin count to their paths.
     pub(super) fn contribute(&mut self, origin: Origin, source: Source, bucket: Bucket) {
         self.accumulate(origin, source, bucket);
@@ -59,19 +77,34 @@ impl Wavefront<'_> {
     /// Counts what the connections of a bucket cost, row by row: the sum is the same however rows fall into buckets.
     fn count_work(&mut self, source: Source, bucket: Bucket) {
         let (rows, edges) = (bucket.len as u64, bucket.inserted as u64 + 1);
-        let frame = self.frame;
-        let starts = u64::from(frame.walk.starts);
-        // Starts at depths 1 .. depth + edges - 1, as far as they connect, and are remembered.
-        let remembered = frame.techniques.most_inserted(frame.lengths.max) as u64 + 1;
-        let starts = if frame.wanders() { starts.min(remembered) } else { starts };
-        let depth = |lane: &u32| u64::from(self.paths.depth_of(self.step.clock, *lane as usize));
-        let terms = |lane: &u32| (depth(lane) + edges - 1).min(starts);
-        let terms: u64 = self.candidates.of(source).lane.rows()[bucket.rows()].iter().map(terms).sum();
         if let Some(work) = &mut self.stats.work {
             work.connections += rows;
             work.edges += rows * edges;
-            work.terms += terms;
         }
+        if self.frame.plays_before_weights() {
+            self.count_terms(|_| rows);
+        } else {
+            self.count_terms(|wavefront| wavefront.competing_starts(source, bucket));
+        }
+    }
+
+    /// Counts the starts over which weights are summed, if costs are counted.
+    fn count_terms(&mut self, terms: impl FnOnce(&Self) -> u64) {
+        if self.stats.work.is_some() {
+            let terms = terms(self);
+            self.stats.work.iter_mut().for_each(|work| work.terms += terms);
+        }
+    }
+
+    /// Starts of the rows of a bucket: those at depths 1 .. depth + edges - 1, as far as they connect, and are remembered.
+    fn competing_starts(&self, source: Source, bucket: Bucket) -> u64 {
+        let (frame, edges) = (self.frame, bucket.inserted as u64 + 1);
+        let remembered = frame.techniques.most_inserted(frame.lengths.max) as u64 + 1;
+        let starts = u64::from(frame.walk.starts);
+        let starts = if frame.wanders() { starts.min(remembered) } else { starts };
+        let depth = |lane: &u32| u64::from(self.paths.depth_of(self.step.clock, *lane as usize));
+        let terms = |lane: &u32| (depth(lane) + edges - 1).min(starts);
+        self.candidates.of(source).lane.rows()[bucket.rows()].iter().map(terms).sum()
     }
 
     /// Nothing lies between a point in front of a light and that light where nothing is solid and lights hide nothing of

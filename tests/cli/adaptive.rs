@@ -116,14 +116,16 @@ fn few_samples_are_not_adaptive() {
     assert_same_bits(&folder, "a.exr", "b.exr");
 }
 
+/// Of a lamp at the edge of a wide view, far from most of what is seen.
 #[test]
 fn a_noise_is_met_with_fewer_samples() {
     let folder = folder();
-    for (name, flags) in [("even.exr", &["--noise", "0.2"][..]), ("adaptive.exr", &["--noise", "0.2", "--adaptive"])] {
-        render(&folder, name, flags);
+    let view = ["--set", "camera.vertical_fov_deg=130", "--set", "light.0.center=[2.5, 1.5, 2]", "--noise", "0.1"];
+    for (name, more) in [("even.exr", &[][..]), ("adaptive.exr", &["--adaptive"])] {
+        render(&folder, name, &[&view[..], more].concat());
         assert_eq!(header(&folder.image(name), "ended_by"), "noise", "{name}");
     }
     let [even, adaptive] = ["even.exr", "adaptive.exr"].map(|name| mean(&folder.image(name), "N"));
     println!("{even} and {adaptive} samples per pixel");
-    assert!(adaptive < even, "{adaptive} and {even}");
+    assert!(adaptive < 0.98 * even, "{adaptive} and {even}");
 }

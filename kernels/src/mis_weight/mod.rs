@@ -33,6 +33,16 @@ use crate::media::Medium;
 use crate::tables::lights::Lights;
 use crate::{PathLengths, Step, WalkLimits};
 
+/// Which starts compete for a candidate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Competing {
+    /// All that could have made it: its weight.
+    All,
+    /// The walk, and the one that did make it: a bound, no less than the weight to the last bit, for which no vertex before
+    /// that start is looked at. Infinite where, by rounding, neither could have made it.
+    Own,
+}
+
 /// What this stage may touch.
 pub struct Columns<'a, 'q> {
     /// The medium around everything.
@@ -43,6 +53,8 @@ pub struct Columns<'a, 'q> {
     pub techniques: &'a Techniques,
     /// How far walks go, and where they connect from.
     pub walk: &'a WalkLimits,
+    /// Which starts compete.
+    pub competing: Competing,
     /// The path lengths that count.
     pub lengths: PathLengths,
     /// Whether there are surfaces; without them, nothing of `last_surface` but the depth is read.

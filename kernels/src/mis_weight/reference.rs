@@ -32,14 +32,15 @@
 //! **Lights at infinity.** One technique connects with them, next event estimation of their own, from the last vertex
 //! alone, whatever starts the others have: the sum is its only ratio. Factors are multiplied by the colour of an image.
 //!
-//! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`. A path that nothing
-//! makes weighs nothing.
+//! Starts run from the first eligible vertex to x_{n-1}, but are no more than the walk's `starts`; or the current vertex
+//! alone competes with the walk. A path that nothing makes weighs nothing; of one that neither of these two makes, the
+//! bound is infinite.
 
 use core::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Columns;
+use super::{Columns, Competing};
 use crate::columns::trail::TrailTable;
 use crate::connect::density::Density;
 use crate::connect::light_sample::reference::light_density;
@@ -54,9 +55,9 @@ use crate::{PathLengths, Step, WalkLimits};
 
 /// The twin; see [`Kernel`](super::Kernel).
 pub fn run(step: Step, columns: Columns<'_, '_>) {
-    let Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, chains, .. } = columns;
-    let Columns { paths, log_posterior, last_surface, trail, worth, .. } = columns;
-    let competition = Competition { medium, lights, techniques, walk, lengths };
+    let Columns { medium, lights, techniques, walk, competing, lengths, solid, bucket, candidates, .. } = columns;
+    let Columns { chains, paths, log_posterior, last_surface, trail, worth, .. } = columns;
+    let competition = Competition { medium, lights, techniques, walk, competing, lengths };
     let mut path = Vec::new();
     for row in bucket.rows() {
         let candidate = candidates.row(row);
@@ -142,6 +143,8 @@ pub struct Competition<'a> {
     pub techniques: &'a Techniques,
     /// How far walks go, and where they connect from.
     pub walk: &'a WalkLimits,
+    /// Which starts compete.
+    pub competing: Competing,
     /// The path lengths that count.
     pub lengths: PathLengths,
 }
@@ -167,8 +170,7 @@ impl Competition<'_> {
             return Worth { weight: 0.0, factor: albedos };
         }
         if !self.medium.is_coloured() {
-            let sum = self.sum(path, 0);
-            return Worth { weight: if sum == 0.0 { 0.0 } else { self.profile(path) / sum }, factor: albedos };
+            return Worth { weight: self.weight(path, self.sum(path, 0)), factor: albedos };
         }
         let walked = [0, 1, 2].map(|channel| free_walk(&self.medium.twin(channel), &vertices[current..]));
         let joint = [0, 1, 2].map(|channel| walked[channel].times_exp(log_posterior[channel]));
@@ -177,9 +179,15 @@ impl Competition<'_> {
             .fold(0, |own, channel| if joint[channel].over(joint[own]) > 1.0 { channel } else { own });
         let sum: f64 = (0..CHANNELS).map(|channel| joint[channel].over(walked[own]) * self.sum(path, channel)).sum();
         Worth {
-            weight: if sum == 0.0 { 0.0 } else { self.profile(path) / sum },
+            weight: self.weight(path, sum),
             factor: [0, 1, 2].map(|channel| albedos[channel] * walked[channel].over(walked[own])),
         }
+    }
+
+    /// The weight of a path of this sum of densities.
+    fn weight(&self, path: &CompletePath<'_>, sum: f64) -> f64 {
+        let profile = self.profile(path);
+        if profile == 0.0 || sum == 0.0 && self.competing == Competing::All { 0.0 } else { profile / sum }
     }
 
     /// The profile of the light at the end of a path that arrives at its front and leaves its first start outwards; or
@@ -202,7 +210,11 @@ impl Competition<'_> {
         let segments = vertices.len() - 1;
         // No connection makes more vertices than that; what is farther away may be forgotten.
         let nearest = segments.saturating_sub(self.techniques.most_inserted(self.lengths.max) + 1);
-        let starts = first_start.max(nearest)..segments.min(first_start.saturating_add(self.walk.starts as usize));
+        let (first, end) = (first_start.max(nearest), first_start.saturating_add(self.walk.starts as usize));
+        let starts = match self.competing {
+            Competing::All => first..segments.min(end),
+            Competing::Own => path.current..path.current + 1,
+        };
         let walked = if segments <= self.walk.segments as usize { reach(self.walk, segments) } else { 0.0 };
         if self.lights.distant_of(path.emitter as u32).is_some() {
             return walked + reach(self.walk, segments - 1) * self.distant_ratio(path, channel);
@@ -231,7 +243,7 @@ impl Competition<'_> {
 
     /// The sum of all techniques' ratios r_i for the vertex `start` of a path, in one channel.
     pub(super) fn ratios(&self, path: &CompletePath<'_>, start: usize, channel: usize) -> f64 {
-        let Self { medium, lights, techniques, walk: _, lengths } = *self;
+        let Self { medium, lights, techniques, lengths, .. } = *self;
         let vertices = path.vertices;
         let surface = path.surface.filter(|_| start == path.first_start);
         let (walked, connected) = (medium.twin(channel), medium.twin_of_connections(channel));

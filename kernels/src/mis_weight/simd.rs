@@ -20,7 +20,7 @@ use wide::{f32x8, u32x8};
 use super::colours::Colours;
 use super::passages::Passages;
 use super::starts::Starts;
-use super::{Columns, factors, straight};
+use super::{Columns, Competing, factors, straight};
 use crate::columns::paths::{LastSurfaceColumns, OutlookColumns, VertexColumns};
 use crate::columns::queues::{CandidateQueue, ChainTable};
 use crate::columns::trail::TrailTable;
@@ -70,12 +70,18 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
         let near = batch.most_edges_near(near, outlook, &starts).min(usable_near);
         let far = if reaches_far { lights.are_distant(&batch.emitter_of) } else { f32x8::ZERO };
         let all_far = reaches_far && far.all();
-        let needed = if all_far { 0 } else { starts.most_edges().min(usable).max(near) };
+        let (mut fewest, mut needed) = (starts.fewest_edges(), starts.most_edges().min(usable).max(near));
+        if columns.competing == Competing::Own {
+            (fewest, needed) = (fewest.max(bucket.inserted + 1), needed.min(bucket.inserted + 1));
+        }
+        if all_far {
+            needed = 0;
+        }
 
         let suffix = &mut *columns.suffix;
         let (last_length, cos_light) = batch.walk_connection(b, candidates, chains, suffix);
         batch.walk_history(outlook, vertex, trail, step, suffix, needed);
-        let walked = Walked { starts, needed, near, last_length, cos_light, far, all_far };
+        let walked = Walked { starts, fewest, needed, near: near.min(needed), last_length, cos_light, far, all_far };
         let points = suffix.vertices[..=needed.max(bucket.inserted + 1)].iter().map(|vertex| vertex.position);
         if media.own().stays_even(points, rows) {
             batch.compete(step, &mut columns, Even(media), b, &walked);
@@ -88,7 +94,9 @@ fn weigh<M: MediumLanes, P: PhaseX8>(step: Step, columns: Columns<'_, '_>, media
 /// What is known of eight candidates once their suffixes have been walked.
 struct Walked {
     starts: Starts,
-    /// The farthest start, counted from the light, that any technique can use.
+    /// The nearest start, counted from the light, that competes.
+    fewest: usize,
+    /// The farthest that any technique can use.
     needed: usize,
     /// The farthest that those can use which are limited in distance.
     near: usize,
@@ -127,12 +135,11 @@ impl<P: PhaseX8> Batch<'_, P> {
     /// Weighs batch `b`, whose suffix has been walked.
     #[inline(always)]
     fn compete<M: MediumLanes>(&self, step: Step, columns: &mut Columns<'_, '_>, media: M, b: usize, walked: &Walked) {
-        let Columns { lights, techniques, walk, lengths, solid, bucket, log_posterior, .. } = *columns;
+        let Columns { lights, techniques, walk, competing, lengths, solid, bucket, log_posterior, .. } = *columns;
         let Columns { last_surface, passages, passage_trails, .. } = *columns;
         let (suffix, worth) = (&mut *columns.suffix, &mut *columns.worth);
-        let Walked { starts, needed, near, last_length, cos_light, far, all_far } = walked;
-        let needed = *needed;
-        let fewest_edges = starts.fewest_edges();
+        let Walked { starts, fewest, needed, near, last_length, cos_light, far, all_far } = walked;
+        let (fewest_edges, needed) = (*fewest, *needed);
         let (mut dense, mut apart) = (lanes::mask(lanes::ALL), false);
         if M::Channel::VARIES {
             let passages = Passages { lane_of: self.lane_of, current: passages, trail: passage_trails, step };
@@ -199,7 +206,10 @@ impl<P: PhaseX8> Batch<'_, P> {
             }
         }
         // Of a sum that is no number, neither is the weight: it is dropped and counted where it would have been added.
-        let weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & !sum.simd_le(f32x8::ZERO) & outside & dense;
+        let mut weighs = arrival.cos_light.simd_gt(f32x8::ZERO) & outside & dense;
+        if competing == Competing::All {
+            weighs &= !sum.simd_le(f32x8::ZERO);
+        }
         let profile = lights.profile(&self.emitter_of, arrival.cos_light);
         worth.weight.set_batch(b, weighs.select(profile / sum, f32x8::ZERO));
     }

@@ -5,6 +5,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 use wide::f32x8;
 
+use super::Competing;
 use super::reference::{Competition, CompletePath};
 use crate::connect::bridge::reference::{Start, count_probability};
 use crate::connect::bridge::{Bridge, Roll};
@@ -38,7 +39,7 @@ fn weigh(
     first_start: usize,
     surface: Option<DVec3>,
 ) -> f64 {
-    let competition = Competition { medium, lights, techniques, walk, lengths: LENGTHS };
+    let competition = Competition { medium, lights, techniques, walk, competing: Competing::All, lengths: LENGTHS };
     let (current, log_posterior) = (vertices.len() - 2, [0.0; 3]);
     competition.worth(&CompletePath { vertices, first_start, surface, emitter: 0, current, log_posterior }).weight
 }
@@ -51,7 +52,7 @@ fn ratios(
     start: usize,
 ) -> f64 {
     let lengths = PathLengths { min: 1, max: longest };
-    let competition = Competition { medium, lights, techniques, walk: &FREE, lengths };
+    let competition = Competition { medium, lights, techniques, walk: &FREE, competing: Competing::All, lengths };
     let (current, log_posterior) = (vertices.len() - 2, [0.0; 3]);
     let path = CompletePath { vertices, first_start: 1, surface: None, emitter: 0, current, log_posterior };
     competition.ratios(&path, start, 0)

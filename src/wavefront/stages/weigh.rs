@@ -2,6 +2,7 @@
 
 use fogbow_kernels::columns::queues::Bucket;
 use fogbow_kernels::media::field::Field;
+use fogbow_kernels::mis_weight::Competing;
 use fogbow_kernels::outline::LOOKS;
 use fogbow_kernels::pipeline::Stage;
 use fogbow_kernels::random::Purpose;
@@ -62,14 +63,15 @@ impl Wavefront<'_> {
         });
     }
 
-    /// One weight per candidate.
-    pub fn mis_weight(&mut self, source: Source, bucket: Bucket) {
+    /// One weight per candidate, where these starts compete.
+    pub fn mis_weight(&mut self, competing: Competing, source: Source, bucket: Bucket) {
         self.stats.run(Stage::MisWeight, rows(bucket.len), || {
             let columns = mis_weight::Columns {
                 medium: &self.frame.medium,
                 lights: &self.frame.lights,
                 techniques: &self.frame.techniques,
                 walk: &self.frame.walk,
+                competing,
                 lengths: self.frame.lengths,
                 solid: self.frame.is_solid(),
                 bucket,

@@ -10,7 +10,7 @@ use fogbow_kernels::connect::light_sample::reference::light_sum;
 use fogbow_kernels::connect::suffix::Suffix;
 use fogbow_kernels::lanes::LANES;
 use fogbow_kernels::media::Medium;
-use fogbow_kernels::mis_weight;
+use fogbow_kernels::mis_weight::{self, Competing};
 use fogbow_kernels::tables::lights::Lights;
 use fogbow_kernels::{PathLengths, Step, WalkLimits};
 use glam::DVec3;
@@ -28,6 +28,8 @@ pub struct Weigher<'a> {
     pub techniques: &'a Techniques,
     /// How far walks go.
     pub walk: WalkLimits,
+    /// Which starts compete.
+    pub competing: Competing,
     /// Longest path, in segments.
     pub longest: u32,
 }
@@ -48,7 +50,7 @@ pub struct Made<'a> {
 impl<'a> Weigher<'a> {
     /// Weighs with `kernel`, for walks that go on and paths of any length.
     pub fn new(kernel: mis_weight::Kernel, medium: &'a Medium, lights: &'a Lights, techniques: &'a Techniques) -> Self {
-        Self { kernel, medium, lights, techniques, walk: WalkLimits::ALL, longest: 1000 }
+        Self { kernel, medium, lights, techniques, walk: WalkLimits::ALL, competing: Competing::All, longest: 1000 }
     }
 
     /// The weight of a path. It stands in `lane` of two batches; all other lanes are dead and hold NaN.
@@ -106,6 +108,7 @@ impl<'a> Weigher<'a> {
             lights: self.lights,
             techniques: self.techniques,
             walk: &self.walk,
+            competing: self.competing,
             lengths: PathLengths { min: 1, max: self.longest },
             solid: false,
             bucket: Bucket { inserted: made.inserted, start: 0, len: 1 },

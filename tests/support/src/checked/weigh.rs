@@ -19,8 +19,8 @@ pub(super) fn check_sift(step: Step, columns: sift::Columns<'_, '_>) {
 }
 
 pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>) {
-    let mis_weight::Columns { medium, lights, techniques, walk, lengths, solid, bucket, candidates, .. } = columns;
-    let mis_weight::Columns { chains, paths, log_posterior, last_surface, outlook, vertex, .. } = columns;
+    let mis_weight::Columns { medium, lights, techniques, walk, competing, lengths, solid, bucket, .. } = columns;
+    let mis_weight::Columns { candidates, chains, paths, log_posterior, last_surface, outlook, vertex, .. } = columns;
     let mis_weight::Columns { trail, passages, passage_trails, suffix, worth, .. } = columns;
     let [both] = run_both!(
         mis_weight(step),
@@ -30,6 +30,7 @@ pub(super) fn check_mis_weight(step: Step, columns: mis_weight::Columns<'_, '_>)
             lights,
             techniques,
             walk,
+            competing,
             lengths,
             solid,
             bucket,

@@ -9,6 +9,7 @@ use crate::connect::Techniques;
 use crate::connect::light_sample::reference as light_sample;
 use crate::connect::nee::SCOPE;
 use crate::media::spectral::CHANNELS;
+use crate::mis_weight::Competing;
 use crate::mis_weight::reference::{Competition, CompletePath, Worth};
 use crate::roulette::reference as roulette;
 use crate::{LONGEST_PATH, PathLengths, Step};
@@ -18,8 +19,14 @@ pub fn run(step: Step, columns: Columns<'_, '_>) {
     let Columns { medium, lights, walk, live, paths, last_surface, solid, vertex, before, throughput, .. } = columns;
     let Columns { blocked, threshold, radiance, candidates, worth, dropped, tally, .. } = columns;
     let techniques = &Techniques { nee: true, ..Techniques::default() };
-    let competition =
-        Competition { medium, lights, techniques, walk, lengths: PathLengths { min: 1, max: LONGEST_PATH } };
+    let competition = Competition {
+        medium,
+        lights,
+        techniques,
+        walk,
+        competing: Competing::All,
+        lengths: PathLengths { min: 1, max: LONGEST_PATH },
+    };
     for lane in live.each() {
         let depth = paths.depth_of(step.clock, lane) as usize;
         let (pixel, sample) = (paths.pixel.rows()[lane], paths.sample.rows()[lane]);
