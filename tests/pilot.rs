@@ -124,7 +124,8 @@ fn what_the_scene_fixes_is_kept() {
 fn scenes_without_a_choice_are_left_alone() {
     for settings in [
         &["render.technique=path"][..],
-        &["render.technique=nee,mvnee,omnee"],
+        &["render.technique=nee,omnee"],
+        &["render.technique=mvnee", "render.roulette=0"],
         &["render.max_segments=1"],
         &["render.max_segments=2"],
         &["medium.scattering=0"],
@@ -151,6 +152,9 @@ fn roulette_is_played_below_a_part_of_the_mean_where_that_pays() {
     assert!((0.03..0.07).contains(&chosen) && tried == [0.0, chosen], "{chosen} of {tried:?}");
     assert_eq!(roulette("dense-plate", &["render.roulette=0.01"]), (0.01, vec![]));
     assert_eq!(roulette("fog-facing", &[]), (0.0, vec![]));
+    // Nothing is traced there, but the weights of MVNEE are dear.
+    let (chosen, tried) = roulette("fog-facing", &["render.technique=mvnee", "render.starts=\"all\""]);
+    assert!((0.2..0.4).contains(&chosen) && tried == [0.0, chosen], "{chosen} of {tried:?}");
 }
 
 #[test]
