@@ -17,10 +17,10 @@ use glam::Vec3;
 use crate::film::Region;
 use crate::film::aov::Aovs;
 
-/// Starts of which a connection competes with as many that it is worth a look before whether it counts at all. Measured,
-/// with bridges: with 16 starts a render takes a tenth to a sixth less time, with 8 a twentieth to a tenth, with 4 up to a
-/// tenth more.
-const MANY_STARTS: u32 = 8;
+/// Starts that compete for a connection from which on it pays to ask first whether it can count at all. Measured with
+/// bridges: with 16 starts a render takes a tenth to a sixth less time, with 8 a twentieth to a tenth, with 4 up to a tenth
+/// more.
+const MANY_STARTS: usize = 8;
 
 /// Everything that the value of a sample depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub struct Frame {
     pub walk: WalkLimits,
     /// Share of the camera's flights that are drawn towards the lights, [0, 1).
     pub aimed: f32,
-    /// Contribution from which on a connection certainly counts [W/(m^2 sr)]; fainter ones play roulette. 0: all do.
+    /// Contribution from which on a connection certainly counts [W/(m^2 sr)]; fainter ones play roulette. 0: none plays.
     pub roulette: f32,
     /// The path lengths that count.
     pub lengths: PathLengths,
@@ -103,8 +103,8 @@ impl Frame {
     /// Whether connections play roulette by what they weigh at most, before anything is weighed that competes: it spares
     /// most of them that, and pays where much competes. Every start of MVNEE looks at all vertices behind it.
     pub fn plays_before_weights(&self) -> bool {
-        let much_competes = self.techniques.mvnee.is_some() || self.walk.starts >= MANY_STARTS;
-        self.roulette > 0.0 && self.techniques.look_back() && much_competes
+        let starts = self.techniques.most_edges().min(self.walk.starts as usize);
+        self.roulette > 0.0 && (self.techniques.mvnee.is_some() || starts >= MANY_STARTS)
     }
 
     /// Whether nothing turns light.

@@ -28,7 +28,7 @@ impl Wavefront<'_> {
             // What falls by what it weighs at most, by the same number, falls by what it weighs.
             let weighted = self.weigh_and_play(Competing::Own, source, bucket, purpose);
             bucket = bucket.pack(self.candidates.of_mut(source), &mut self.chains, &mut self.worth);
-            self.count_terms(|wavefront| wavefront.competing_starts(source, bucket));
+            self.count_terms(Competing::All, source, bucket);
             self.weigh_and_play(Competing::All, source, bucket, purpose);
             weighted
         } else {
@@ -81,19 +81,20 @@ impl Wavefront<'_> {
             work.connections += rows;
             work.edges += rows * edges;
         }
-        if self.frame.plays_before_weights() {
-            self.count_terms(|_| rows);
-        } else {
-            self.count_terms(|wavefront| wavefront.competing_starts(source, bucket));
-        }
+        let competing = if self.frame.plays_before_weights() { Competing::Own } else { Competing::All };
+        self.count_terms(competing, source, bucket);
     }
 
-    /// Counts the starts over which weights are summed, if costs are counted.
-    fn count_terms(&mut self, terms: impl FnOnce(&Self) -> u64) {
-        if self.stats.work.is_some() {
-            let terms = terms(self);
-            self.stats.work.iter_mut().for_each(|work| work.terms += terms);
+    /// Counts the starts over which the weights of a bucket are summed, if costs are counted.
+    fn count_terms(&mut self, competing: Competing, source: Source, bucket: Bucket) {
+        if self.stats.work.is_none() {
+            return;
         }
+        let terms = match competing {
+            Competing::Own => bucket.len as u64,
+            Competing::All => self.competing_starts(source, bucket),
+        };
+        self.stats.work.iter_mut().for_each(|work| work.terms += terms);
     }
 
     /// Starts of the rows of a bucket: those at depths 1 .. depth + edges - 1, as far as they connect, and are remembered.
