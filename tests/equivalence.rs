@@ -6,7 +6,7 @@ use fogbow::frame::Frame;
 use fogbow::reference;
 use fogbow::stats::Stats;
 use fogbow::wavefront::{Candidates, Wavefront};
-use fogbow_avx512::Avx512;
+use fogbow_processor::Avx512;
 use fogbow_kernels::extend;
 use fogbow_kernels::pipeline::{Pipeline, REFERENCE, SIMD, Stage, WIDEST};
 use fogbow_kernels::tables::lights::Selection;

@@ -14,7 +14,7 @@
 //!    (`open`), and so are few planes (`flat`).
 //! 5. Few rays go on to infinity, and each of them once: they are listed one by one.
 
-use fogbow_avx512::Avx512;
+use fogbow_processor::Avx512;
 use wide::{f32x8, u32x8};
 
 use super::{Columns, flat, open};

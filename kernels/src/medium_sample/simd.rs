@@ -11,7 +11,7 @@
 
 use core::cell::RefCell;
 
-use fogbow_avx512::Avx512;
+use fogbow_processor::Avx512;
 use wide::{f32x8, u32x8};
 
 use super::Columns;

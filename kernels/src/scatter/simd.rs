@@ -10,7 +10,7 @@
 //! 3. Lanes that end on a surface are moved along with the others: reflection comes later and overwrites what was
 //!    filled.
 
-use fogbow_avx512::Avx512;
+use fogbow_processor::Avx512;
 use wide::f32x8;
 
 use super::Columns;

@@ -15,7 +15,7 @@
 use core::f32::consts::PI;
 use core::marker::PhantomData;
 
-use fogbow_avx512::Avx512;
+use fogbow_processor::Avx512;
 use wide::{f32x8, u32x8};
 
 use super::{Columns, Tally};

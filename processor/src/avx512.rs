@@ -1,4 +1,4 @@
-//! Code for registers of 512 bits, chosen at run time.
+//! Registers of 512 bits.
 //!
 //! A build for all processors with AVX2 puts eight rows into a register. Many processors could take sixteen, so loops
 //! that gain from it are compiled a second time, and run where the processor has what they need.
