@@ -1,5 +1,5 @@
-//! Rays against a million triangles: how fast the tree is built, and how fast rays of every kind go through it. Eight
-//! rays at a time against few triangles, with the tree and without.
+//! Rays of every kind, eight at a time as stages ask, against a million triangles and against a thousand; how fast the
+//! tree is built; and few triangles, with the tree and without.
 //!
 //! ```text
 //! cargo bench --bench rays
@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fogbow_kernels::lanes::{self, LANES};
-use fogbow_kernels::tables::geometry::Few;
-use fogbow_kernels::trace::{self, OneByOne, Ray, Rays, Search};
+use fogbow_kernels::tables::geometry::{Few, Geometry};
+use fogbow_kernels::trace::{self, Ray, Rays, Search, ThroughTree};
 use fogbow_testing::both_ways::batches;
 use fogbow_testing::meshes;
 use wide::u32x8;
@@ -32,17 +32,17 @@ fn ray_sets() -> [(&'static str, Vec<Ray>); 4] {
 }
 
 fn tracing(c: &mut Criterion) {
-    let geometry = meshes::million().geometry();
-    println!("{} bytes per triangle", geometry.bytes() / geometry.len());
-    for (name, rays) in ray_sets() {
-        let mut group = c.benchmark_group(format!("rays/{name}"));
-        group.sample_size(10).throughput(Throughput::Elements(rays.len() as u64));
-        group.bench_function("closest", |b| {
-            b.iter(|| rays.iter().filter(|ray| trace::closest(black_box(&geometry), ray).is_some()).count());
-        });
-        group.bench_function("any", |b| {
-            b.iter(|| rays.iter().filter(|ray| trace::any(black_box(&geometry), ray)).count());
-        });
+    let thousand =
+        [("sphere", meshes::bumpy_sphere(3)), ("room", meshes::room(1000)), ("soup", meshes::soup(1000, 0.2, 1))];
+    for (place, mesh) in [("million", meshes::million())].into_iter().chain(thousand) {
+        let geometry = mesh.geometry();
+        println!("{place}: {} triangles of {} bytes", geometry.len(), geometry.bytes() / geometry.len());
+        for (name, rays) in ray_sets() {
+            let batches = batches(&rays);
+            let group = format!("rays/{place}/{name}");
+            search(c, &group, "tree", geometry.len(), &ThroughTree(&geometry), &batches);
+            any(c, &group, &geometry, &batches);
+        }
     }
 }
 
@@ -63,6 +63,18 @@ fn search(c: &mut Criterion, group: &str, way: &str, triangles: usize, search: &
     });
 }
 
+/// Whether eight rays at a time hit anything.
+fn any(c: &mut Criterion, group: &str, geometry: &Geometry, rays: &[(Rays, u32)]) {
+    let mut group = c.benchmark_group(group);
+    group.sample_size(10).throughput(Throughput::Elements((LANES * rays.len()) as u64));
+    let hidden = |(rays, live): &(Rays, u32)| {
+        trace::hidden(geometry, black_box(rays), *live, u32x8::splat(u32::MAX)).count_ones()
+    };
+    group.bench_function(BenchmarkId::new("any", geometry.len()), |b| {
+        b.iter(|| rays.iter().map(hidden).sum::<u32>());
+    });
+}
+
 fn few(c: &mut Criterion) {
     let rooms = ROOMS.map(|count| ("room", meshes::room(count)));
     let landscapes = LANDSCAPES.map(|side| ("landscape", meshes::landscape(side)));
@@ -71,14 +83,9 @@ fn few(c: &mut Criterion) {
         for (place, mesh) in rooms.iter().chain(&landscapes) {
             let geometry = mesh.geometry();
             let (group, triangles) = (format!("few/{place}/{name}"), geometry.len());
-            search(c, &group, "tree", triangles, &OneByOne(&geometry), &rays);
+            search(c, &group, "tree", triangles, &ThroughTree(&geometry), &rays);
             search(c, &group, "no tree", triangles, &Few::new(geometry.tree()), &rays);
-            let hidden = |(rays, live): &(Rays, u32)| {
-                trace::hidden(&geometry, black_box(rays), *live, u32x8::splat(u32::MAX)).count_ones()
-            };
-            c.benchmark_group(group).bench_function(BenchmarkId::new("any", triangles), |b| {
-                b.iter(|| rays.iter().map(hidden).sum::<u32>());
-            });
+            any(c, &group, &geometry, &rays);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Rays meet what they should: kernel against twin, watertightness, ties, edges of all kinds, and leaving surfaces.
 
 use fogbow_kernels::tables::geometry::{FEW, Geometry, TriangleHit};
+use fogbow_kernels::trace::through::IN_CACHE;
 use fogbow_kernels::trace::{self, Ray};
 use fogbow_testing::both_ways::assert_same_both_ways;
 use fogbow_testing::meshes::{self, Mesh, Random, point, ray};
@@ -280,6 +281,18 @@ fn the_tree_does_not_show() {
         let found = trace::closest(&geometry, &ray);
         assert_eq!(found, nearest, "{ray:?}");
     }
+}
+
+#[test]
+fn rays_that_take_turns_in_a_large_tree_hit_the_same_bits() {
+    let mesh = meshes::soup(150_000, 0.03, 31).and(&meshes::bumpy_sphere(5));
+    let geometry = mesh.geometry();
+    let leaves = geometry.tree().leaves.rows().len();
+    assert!(leaves > IN_CACHE, "{leaves} leaves");
+    let mut rays = random_rays(400, 32);
+    rays.extend(meshes::flights(200, 0.05, 33));
+    rays.extend(aimed_rays(&mesh, 200, 34));
+    assert_same_both_ways("a large tree", &geometry, &rays);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! ```
 //!
 //! 1. Eight rays against one light at a time, so lanes are full whatever their number. Where lights are many, rays go
-//!    through a tree over them one by one. Which it is, is settled outside the loop.
+//!    through a tree over them. Which it is, is settled outside the loop.
 //! 2. Triangles are traced up to the light or the end of the flight: as far as anything may matter. Where triangles
 //!    shine, the camera looks at all distances. How eight rays look for triangles is chosen once, outside the loop
 //!    ([`Search`]).
@@ -24,7 +24,7 @@ use crate::columns::{Column, View3};
 use crate::lanes::{LANES, LaneSet};
 use crate::tables::lights::{FAR, Lights};
 use crate::trace::bodies::{self, Nearest};
-use crate::trace::{Hits, OneByOne, Rays, Search, Waited, Waiting, may_meet};
+use crate::trace::{Hits, Rays, Search, ThroughTree, Waited, Waiting, may_meet};
 use crate::vec3::Vec3x8;
 use crate::{Step, lanes};
 
@@ -45,8 +45,8 @@ pub fn run_by_eight(step: Step, columns: Columns<'_, '_>) {
     match (geometry.few(), columns.lights.tree().is_some()) {
         (Some(few), false) => run_with::<false, _>(few, step, columns),
         (Some(few), true) => run_with::<true, _>(few, step, columns),
-        (None, false) => run_with::<false, _>(&OneByOne(geometry), step, columns),
-        (None, true) => run_with::<true, _>(&OneByOne(geometry), step, columns),
+        (None, false) => run_with::<false, _>(&ThroughTree(geometry), step, columns),
+        (None, true) => run_with::<true, _>(&ThroughTree(geometry), step, columns),
     }
 }
 

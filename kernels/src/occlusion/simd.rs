@@ -4,7 +4,7 @@
 //! ```
 //!
 //! 1. Rows of a bucket have the same number of segments, so lanes stay full. Where lights are many, segments go through
-//!    a tree over them one by one.
+//!    a tree over them.
 //! 2. Lanes that are blocked, or weigh nothing, are carried along; a batch of them stops.
 //! 3. Triangles are traced for what no disk or sphere blocks; a row is done with at the first segment that is blocked.
 

@@ -11,14 +11,16 @@
 //! ```
 //!
 //! 1. Lanes are rays against one body, or bodies against one ray: the arithmetic is the same.
-//! 2. Where bodies are many, rays go through their tree one at a time ([`walk`]), as those of a scattering medium share
-//!    few boxes; but for the first eight, which eight rays meet together.
+//! 2. Where bodies are many, rays go through their tree as through one of triangles: each its own way ([`through`](super::through)).
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
 
-use super::cull::enter_any;
-use super::{Ray, Rays, Slabs, walk};
+use super::cull::Top;
+use super::rays::Lines;
+use super::through::Through;
+use super::walk::DONE;
+use super::{Rays, Slabs};
 use crate::lanes::{self, LANES};
 use crate::real::{Mask, Real};
 use crate::tables::lights::{BodyTree, Emitter, Shape};
@@ -176,18 +178,14 @@ pub fn closest_among(bodies: &[Emitter], rays: &Rays) -> Nearest {
 /// The nearest bodies of a tree on the `live` ones of eight rays of unit direction.
 #[inline(always)]
 pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
-    let slabs = Slabs::new(rays, tree.extent);
     let mut found = Nearest { body: u32x8::splat(0), distance: rays.max };
-    for lane in lanes::each(live & enter_any(tree.top(), &slabs, rays.max)) {
-        let Ray { origin, direction, max } = rays.at(lane);
-        let (origin, direction) = (Vec3x8::splat(origin), Vec3x8::splat(direction));
+    each_near(tree, rays, live, |lane, through| {
+        let [origin, direction] = [rays.origin, rays.direction].map(|v| splat(v, lane));
         let mut best = None;
-        walk::nearest(&tree.nodes, tree.root, &slabs.line(lane), max, |leaf, bound| {
-            tree.leaves[leaf].improve(&mut best, bound, origin, direction)
-        });
-        let Some((body, distance)) = best else { continue };
+        through.one::<true>(lane, |leaf, bound| tree.leaves[leaf].improve(&mut best, bound, origin, direction));
+        let Some((body, distance)) = best else { return };
         (found.body.as_mut_array()[lane], found.distance.as_mut_array()[lane]) = (body, distance);
-    }
+    });
     found
 }
 
@@ -195,14 +193,34 @@ pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
 #[inline(always)]
 pub fn blocked(tree: &BodyTree, from: Vec3x8, to: Vec3x8, own: u32x8, free: u32) -> u32 {
     let rays = Rays { origin: from, direction: to - from, max: f32x8::ONE };
-    let slabs = Slabs::new(&rays, tree.extent);
-    let (from, to, own) = (from.to_arrays(), to.to_arrays(), own.to_array());
-    let point = |of: &[[f32; LANES]; 3], lane: usize| Vec3x8::splat(of.map(|component| component[lane]));
-    let crosses = |lane: &usize| {
-        let (from, to, own) = (point(&from, *lane), point(&to, *lane), own[*lane]);
-        let meets = |leaf: usize| tree.leaves[leaf].blocks(from, to, own);
-        walk::any(&tree.nodes, tree.root, &slabs.line(*lane), 1.0, meets)
-    };
-    let near = free & enter_any(tree.top(), &slabs, rays.max);
-    lanes::each(near).filter(crosses).fold(0, |bits, lane| bits | 1 << lane)
+    let own = own.to_array();
+    let mut blocked = 0;
+    each_near(tree, &rays, free, |lane, through| {
+        let ([from, to], own) = ([from, to].map(|v| splat(v, lane)), own[lane]);
+        through.one::<false>(lane, |leaf, bound| {
+            let blocks = tree.leaves[leaf].blocks(from, to, own);
+            blocked |= u32::from(blocks) << lane;
+            if blocks { DONE } else { bound }
+        });
+    });
+    blocked
+}
+
+/// Hands those of the `live` rays that enter any box at the top of a tree to `of`, by lane.
+#[inline(always)]
+fn each_near(tree: &BodyTree, rays: &Rays, live: u32, mut of: impl FnMut(usize, &Through<'_>)) {
+    let slabs = Slabs::new(rays, tree.extent);
+    let top = Top::new(&tree.nodes[0], &slabs, rays.max);
+    let near = live & top.any();
+    if near != 0 {
+        let through = Through { nodes: &tree.nodes, top: &top, lines: &Lines::new(&slabs), max: rays.max };
+        lanes::each(near).for_each(|lane| of(lane, &through));
+    }
+}
+
+/// The vector of one lane, in all lanes.
+#[inline(always)]
+fn splat(v: Vec3x8, lane: usize) -> Vec3x8 {
+    let [x, y, z] = [v.x, v.y, v.z].map(|component| f32x8::splat(component.as_array()[lane % LANES]));
+    Vec3x8::new(x, y, z)
 }

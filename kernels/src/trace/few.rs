@@ -25,7 +25,8 @@ impl Search for Few {
 
     #[inline(always)]
     fn closest(&self, rays: &Rays, live: u32) -> Hits {
-        let sights = Sights::new(rays, Slabs::new(rays, self.extent));
+        let slabs = Slabs::new(rays, self.extent);
+        let sights = Sights::new(rays, &slabs);
         let among = Among::new(self, &sights, live);
         let mut best = Hits::none(rays.max);
         for cluster in &self.clusters {

@@ -9,7 +9,8 @@
 //! - **Few triangles** meet eight rays each ([`few`]), which wait until they are eight ([`waiting`]), in a pile for each
 //!   plane where everything lies in few: lanes are full, and nothing has to be found.
 //! - **Many triangles** are in a tree. Rays of a scattering medium are short and point everywhere, so neighbours in a
-//!   batch would share few nodes: they go through it one at a time, eight boxes or eight triangles at a time.
+//!   batch would share few nodes: each goes its own way, eight boxes or eight triangles at a time. In a large tree they
+//!   take turns, so that while one waits for memory the others go on ([`through`]).
 //!
 //! Shadow segments are done at the first hit, and go through the tree unless several of eight are near few triangles
 //! ([`hidden`]).
@@ -36,13 +37,14 @@ pub mod reference;
 pub mod search;
 pub mod simd;
 pub mod surface;
+pub mod through;
 pub mod triangles;
 pub mod waiting;
 pub mod walk;
 
 pub use cull::may_meet;
 pub use rays::{Rays, Slabs};
-pub use search::{Hits, OneByOne, Search, hidden};
+pub use search::{Hits, Search, ThroughTree, hidden};
 pub use simd::{any, any_but, closest};
 pub use waiting::{Waited, Waiting};
 

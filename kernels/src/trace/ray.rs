@@ -48,10 +48,8 @@ pub struct Line {
     pub near: [f32x8; 3],
     /// c of far planes.
     pub far: [f32x8; 3],
-    /// Rows of a node's planes that are near, by axis; the far ones are the others.
-    pub near_planes: [usize; 3],
-    /// See `near_planes`.
-    pub far_planes: [usize; 3],
+    /// Which of a node's planes are near, by axis: 0 for the lower, 1 for the upper ones.
+    pub near_side: [usize; 3],
 }
 
 /// What the tests need of a ray. `Sights` has it for eight, in the same bits.
@@ -75,13 +73,11 @@ impl Line {
         let backwards = inverse.map(f32::is_sign_negative);
         let pick =
             |axis: usize, near: bool| f32x8::splat(if backwards[axis] == near { upper[axis] } else { lower[axis] });
-        let plane = |axis: usize, near: bool| if backwards[axis] == near { 3 + axis } else { axis };
         Self {
             inverse: inverse.map(f32x8::splat),
             near: [pick(0, true), pick(1, true), pick(2, true)],
             far: [pick(0, false), pick(1, false), pick(2, false)],
-            near_planes: [plane(0, true), plane(1, true), plane(2, true)],
-            far_planes: [plane(0, false), plane(1, false), plane(2, false)],
+            near_side: backwards.map(usize::from),
         }
     }
 }

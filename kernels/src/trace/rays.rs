@@ -9,6 +9,7 @@ use wide::{f32x8, u32x8};
 
 use super::Ray;
 use super::ray::{LEAST, Line, Ready, VIEWS, WIDENING};
+use crate::lanes::{self, LANES};
 use crate::real::Real;
 use crate::vec3::{Vec3, Vec3x8};
 
@@ -59,13 +60,6 @@ impl Slabs {
         Self { inverse, lower, upper }
     }
 
-    /// One of the rays.
-    #[inline(always)]
-    pub(super) fn line(&self, lane: usize) -> Line {
-        let row = |v: &[f32x8; 3]| [0, 1, 2].map(|axis: usize| v[axis].as_array()[lane]);
-        Line::new(row(&self.inverse), row(&self.lower), row(&self.upper))
-    }
-
     /// Where the rays' lines enter the box with these lower and upper planes, and, as a mask, the rays that are in it
     /// after their start and no later than `max`. A box's lower planes are not above the upper ones.
     #[inline(always)]
@@ -79,6 +73,45 @@ impl Slabs {
         let left = ax.fast_max(bx).fast_min(ay.fast_max(by)).fast_min(az.fast_max(bz));
         (entered, entered.fast_max(f32x8::ZERO).simd_le(left.fast_min(max)))
     }
+}
+
+/// Eight rays as boxes see them one at a time, by axis.
+pub(super) struct Lines {
+    inverse: [f32x8; 3],
+    near: [f32x8; 3],
+    far: [f32x8; 3],
+    /// Rays for which the upper planes are near, as bits.
+    backwards: [u32; 3],
+}
+
+impl Lines {
+    #[inline(always)]
+    pub fn new(Slabs { inverse, lower, upper }: &Slabs) -> Self {
+        let backwards = inverse.map(|r| r.is_sign_negative());
+        Self {
+            inverse: *inverse,
+            near: [0, 1, 2].map(|axis: usize| backwards[axis].select(upper[axis], lower[axis])),
+            far: [0, 1, 2].map(|axis: usize| backwards[axis].select(lower[axis], upper[axis])),
+            backwards: backwards.map(lanes::bits),
+        }
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub fn at(&self, lane: usize) -> Line {
+        Line {
+            inverse: splat(&self.inverse, lane),
+            near: splat(&self.near, lane),
+            far: splat(&self.far, lane),
+            near_side: self.backwards.map(|bits| (bits >> lane & 1) as usize),
+        }
+    }
+}
+
+/// What one lane has, in all lanes.
+#[inline(always)]
+fn splat(v: &[f32x8; 3], lane: usize) -> [f32x8; 3] {
+    [0, 1, 2].map(|i: usize| f32x8::splat(v[i].as_array()[lane % LANES]))
 }
 
 /// Eight rays made ready for triangles: the view along each.
@@ -119,28 +152,27 @@ impl Views {
 /// Eight rays made ready.
 pub(super) struct Sights<'a> {
     pub rays: &'a Rays,
-    pub slabs: Slabs,
+    pub slabs: &'a Slabs,
     pub views: Views,
 }
 
 impl<'a> Sights<'a> {
     #[inline(always)]
-    pub fn new(rays: &'a Rays, slabs: Slabs) -> Self {
+    pub fn new(rays: &'a Rays, slabs: &'a Slabs) -> Self {
         let views = Views::new(rays, slabs.inverse);
         Self { rays, slabs, views }
     }
 
-    /// One of the rays, which has a direction.
+    /// One of the rays, which has a direction; boxes see it as `line`.
     #[inline(always)]
-    pub fn at(&self, lane: usize) -> Ready {
+    pub fn at(&self, lane: usize, line: Line) -> Ready {
         let Views { axes, shear, .. } = &self.views;
-        let row = |v: &[f32x8; 3]| [0, 1, 2].map(|i: usize| f32x8::splat(v[i].as_array()[lane]));
         Ready {
-            line: self.slabs.line(lane),
-            origin: row(&by_axis(self.rays.origin)),
+            line,
+            origin: splat(&by_axis(self.rays.origin), lane),
             ray: self.rays.at(lane),
-            axes: [0, 1, 2].map(|i: usize| axes[i].as_array()[lane] as usize),
-            shear: row(shear),
+            axes: [0, 1, 2].map(|i: usize| axes[i].as_array()[lane % LANES] as usize),
+            shear: splat(shear, lane),
         }
     }
 }

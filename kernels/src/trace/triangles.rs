@@ -106,10 +106,10 @@ fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
     let inverse = f32x8::ONE / (u + v + w);
     let [a, b, c] = [u * inverse, v * inverse, w * inverse];
     let mut distance = a.mul_add(t[0], b.mul_add(t[1], c * t[2]));
-    let is_sure = first.simd_gt(zero) | distance.simd_gt(doubt(&seen, last - first, inverse));
-    let unclear = met & (tie | !is_sure);
+    let mut unclear = met & (tie | !first.simd_gt(zero));
     let mut weights = [b, c];
     if unclear.any() {
+        unclear &= tie | !distance.simd_gt(doubt(&seen, last - first, inverse)) & !first.simd_gt(zero);
         let [second, third] = &mut weights;
         let decided = [&mut distance, second, third].map(f32x8::as_mut_array);
         let mut missed = 0;

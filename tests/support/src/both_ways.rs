@@ -3,7 +3,7 @@
 use fogbow_kernels::lanes::{self, LANES};
 use fogbow_kernels::tables::geometry::{Few, Geometry, TriangleHit};
 use fogbow_kernels::trace::reach::Reach;
-use fogbow_kernels::trace::{self, Hits, OneByOne, Ray, Rays, Search};
+use fogbow_kernels::trace::{self, Hits, Ray, Rays, Search, ThroughTree};
 use fogbow_kernels::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
 
@@ -56,7 +56,13 @@ pub fn assert_same_both_ways(name: &str, geometry: &Geometry, rays: &[Ray]) {
         let order = core::array::from_fn(|place| (place * [1, 3, 5, 7][i % 4] + i / 4) % LANES);
         let (batch, live) = batch(rays, order, POISON[i % POISON.len()]);
         assert_same(&format!("{name}, without a tree"), geometry, &few, rays, (&batch, live, order));
-        assert_same(&format!("{name}, one by one"), geometry, &OneByOne(geometry), rays, (&batch, live, order));
+        assert_same(
+            &format!("{name}, through the tree"),
+            geometry,
+            &ThroughTree(geometry),
+            rays,
+            (&batch, live, order),
+        );
         assert_same_by_facet(name, geometry, &few, rays, (&batch, live, order));
         assert_same_hidden(name, geometry, rays, (&batch, live, order));
     }

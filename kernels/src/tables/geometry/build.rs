@@ -105,19 +105,19 @@ struct Task {
 fn widen(binary: &[Bvh2Node], order: Vec<u32>, triangle: impl Fn(u32) -> [[f32; 3]; 3] + Sync) -> Tree {
     let Some(root) = binary.first() else {
         let (nodes, leaves) = (Pages::new(0, |_| Node::VACANT), Pages::new(0, |_| Leaf::VACANT));
-        return Tree { nodes, leaves, root: Child::leaf(0), bounds: [[0.0; 3]; 2], extent: 0.0, facets: Vec::new() };
+        return Tree { nodes, leaves, bounds: [[0.0; 3]; 2], extent: 0.0, facets: Vec::new() };
     };
     let collapse = Collapse::new(binary);
     let (nodes, leaves) = (Vec::with_capacity(binary.len() / 4), Vec::with_capacity(binary.len()));
     let mut widening = Widening { binary, collapse, order, triangle, nodes, leaves };
-    let root_child = widening.run();
+    widening.run();
     let Widening { nodes, leaves, order, triangle, .. } = widening;
     let leaves = Pages::new(leaves.len(), |i| leaf(&order[leaves[i].clone()], &triangle));
     let nodes = Pages::new(nodes.len(), |i| nodes[i]);
     let bounds = corners_of(root.aabb());
     let extent = bounds.as_flattened().iter().fold(0.0, |extent: f32, coordinate| extent.max(coordinate.abs()));
     let facets = Facet::all(leaves.rows(), extent);
-    Tree { nodes, leaves, root: root_child, bounds, extent, facets }
+    Tree { nodes, leaves, bounds, extent, facets }
 }
 
 struct Widening<'a, F> {
@@ -131,10 +131,13 @@ struct Widening<'a, F> {
 }
 
 impl<F: Fn(u32) -> [[f32; 3]; 3]> Widening<'_, F> {
-    /// Makes all nodes, the likeliest descendants of a node in one page with it, and returns the root.
-    fn run(&mut self) -> Child {
+    /// Makes all nodes, the likeliest descendants of a node in one page with it.
+    fn run(&mut self) {
         if let Some(range) = self.leaf_range(&Part::Binary(0)) {
-            return self.push_leaf(range);
+            let mut node = Node::VACANT;
+            node.set(0, corners_of(self.binary[0].aabb()), self.push_leaf(range));
+            self.nodes.push(node);
+            return;
         }
         let mut pages = vec![Task { part: Part::Binary(0), area: 0.0, depth: 0, parent: None }];
         let mut open = Vec::new();
@@ -148,7 +151,6 @@ impl<F: Fn(u32) -> [[f32; 3]; 3]> Widening<'_, F> {
             }
             pages.append(&mut open);
         }
-        Child::node(0)
     }
 
     /// The triangles of a part that becomes a leaf.
@@ -269,7 +271,7 @@ mod tests {
                 triangles.for_each(|triangle| seen[triangle as usize] += 1);
             }
             assert!(seen.iter().all(|times| *times == 1), "{count} triangles");
-            assert!(depth(&tree, tree.root) <= DEPTH);
+            assert!(depth(&tree, Child::node(0)) <= DEPTH);
         }
     }
 
@@ -279,7 +281,7 @@ mod tests {
             return 0;
         }
         let node = &tree.nodes.rows()[from.index()];
-        let taken = (0..LANES).filter(|lane| node.planes[0].to_array()[*lane] < f32::INFINITY);
+        let taken = (0..LANES).filter(|lane| node.planes[0][0].to_array()[*lane] < f32::INFINITY);
         1 + taken.map(|lane| depth(tree, Child::from_bits(node.children[lane]))).max().unwrap_or(0)
     }
 }

@@ -13,12 +13,10 @@ pub const DEPTH: usize = 32;
 /// A tree over triangles.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    /// Inner nodes, parents before their children.
+    /// Inner nodes, parents before their children; where there is any leaf, the first one holds them all.
     pub nodes: Pages<Node>,
     /// Leaves, neighbours in space near each other.
     pub leaves: Pages<Leaf>,
-    /// Where rays start, if there is any leaf.
-    pub root: Child,
     /// Lower and upper corner of the box around everything `[m]`.
     pub bounds: [[f32; 3]; 2],
     /// Size of the largest coordinate `[m]`.
@@ -77,9 +75,9 @@ impl Child {
 #[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// Lower x, y, z, then upper x, y, z of the boxes `[m]`. Vacant lanes are last; they have lower +inf and upper
+    /// By axis, the lower and the upper planes of the boxes `[m]`. Vacant lanes are last; they have lower +inf and upper
     /// -inf: no ray is in them.
-    pub planes: [f32x8; 6],
+    pub planes: [[f32x8; 2]; 3],
     /// [Bits](Child::bits) of the children.
     pub children: [u32; LANES],
     /// Makes the size a multiple of the alignment.
@@ -90,20 +88,20 @@ impl Node {
     /// Eight vacant lanes.
     pub const VACANT: Self = {
         let (lower, upper) = (f32x8::new([f32::INFINITY; 8]), f32x8::new([f32::NEG_INFINITY; 8]));
-        Self { planes: [lower, lower, lower, upper, upper, upper], children: [0; LANES], spare: [0; LANES] }
+        Self { planes: [[lower, upper]; 3], children: [0; LANES], spare: [0; LANES] }
     };
 
     /// Lower x, y, z, then upper x, y, z of the box in a lane `[m]`.
     #[inline(always)]
     pub fn planes_of(&self, lane: usize) -> [f32; 6] {
-        self.planes.each_ref().map(|row| row.as_array()[lane])
+        core::array::from_fn(|plane| self.planes[plane % 3][plane / 3].as_array()[lane])
     }
 
     /// Fills a lane.
     pub fn set(&mut self, lane: usize, [lower, upper]: [[f32; 3]; 2], child: Child) {
         for axis in 0..3 {
-            self.planes[axis].as_mut_array()[lane] = lower[axis];
-            self.planes[3 + axis].as_mut_array()[lane] = upper[axis];
+            self.planes[axis][0].as_mut_array()[lane] = lower[axis];
+            self.planes[axis][1].as_mut_array()[lane] = upper[axis];
         }
         self.children[lane] = child.bits();
     }

@@ -23,12 +23,10 @@ const MARGIN: f64 = 1e-3;
 /// A tree over bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyTree {
-    /// Inner nodes, parents before their children.
+    /// Inner nodes, parents before their children; the first one holds them all.
     pub nodes: Vec<Node>,
     /// Leaves, in the order of their bodies.
     pub leaves: Vec<BodyLeaf>,
-    /// Where rays start.
-    pub root: Child,
     /// Size of the largest coordinate of any box `[m]`.
     pub extent: f32,
 }
@@ -40,15 +38,9 @@ impl BodyTree {
             return None;
         }
         let extent = planes(bodies).as_flattened().iter().fold(0.0_f32, |extent, plane| extent.max(plane.abs()));
-        let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), root: Child::node(0), extent };
-        tree.root = tree.add(bodies, 0..bodies.len());
+        let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), extent };
+        tree.add(bodies, 0..bodies.len());
         Some(tree)
-    }
-
-    /// The node with the largest boxes.
-    #[inline(always)]
-    pub fn top(&self) -> &Node {
-        &self.nodes[0]
     }
 
     /// Adds all that is in a range of bodies.
@@ -151,7 +143,7 @@ mod tests {
         }
         let node = &tree.nodes[child.index()];
         for lane in 0..LANES {
-            let corner = |first: usize| [0, 1, 2].map(|axis| node.planes[first + axis].to_array()[lane]);
+            let corner = |first: usize| [0, 1, 2].map(|axis| node.planes[axis][first / 3].to_array()[lane]);
             if corner(0)[0] < f32::INFINITY {
                 let within = [boxes, &[[corner(0), corner(3)]]].concat();
                 visit(tree, Child::from_bits(node.children[lane]), &within, leaf);
@@ -165,7 +157,7 @@ mod tests {
             let all = grouped(&bodies(count)).1.concat();
             let tree = BodyTree::new(&all).expect("many");
             let mut next = 0;
-            visit(&tree, tree.root, &[], &mut |leaf, boxes| {
+            visit(&tree, Child::node(0), &[], &mut |leaf, boxes| {
                 let end = (next + LANES).min(all.len());
                 let held = (next + 1..=end).find(|end| *leaf == BodyLeaf::new(&all[next..*end], next as u32));
                 let held = next..held.expect("some bodies");
