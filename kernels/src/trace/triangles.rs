@@ -106,10 +106,12 @@ fn finish(pairs: &impl Pairs, max: f32x8, seen: Seen) -> Option<Crossings> {
     let inverse = f32x8::ONE / (u + v + w);
     let [a, b, c] = [u * inverse, v * inverse, w * inverse];
     let mut distance = a.mul_add(t[0], b.mul_add(t[1], c * t[2]));
-    let mut unclear = met & (tie | !first.simd_gt(zero));
+    // What rounding may make of t is asked only where a corner is behind the origin.
+    let ahead = first.simd_gt(zero);
+    let mut unclear = met & (tie | !ahead);
     let mut weights = [b, c];
     if unclear.any() {
-        unclear &= tie | !distance.simd_gt(doubt(&seen, last - first, inverse)) & !first.simd_gt(zero);
+        unclear &= tie | !(ahead | distance.simd_gt(doubt(&seen, last - first, inverse)));
         let [second, third] = &mut weights;
         let decided = [&mut distance, second, third].map(f32x8::as_mut_array);
         let mut missed = 0;

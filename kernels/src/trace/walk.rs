@@ -1,7 +1,7 @@
 //! One ray on its way through a tree of eight boxes per node, whatever is in its leaves.
 //!
 //! ```text
-//! stack = [root at 0]
+//! stack = [where it starts]
 //! while the stack has a child whose box the ray enters no later than the bound:
 //!     node: for each of its boxes that the ray enters no later than it leaves: push it, the nearest last
 //!     leaf: look at it, which may lower the bound
