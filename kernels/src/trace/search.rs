@@ -24,7 +24,7 @@ pub trait Search {
     fn closest(&self, rays: &Rays, live: u32) -> Hits;
 }
 
-/// What eight rays hit; as [`TriangleHit`](crate::tables::geometry::TriangleHit).
+/// What eight rays hit; as [`TriangleHit`].
 #[derive(Clone, Copy, Debug)]
 pub struct Hits {
     /// Rays that hit anything, as a mask.
