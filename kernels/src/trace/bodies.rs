@@ -11,7 +11,8 @@
 //! ```
 //!
 //! 1. Lanes are rays against one body, or bodies against one ray: the arithmetic is the same.
-//! 2. Where bodies are many, rays go through their tree as through one of triangles: each its own way ([`through`](super::through)).
+//! 2. Where bodies are many, rays go through their tree as through one of triangles: each its own way
+//!    ([`through`](super::through)).
 //! 3. A ray in the disk's plane gives t = +-inf or NaN, and every comparison with it fails.
 
 use wide::{f32x8, u32x8};
@@ -182,7 +183,7 @@ pub fn closest(tree: &BodyTree, rays: &Rays, live: u32) -> Nearest {
     each_near(tree, rays, live, |lane, through| {
         let [origin, direction] = [rays.origin, rays.direction].map(|v| splat(v, lane));
         let mut best = None;
-        through.one::<true>(lane, |leaf, bound| tree.leaves[leaf].improve(&mut best, bound, origin, direction));
+        through.one::<true>(lane, |leaf, bound| leaf.improve(&mut best, bound, origin, direction));
         let Some((body, distance)) = best else { return };
         (found.body.as_mut_array()[lane], found.distance.as_mut_array()[lane]) = (body, distance);
     });
@@ -198,7 +199,7 @@ pub fn blocked(tree: &BodyTree, from: Vec3x8, to: Vec3x8, own: u32x8, free: u32)
     each_near(tree, &rays, free, |lane, through| {
         let ([from, to], own) = ([from, to].map(|v| splat(v, lane)), own[lane]);
         through.one::<false>(lane, |leaf, bound| {
-            let blocks = tree.leaves[leaf].blocks(from, to, own);
+            let blocks = leaf.blocks(from, to, own);
             blocked |= u32::from(blocks) << lane;
             if blocks { DONE } else { bound }
         });
@@ -208,12 +209,13 @@ pub fn blocked(tree: &BodyTree, from: Vec3x8, to: Vec3x8, own: u32x8, free: u32)
 
 /// Hands those of the `live` rays that enter any box at the top of a tree to `of`, by lane.
 #[inline(always)]
-fn each_near(tree: &BodyTree, rays: &Rays, live: u32, mut of: impl FnMut(usize, &Through<'_>)) {
+fn each_near(tree: &BodyTree, rays: &Rays, live: u32, mut of: impl FnMut(usize, &Through<'_, BodyLeaf>)) {
     let slabs = Slabs::new(rays, tree.extent);
     let top = Top::new(&tree.nodes[0], &slabs, rays.max);
     let near = live & top.any();
     if near != 0 {
-        let through = Through { nodes: &tree.nodes, top: &top, lines: &Lines::new(&slabs), max: rays.max };
+        let (nodes, leaves, lines) = (&tree.nodes, &tree.leaves, &Lines::new(&slabs));
+        let through = Through { nodes, leaves, top: &top, lines, max: rays.max };
         lanes::each(near).for_each(|lane| of(lane, &through));
     }
 }

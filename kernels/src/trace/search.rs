@@ -1,6 +1,5 @@
 //! What eight rays at a time hit, and how they look for it.
 
-use fogbow_processor::prefetch;
 use wide::{f32x8, u32x8};
 
 use super::Rays;
@@ -8,7 +7,7 @@ use super::cull::{Top, reached};
 use super::ray::Ready;
 use super::rays::{Lines, Sights, Slabs};
 use super::simd::{hides, improve, no_hit};
-use super::through::{Leaves, Through};
+use super::through::Through;
 use super::triangles::Crossings;
 use super::walk::DONE;
 use crate::lanes::{self, LANES};
@@ -47,6 +46,19 @@ impl Hits {
         Self { met: zero, triangle, distance: max, second: zero, third: zero }
     }
 
+    /// The best hits of the rays in `met` lanes.
+    #[inline(always)]
+    fn new(met: u32, best: &[TriangleHit; LANES]) -> Self {
+        let row = |of: fn(&TriangleHit) -> f32| f32x8::new(best.each_ref().map(of));
+        Self {
+            met: lanes::mask(met),
+            triangle: u32x8::new(best.each_ref().map(|hit| hit.triangle)),
+            distance: row(|hit| hit.distance),
+            second: row(|hit| hit.barycentric[0]),
+            third: row(|hit| hit.barycentric[1]),
+        }
+    }
+
     /// Takes those `crossings` of a triangle that are nearer, or as near and of a smaller index. No index is smaller
     /// than that of no hit, so that bounds are exclusive.
     #[inline(always)]
@@ -79,9 +91,12 @@ impl Search for ThroughTree<'_> {
         }
         let slabs = Slabs::new(rays, tree.extent);
         let beams = Beams { tree, sights: Sights::new(rays, &slabs), lines: Lines::new(&slabs) };
-        let mut closest = Closest { beams: &beams, best: rays.max.to_array().map(no_hit), met: 0 };
-        beams.follow(reached, &mut closest);
-        closest.hits()
+        let (mut best, mut met) = (rays.max.to_array().map(no_hit), 0);
+        beams.follow::<true>(reached, |lane, leaf, ray, _| {
+            met |= u32::from(improve(&mut best[lane], leaf, ray)) << lane;
+            best[lane].distance
+        });
+        Hits::new(met, &best)
     }
 }
 
@@ -107,9 +122,13 @@ pub fn hidden(geometry: &Geometry, rays: &Rays, live: u32, spared: u32x8) -> u32
         return few.hidden(&sights, reached, spared);
     }
     let beams = Beams { tree, sights, lines: Lines::new(&slabs) };
-    let mut hidden = Hidden { beams: &beams, spared: spared.to_array(), hidden: 0 };
-    beams.follow(reached, &mut hidden);
-    hidden.hidden
+    let (spared, mut hidden) = (spared.to_array(), 0);
+    beams.follow::<false>(reached, |lane, leaf, ray, bound| {
+        let hides = hides(leaf, ray, spared[lane]);
+        hidden |= u32::from(hides) << lane;
+        if hides { DONE } else { bound }
+    });
+    hidden
 }
 
 /// Eight rays on their way through a tree.
@@ -120,95 +139,15 @@ struct Beams<'a> {
 }
 
 impl Beams<'_> {
-    /// Leads to all `leaves` those of the rays that enter any boxes, and are among the `reached` ones.
+    /// Shows those of the `reached` rays that enter any boxes all leaves on their way, as [`Through::all`] does: lane,
+    /// leaf, ray and bound.
     #[inline(always)]
-    fn follow(&self, reached: u32, leaves: &mut impl Leaves) {
+    fn follow<const ORDERED: bool>(&self, reached: u32, mut look: impl FnMut(usize, &Leaf, &Ready, f32) -> f32) {
         let Sights { rays, slabs, views } = &self.sights;
-        let nodes = self.tree.nodes.rows();
+        let (nodes, leaves, lines) = (self.tree.nodes.rows(), self.tree.leaves.rows(), &self.lines);
         let top = Top::new(&nodes[0], slabs, rays.max);
         let near = reached & top.any() & lanes::bits(views.directed);
-        Through { nodes, top: &top, lines: &self.lines, max: rays.max }.all(near, leaves);
-    }
-
-    #[inline(always)]
-    fn at(&self, lane: usize) -> Ready {
-        self.sights.at(lane, self.lines.at(lane))
-    }
-
-    #[inline(always)]
-    fn leaf(&self, leaf: usize) -> &Leaf {
-        &self.tree.leaves.rows()[leaf]
-    }
-}
-
-/// The closest hits of eight rays.
-struct Closest<'a> {
-    beams: &'a Beams<'a>,
-    best: [TriangleHit; LANES],
-    /// Rays that hit anything, as bits.
-    met: u32,
-}
-
-impl Leaves for Closest<'_> {
-    const ORDERED: bool = true;
-
-    #[inline(always)]
-    fn count(&self) -> usize {
-        self.beams.tree.leaves.rows().len()
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, leaf: usize) {
-        prefetch(self.beams.leaf(leaf));
-    }
-
-    #[inline(always)]
-    fn look(&mut self, lane: usize, leaf: usize, _: f32) -> f32 {
-        let best = &mut self.best[lane];
-        self.met |= u32::from(improve(best, self.beams.leaf(leaf), &self.beams.at(lane))) << lane;
-        best.distance
-    }
-}
-
-impl Closest<'_> {
-    fn hits(&self) -> Hits {
-        let row = |of: fn(&TriangleHit) -> f32| f32x8::new(self.best.each_ref().map(of));
-        Hits {
-            met: lanes::mask(self.met),
-            triangle: u32x8::new(self.best.each_ref().map(|hit| hit.triangle)),
-            distance: row(|hit| hit.distance),
-            second: row(|hit| hit.barycentric[0]),
-            third: row(|hit| hit.barycentric[1]),
-        }
-    }
-}
-
-/// Which of eight rays are hidden.
-struct Hidden<'a> {
-    beams: &'a Beams<'a>,
-    /// The triangles that hide nothing.
-    spared: [u32; LANES],
-    /// As bits.
-    hidden: u32,
-}
-
-impl Leaves for Hidden<'_> {
-    const ORDERED: bool = false;
-
-    #[inline(always)]
-    fn count(&self) -> usize {
-        self.beams.tree.leaves.rows().len()
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, leaf: usize) {
-        prefetch(self.beams.leaf(leaf));
-    }
-
-    #[inline(always)]
-    fn look(&mut self, lane: usize, leaf: usize, bound: f32) -> f32 {
-        let hides = hides(self.beams.leaf(leaf), &self.beams.at(lane), self.spared[lane]);
-        self.hidden |= u32::from(hides) << lane;
-        if hides { DONE } else { bound }
+        Through { nodes, leaves, top: &top, lines, max: rays.max }
+            .all::<ORDERED>(near, |lane, leaf, bound| look(lane, leaf, &self.sights.at(lane, lines.at(lane)), bound));
     }
 }

@@ -36,55 +36,41 @@ use crate::tables::geometry::{Child, Node};
 /// gain from turns in a third of that; but rays of a picture keep to a part of the tree, and their neighbours go alike.
 pub const IN_CACHE: usize = 30_000;
 
-/// What is in the leaves of a tree, and what rays have found there.
-pub(super) trait Leaves {
-    /// Whether near leaves are to be looked at before far ones.
-    const ORDERED: bool;
-
-    /// How many there are.
-    fn count(&self) -> usize;
-
-    /// Asks for a leaf that will be looked at in the next turn.
-    fn prefetch(&self, leaf: usize);
-
-    /// What the ray in a lane finds in a leaf. Gives its bound, which was `bound` before: what lies beyond is not looked
-    /// at any more.
-    fn look(&mut self, lane: usize, leaf: usize, bound: f32) -> f32;
-}
-
-/// Eight rays at the root of a tree.
-pub(super) struct Through<'a> {
+/// Eight rays at the root of a tree with leaves `L`.
+///
+/// What `look` makes of a leaf is the new bound of a ray, whose bound it is given: what lies beyond is not looked at
+/// any more.
+pub(super) struct Through<'a, L> {
     /// Of which the first is the root.
     pub nodes: &'a [Node],
+    pub leaves: &'a [L],
     pub top: &'a Top,
     pub lines: &'a Lines,
     /// Bounds of the rays.
     pub max: f32x8,
 }
 
-impl Through<'_> {
-    /// Looks at all leaves whose boxes the rays in `near` lanes enter before their bounds. All of them enter boxes of the
-    /// root ([`Top::any`]).
+impl<L> Through<'_, L> {
+    /// Looks at all leaves whose boxes the rays in `near` lanes enter before their bounds, for each lane about from near
+    /// to far if `ORDERED`. All of these rays enter boxes of the root ([`Top::any`]).
     #[inline(always)]
-    pub fn all<L: Leaves>(&self, near: u32, leaves: &mut L) {
-        if leaves.count() > IN_CACHE {
-            return self.in_turns(near, leaves);
+    pub fn all<const ORDERED: bool>(&self, near: u32, mut look: impl FnMut(usize, &L, f32) -> f32) {
+        if self.leaves.len() > IN_CACHE {
+            return self.in_turns(near, look);
         }
         for lane in lanes::each(near) {
-            let look = |leaf: usize, bound: f32| leaves.look(lane, leaf, bound);
-            match L::ORDERED {
-                true => self.one::<true>(lane, look),
-                false => self.one::<false>(lane, look),
-            }
+            self.one::<ORDERED>(lane, |leaf, bound| look(lane, leaf, bound));
         }
     }
 
     /// The same for one of the rays, as [`walk::leaves`] does it.
     #[inline(always)]
-    pub fn one<const ORDERED: bool>(&self, lane: usize, look: impl FnMut(usize, f32) -> f32) {
+    pub fn one<const ORDERED: bool>(&self, lane: usize, mut look: impl FnMut(&L, f32) -> f32) {
         let mut stack = Stack::new();
         let child = self.start::<ORDERED>(lane, &mut stack);
-        walk::leaves::<ORDERED>(self.nodes, &self.lines.at(lane), &mut stack, child, self.max.as_array()[lane], look);
+        let (line, max) = (self.lines.at(lane), self.max.as_array()[lane]);
+        let look = |leaf: usize, bound: f32| look(&self.leaves[leaf], bound);
+        walk::leaves::<ORDERED>(self.nodes, &line, &mut stack, child, max, look);
     }
 
     /// A box of the root that the ray in a lane enters; the others go on its stack.
@@ -94,13 +80,13 @@ impl Through<'_> {
     }
 
     #[inline(always)]
-    fn in_turns(&self, near: u32, leaves: &mut impl Leaves) {
+    fn in_turns(&self, near: u32, mut look: impl FnMut(usize, &L, f32) -> f32) {
         let nodes = self.nodes;
         let mut bounds = self.max.to_array();
         let mut rays = Turns::new();
         for lane in lanes::each(near) {
             let child = self.start::<true>(lane, &mut rays.stacks[lane]);
-            rays.go(lane, child, nodes, leaves);
+            self.go(&mut rays, lane, child);
         }
         let mut entered = [([0.0; LANES], 0); LANES];
         while rays.open != 0 {
@@ -110,7 +96,7 @@ impl Through<'_> {
                 entered[lane] = (distances.to_array(), bits);
             }
             for lane in lanes::each(rays.open & rays.at_leaf) {
-                bounds[lane] = leaves.look(lane, rays.at[lane].index(), bounds[lane]);
+                bounds[lane] = look(lane, &self.leaves[rays.at[lane].index()], bounds[lane]);
                 entered[lane].1 = 0;
             }
             for lane in lanes::each(core::mem::take(&mut rays.open)) {
@@ -123,10 +109,19 @@ impl Through<'_> {
                     walk::pop(stack, bounds[lane])
                 };
                 if let Some(next) = next {
-                    rays.go(lane, next, nodes, leaves);
+                    self.go(&mut rays, lane, next);
                 }
             }
         }
+    }
+
+    /// The ray in a lane goes to a box, which is asked for.
+    #[inline(always)]
+    fn go(&self, rays: &mut Turns, lane: usize, child: Child) {
+        rays.open |= 1 << lane;
+        rays.at[lane] = child;
+        rays.at_leaf = rays.at_leaf & !(1 << lane) | u32::from(child.is_leaf()) << lane;
+        if child.is_leaf() { prefetch(&self.leaves[child.index()]) } else { prefetch(&self.nodes[child.index()]) }
     }
 }
 
@@ -147,14 +142,5 @@ impl Turns {
         let new = Stack::new;
         let stacks = [new(), new(), new(), new(), new(), new(), new(), new()];
         Self { open: 0, at_leaf: 0, at: [Child::node(0); LANES], stacks }
-    }
-
-    /// The ray in a lane goes to a box.
-    #[inline(always)]
-    fn go(&mut self, lane: usize, child: Child, nodes: &[Node], leaves: &impl Leaves) {
-        self.open |= 1 << lane;
-        self.at[lane] = child;
-        self.at_leaf = self.at_leaf & !(1 << lane) | u32::from(child.is_leaf()) << lane;
-        if child.is_leaf() { leaves.prefetch(child.index()) } else { prefetch(&nodes[child.index()]) }
     }
 }

@@ -33,9 +33,9 @@ pub(super) fn entry(distance: f32, child: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(child)
 }
 
-/// Looks at all leaves below `child`, and below what is on the stack, whose boxes the ray enters before the bound, about
-/// from near to far if `ORDERED`: at first `max`, then what `look`, which is given the index of a leaf and the bound, makes
-/// of it.
+/// Looks at all leaves below `child`, and below what is on the stack, whose boxes the ray enters before the bound,
+/// about from near to far if `ORDERED`. The bound is `max` at first, then what `look` makes of it, which is given the
+/// index of a leaf and the bound.
 #[inline(always)]
 pub(super) fn leaves<const ORDERED: bool>(
     nodes: &[Node],

@@ -7,8 +7,8 @@
 //! | leaves | 320 per 8 triangles and fewer: 40 where full, 60 to 110 as a rule |
 //! | nodes | 256 per 8 boxes and fewer, of which 7 are taken as a rule: about 9 |
 //!
-//! Together about 90 to 160 bytes ([`Geometry::bytes`] says how many); up to [`FEW`] triangles are there once more, without
-//! a tree, and with their normals, which take f64 to find. The corners in the leaves repeat the positions,
+//! Together about 90 to 160 bytes ([`Geometry::bytes`] says how many); up to [`FEW`] triangles are there once more,
+//! without a tree, and with their normals, which take f64 to find. The corners in the leaves repeat the positions,
 //! so that a ray meets eight triangles without a gather; the indexed ones serve shading.
 
 mod build;

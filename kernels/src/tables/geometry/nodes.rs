@@ -75,8 +75,8 @@ impl Child {
 #[derive(Clone, Copy, Debug, Pod, Zeroable, PartialEq)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// By axis, the lower and the upper planes of the boxes `[m]`. Vacant lanes are last; they have lower +inf and upper
-    /// -inf: no ray is in them.
+    /// By axis, the lower and the upper planes of the boxes `[m]`. Vacant lanes are last; they have lower +inf and
+    /// upper -inf: no ray is in them.
     pub planes: [[f32x8; 2]; 3],
     /// [Bits](Child::bits) of the children.
     pub children: [u32; LANES],
